@@ -1,0 +1,65 @@
+# make demo   the main job: four robots in a square cross the paper's arena
+# make test   the whole suite, in the same environment
+# make venv   only the environment
+# make lint   ruff, mypy and the layers contract
+# make bench  timing against peers (builds scikit-fmm, which needs a C++ compiler)
+# make evidence  the long suites behind the README's figures
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+RUNS := runs
+WORKERS ?= 2
+PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --constraint constraints.txt
+INPUTS := pyproject.toml constraints.txt
+
+# Nothing is kept outside the checkout: an empty or missing home directory is fine.
+export MPLCONFIGDIR ?= $(abspath $(VENV))/matplotlib
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.PHONY: help demo test venv lint bench evidence clean
+
+help:
+	@sed -n 's/^# make/make/p' Makefile
+
+$(VENV)/.stamp: $(INPUTS)
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+		{ echo "Cavalcade needs Python 3.11 or newer; name one with PYTHON=..."; exit 1; }
+	@echo "Building the environment in $(VENV) (once) ..."
+	@$(PYTHON) -m venv $(VENV)
+	@$(PIP) --editable .
+	@touch $@
+
+$(VENV)/.stamp-%: $(VENV)/.stamp
+	@echo "Adding what 'make $*' needs ..."
+	@$(PIP) --editable '.[$*]'
+	@touch $@
+
+venv: $(VENV)/.stamp
+
+demo: $(VENV)/.stamp
+	@$(BIN)/cavalcade run square-clutter --out $(RUNS)/demo --force
+
+# One short run first: the tests' processes then find the compiled kernels instead of each
+# compiling its own.
+test: $(VENV)/.stamp-test
+	-@$(BIN)/cavalcade run triangle-lab --out $(RUNS)/warm --force --quiet
+	@$(BIN)/python -m pytest --numprocesses $(WORKERS) --durations 5
+
+lint: $(VENV)/.stamp-lint
+	@$(BIN)/ruff check .
+	@$(BIN)/ruff format --check .
+	@$(BIN)/mypy
+	@$(BIN)/lint-imports
+
+bench: $(VENV)/.stamp-bench
+	@-$(PIP) --only-binary :all: eikonalfm
+	@$(BIN)/python benchmarks/bench_eikonal.py
+	@$(BIN)/python benchmarks/bench_cycle.py
+
+evidence: $(VENV)/.stamp
+	@$(BIN)/python benchmarks/evidence.py
+
+clean:
+	rm -rf $(VENV) build dist src/*.egg-info

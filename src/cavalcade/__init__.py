@@ -1,0 +1,126 @@
+"""Motion planning and control for teams of quadruped robots.
+
+The names below are imported when first used, so `import cavalcade` is quick.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from cavalcade.checking import Report, Violation, check
+    from cavalcade.eikonal import arrival_times
+    from cavalcade.errors import (
+        CavalcadeError,
+        InputError,
+        MapError,
+        OutputError,
+        RecordingError,
+        ScenarioError,
+    )
+    from cavalcade.formation import (
+        Connection,
+        Formation,
+        FormationPlanner,
+        FormationSettings,
+        MovingObstacle,
+    )
+    from cavalcade.robots import RobotModel, robot_model
+    from cavalcade.running import RunResult, read_recording, run
+    from cavalcade.scenario import (
+        Scenario,
+        build_world,
+        dump_scenario,
+        load_scenario,
+        parse_scenario,
+        scenario_names,
+    )
+    from cavalcade.world import Box, Circle, OccupancyMap, Polygon, generate, load_map, save_map
+
+_HOME = {
+    "Box": "world",
+    "CavalcadeError": "errors",
+    "Circle": "world",
+    "Connection": "formation",
+    "Formation": "formation",
+    "FormationPlanner": "formation",
+    "FormationSettings": "formation",
+    "InputError": "errors",
+    "MapError": "errors",
+    "MovingObstacle": "formation",
+    "OccupancyMap": "world",
+    "OutputError": "errors",
+    "Polygon": "world",
+    "RecordingError": "errors",
+    "Report": "checking",
+    "RobotModel": "robots",
+    "RunResult": "running",
+    "Scenario": "scenario",
+    "ScenarioError": "errors",
+    "Violation": "checking",
+    "arrival_times": "eikonal",
+    "build_world": "scenario",
+    "check": "checking",
+    "dump_scenario": "scenario",
+    "generate": "world",
+    "load_map": "world",
+    "load_scenario": "scenario",
+    "parse_scenario": "scenario",
+    "read_recording": "running",
+    "robot_model": "robots",
+    "run": "running",
+    "save_map": "world",
+    "scenario_names": "scenario",
+}
+
+__all__ = [
+    "Box",
+    "CavalcadeError",
+    "Circle",
+    "Connection",
+    "Formation",
+    "FormationPlanner",
+    "FormationSettings",
+    "InputError",
+    "MapError",
+    "MovingObstacle",
+    "OccupancyMap",
+    "OutputError",
+    "Polygon",
+    "RecordingError",
+    "Report",
+    "RobotModel",
+    "RunResult",
+    "Scenario",
+    "ScenarioError",
+    "Violation",
+    "__version__",
+    "arrival_times",
+    "build_world",
+    "check",
+    "dump_scenario",
+    "generate",
+    "load_map",
+    "load_scenario",
+    "parse_scenario",
+    "read_recording",
+    "robot_model",
+    "run",
+    "save_map",
+    "scenario_names",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

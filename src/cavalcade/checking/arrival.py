@@ -1,0 +1,139 @@
+"""Whether a team that claims to have arrived stands in its slots, still, and facing the goal."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from cavalcade.checking.report import Violation
+from cavalcade.checking.slots import slots_of
+from cavalcade.checking.tracks import Track
+from cavalcade.geometry import Array, transform_points, wrap_angle
+from cavalcade.scenario import FormationSection, Scenario
+
+DISTANCE, TURN, SPEED, STILL = 0.10, 0.15, 0.02, 0.5
+"""The contract's criterion: within m and rad of the slot, slower than m/s for s."""
+
+_SLACK = 1e-3
+"""For each of them, m, rad or m/s: rounding."""
+
+
+@dataclass(frozen=True)
+class _Task:
+    """What holds at the end: the last goal and formation, and the robots that take part."""
+
+    goal: tuple[float, float, float]
+    formation: FormationSection
+    whole: bool
+    present: tuple[int, ...]
+
+
+def check_arrival(
+    scenario: Scenario, tracks: tuple[Track, ...], goal_moved: float
+) -> list[Violation]:
+    """What contradicts the claim that the whole team has arrived.
+
+    After the loss of a robot the shape is the planner's choice: then only stillness, heading and
+    a place within the shape's extent are checked.
+
+    Args:
+        scenario: With the goals, the formation and the events that change them.
+        tracks: With increasing time stamps.
+        goal_moved: How far the goal is said to have been moved to fit, m.
+    """
+    end = max(float(track.time[-1]) for track in tracks)
+    task = _task_at(scenario, end)
+    final = np.array([tracks[k].pose[-1] for k in task.present])
+    slots = transform_points(task.goal, slots_of(task.formation, len(scenario.robots)))
+    if task.whole and len(slots) == len(final):
+        errors, limit = _slot_errors(final[:, :2], slots, goal_moved), DISTANCE
+        words = "its slot"
+    else:
+        centre = np.array(task.goal[:2])
+        errors = np.hypot(*(final[:, :2] - centre).T)
+        limit = float(np.hypot(*(slots - centre).T).max()) + DISTANCE + goal_moved
+        words = "the goal"
+    turns = np.abs(wrap_angle(final[:, 2] - task.goal[2]))
+    result = []
+    for robot, error, turn in zip(task.present, errors, turns, strict=True):
+        where = f"robot {robot} claims to have arrived"
+        if error > limit + _SLACK:
+            text = f"{where} but stands {error:.3f} m from {words}"
+            result.append(Violation("arrival", end, (robot,), text, float(error), limit))
+        if turn > TURN + _SLACK:
+            text = f"{where} but is turned by {turn:.3f} rad from the goal's heading"
+            result.append(Violation("arrival", end, (robot,), text, float(turn), TURN))
+        speed = _late_speed(tracks[robot], 1.0 / scenario.execution.rate)
+        if speed > SPEED + _SLACK:
+            text = f"{where} but moved at {speed:.3f} m/s in the last {STILL:g} s"
+            result.append(Violation("arrival", end, (robot,), text, speed, SPEED))
+    return result
+
+
+def _task_at(scenario: Scenario, end: float) -> _Task:
+    goals, formation = scenario.task.goals, scenario.task.formation
+    lost: set[int] = set()
+    for event in scenario.execution.events:
+        if event.at > end:
+            break
+        goals = event.goals or goals
+        formation = event.formation or formation
+        if event.lose is not None:
+            lost.add(event.lose)
+        if event.rejoin is not None:
+            lost.discard(event.rejoin)
+    present = tuple(k for k in range(len(scenario.robots)) if k not in lost)
+    return _Task(goals[-1], formation, not lost, present)
+
+
+def _late_speed(track: Track, cycle: float) -> float:
+    """Largest mean speed between samples in the last `STILL` seconds, m/s."""
+    # The cycle in which the robot came to rest may reach into the window.
+    late = track.time >= track.time[-1] - STILL + cycle - 1e-6
+    place, time = track.pose[late, :2], track.time[late]
+    if len(time) < 2:
+        return math.inf
+    steps = np.diff(place, axis=0)
+    return float((np.hypot(steps[:, 0], steps[:, 1]) / np.diff(time)).max())
+
+
+def _slot_errors(places: Array, slots: Array, goal_moved: float) -> Array:
+    """Distances `(N,)` of robots from the slots they took, the goal moved in their favour."""
+    from scipy.optimize import linear_sum_assignment
+
+    shift = places.mean(axis=0) - slots.mean(axis=0)
+    shift *= min(1.0, goal_moved / max(float(np.hypot(*shift)), 1e-12))
+    gaps = places[:, None] - (slots + shift)[None]
+    _, taken = linear_sum_assignment((gaps * gaps).sum(axis=-1))
+    rest = places - slots[taken]
+    best = _best_shift(rest, goal_moved) if goal_moved > 0.0 else np.zeros(2)
+    errors: Array = np.hypot(*(rest - best).T)
+    return errors
+
+
+def _best_shift(rest: Array, most: float) -> Array:
+    """The shift `(2,)` no longer than `most` that makes the largest of `rest` `(N, 2)` least."""
+
+    def worst(x: float, y: float) -> float:
+        return float(np.hypot(rest[:, 0] - x, rest[:, 1] - y).max())
+
+    def best_y(x: float) -> float:
+        span = math.sqrt(max(most * most - x * x, 0.0))
+        return _least(lambda y: worst(x, y), -span, span)
+
+    x = _least(lambda x: worst(x, best_y(x)), -most, most)
+    return np.array([x, best_y(x)])
+
+
+def _least(value: Callable[[float], float], low: float, high: float) -> float:
+    """Where a convex function of one variable is least, by ternary search."""
+    for _ in range(60):
+        third = (high - low) / 3.0
+        if value(low + third) < value(high - third):
+            high -= third
+        else:
+            low += third
+    return (low + high) / 2.0

@@ -1,0 +1,119 @@
+"""The verdict on a result folder."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+from cavalcade.checking.arrival import check_arrival
+from cavalcade.checking.contact import find_contacts
+from cavalcade.checking.limits import Effort, exceeded, measure
+from cavalcade.checking.motion import bodies, common_clock
+from cavalcade.checking.report import Figures, Report, Violation
+from cavalcade.checking.samples import disordered, incomplete, misplaced
+from cavalcade.checking.solids import build_scene
+from cavalcade.checking.tracks import Track, read_tracks
+from cavalcade.errors import InputError, RecordingError
+from cavalcade.scenario import Scenario, load_scenario, resolve_scenario
+
+
+def check(directory: str | Path) -> Report:
+    """Judge what a run left behind, by its recorded true poses alone.
+
+    Checked are contact of the swept, oriented footprints with obstacles, the map's occupied
+    cells, its border and each other; the limits of speed and acceleration; completeness of the
+    recording; the starts; and, where the summary claims success, arrival.
+
+    Args:
+        directory: With `scenario.yaml`, `recording.mcap` and `summary.json`.
+
+    Raises:
+        RecordingError: One of them, or the map file that the scenario names, cannot be read.
+    """
+    folder = Path(directory)
+    if not folder.is_dir():
+        raise RecordingError("there is no such folder", file=folder)
+    scenario = _read_scenario(folder / "scenario.yaml")
+    summary = _read_summary(folder / "summary.json")
+    tracks = read_tracks(folder / "recording.mcap", len(scenario.robots))
+    return judge(scenario, tracks, summary)
+
+
+def judge(scenario: Scenario, tracks: tuple[Track, ...], summary: dict[str, Any]) -> Report:
+    """The verdict on recorded motion.
+
+    Args:
+        scenario: A resolved one.
+        tracks: The true motion of each of its robots.
+        summary: What the run says of itself; `success`, `goal_moved_m` and `sim_time_s` are
+            looked at.
+
+    Raises:
+        RecordingError: The map file cannot be read.
+    """
+    scene = build_scene(scenario)
+    violations = disordered(tracks)
+    if violations:
+        return _report(violations, None)
+    models = scenario.models
+    efforts = [measure(track, model) for track, model in zip(tracks, models, strict=True)]
+    ticks = common_clock(tracks, scene.solids)
+    contacts, gap = find_contacts(scene, bodies(tracks, models, ticks), ticks)
+    violations += contacts
+    for robot, (effort, model) in enumerate(zip(efforts, models, strict=True)):
+        violations += exceeded(effort, model, robot)
+    violations += misplaced(tracks, scenario.starts)
+    violations += incomplete(tracks, scenario.execution.rate, _number(summary, "sim_time_s"))
+    if summary.get("success"):
+        violations += check_arrival(scenario, tracks, _number(summary, "goal_moved_m") or 0.0)
+    duration = float(ticks[-1] - ticks[0])
+    return _report(violations, _figures(efforts, duration, gap))
+
+
+def _figures(efforts: list[Effort], duration: float, gap: float) -> Figures:
+    def largest(name: str) -> float:
+        return max(float(getattr(effort, name).max(initial=0.0)) for effort in efforts)
+
+    return Figures(
+        robots=len(efforts),
+        duration_s=duration,
+        min_footprint_gap_m=gap,
+        max_speed_ratio=largest("speed_ratio"),
+        max_yaw_rate=largest("yaw_rate"),
+        max_acceleration=largest("acceleration"),
+        max_yaw_acceleration=largest("yaw_acceleration"),
+    )
+
+
+def _report(violations: list[Violation], figures: Figures | None) -> Report:
+    return Report(tuple(sorted(violations, key=lambda violation: violation.time)), figures)
+
+
+def _read_scenario(path: Path) -> Scenario:
+    if not path.is_file():
+        raise RecordingError("there is no such file", file=path)
+    try:
+        return resolve_scenario(load_scenario(path))
+    except InputError as error:
+        raise RecordingError(str(error)) from error
+
+
+def _read_summary(path: Path) -> dict[str, Any]:
+    try:
+        summary = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise RecordingError(f"cannot be read: {error.strerror}", file=path) from error
+    except ValueError as error:
+        raise RecordingError("expected JSON", file=path) from error
+    if not isinstance(summary, dict):
+        raise RecordingError("expected a mapping of the summary's keys", file=path)
+    return summary
+
+
+def _number(summary: dict[str, Any], key: str) -> float | None:
+    value = summary.get(key)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        return None
+    return float(value)

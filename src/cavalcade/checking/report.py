@@ -1,0 +1,89 @@
+"""What the checker says: a list of violations and the figures it measured."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+Kind = Literal[
+    "robot-robot",
+    "robot-obstacle",
+    "robot-map",
+    "speed",
+    "yaw-rate",
+    "acceleration",
+    "yaw-acceleration",
+    "start",
+    "samples",
+    "arrival",
+]
+"""`robot-map` is contact with an occupied cell of the map or with its border."""
+
+
+@dataclass(frozen=True)
+class Violation:
+    """One broken rule.
+
+    Attributes:
+        kind: Which rule.
+        time: When it was broken first, s of the recording.
+        robots: The robots concerned.
+        message: One line for people: what, where, and how far beyond the limit.
+        value: The measured figure in SI units; for contact the distance at `time`, which is 0
+            within the tolerance.
+        limit: What `value` had to keep to, tolerance left out.
+        obstacle: For contact what was touched: `world.obstacles[3]`, `event at 12 s`, `map` or
+            `border`; otherwise empty.
+    """
+
+    kind: Kind
+    time: float
+    robots: tuple[int, ...]
+    message: str
+    value: float
+    limit: float
+    obstacle: str = ""
+
+
+@dataclass(frozen=True)
+class Figures:
+    """What was measured on the way.
+
+    Attributes:
+        robots: How many.
+        duration_s: Length of the recording.
+        min_footprint_gap_m: Smallest distance between two footprints, or a footprint and an
+            obstacle or the border, at any time, also between samples; at most 0.1 mm too large,
+            and 1 m if nothing came closer than that.
+        max_speed_ratio: Largest speed as a fraction of what the velocity ellipse allows in that
+            direction.
+        max_yaw_rate: Largest, rad/s.
+        max_acceleration: Largest, m/s².
+        max_yaw_acceleration: Largest, rad/s².
+    """
+
+    robots: int
+    duration_s: float
+    min_footprint_gap_m: float
+    max_speed_ratio: float
+    max_yaw_rate: float
+    max_acceleration: float
+    max_yaw_acceleration: float
+
+
+@dataclass(frozen=True)
+class Report:
+    """The checker's verdict.
+
+    Attributes:
+        violations: All that was found, in order of time.
+        figures: What was measured; None if the time stamps are in disorder.
+    """
+
+    violations: tuple[Violation, ...]
+    figures: Figures | None
+
+    @property
+    def ok(self) -> bool:
+        """Whether no rule was broken."""
+        return not self.violations

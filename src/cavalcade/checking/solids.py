@@ -1,0 +1,122 @@
+"""What a robot may run into: the scenario's obstacles over time, the map's blocks, the border."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from cavalcade.checking.mapfile import Ground, read_movingai, read_ros_map
+from cavalcade.geometry import Array, rectangle_corners, rotation
+from cavalcade.scenario import Obstacle, ObstacleSpan, Scenario, obstacle_spans
+
+
+@dataclass(frozen=True)
+class Solid:
+    """An obstacle over time: a polygon, or a disc if it has a single point.
+
+    Attributes:
+        key: Where it stands in the scenario: `world.obstacles[3]`, `event at 12 s`.
+        points: `(P, 2)` its corners, or its centre, at its first place in the map frame, m.
+        radius: Of a disc, m; 0 for polygons.
+        start, end: Seconds between which it is there.
+        time, offset: `(K,)` s and `(K, 2)` m: its displacement from its first place, even
+            between these times and constant outside them.
+    """
+
+    key: str
+    points: Array
+    radius: float
+    start: float
+    end: float
+    time: Array
+    offset: Array
+
+    @property
+    def moves(self) -> bool:
+        """Whether it is not always there or not always at one place."""
+        return self.start > 0.0 or math.isfinite(self.end) or len(self.time) > 1
+
+    @property
+    def bounds(self) -> Array:
+        """x0, y0, x1, y1 at its first place, m."""
+        low, high = self.points.min(axis=0), self.points.max(axis=0)
+        return np.concatenate((low - self.radius, high + self.radius))
+
+    def offset_at(self, time: Array) -> Array:
+        """Displacement `(M, 2)` in m at times `(M,)`."""
+        x, y = self.offset.T
+        return np.stack((np.interp(time, self.time, x), np.interp(time, self.time, y)), axis=1)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """All a robot may run into.
+
+    Attributes:
+        solids: The obstacles of the scenario.
+        blocks: `(K, 4, 2)` corners of the map's occupied rectangles in the map frame, m.
+        size: Width and height of the ground in m, along its own axes.
+        origin: Pose (x, y, yaw) of the ground's lower left corner in the map frame.
+    """
+
+    solids: tuple[Solid, ...]
+    blocks: Array
+    size: tuple[float, float]
+    origin: tuple[float, float, float]
+
+
+def build_scene(scenario: Scenario) -> Scene:
+    """The scene of a resolved scenario.
+
+    Raises:
+        RecordingError: A map file cannot be read.
+        ScenarioError: An event removes what is not there.
+    """
+    ground = _ground(scenario)
+    fixed = len(scenario.world.obstacles)
+    solids = tuple(
+        _solid(span, f"world.obstacles[{k}]" if k < fixed else f"event at {span.start:g} s")
+        for k, span in enumerate(obstacle_spans(scenario))
+    )
+    x0, y0, x1, y1 = ground.blocks.T
+    corners = np.stack((x0, y0, x1, y0, x1, y1, x0, y1), axis=1).reshape(-1, 4, 2)
+    blocks = corners @ rotation(ground.origin[2]).T + ground.origin[:2]
+    return Scene(solids, blocks, ground.size, ground.origin)
+
+
+def _ground(scenario: Scenario) -> Ground:
+    world = scenario.world
+    if world.map is not None:
+        return read_ros_map(Path(world.map), world.unknown == "free")
+    if world.movingai is not None:
+        return read_movingai(Path(world.movingai.file), world.movingai.resolution)
+    if world.empty is None:
+        raise ValueError("the scenario is not resolved")
+    return Ground(world.empty.size, (0.0, 0.0, 0.0), np.empty((0, 4)))
+
+
+def _solid(span: ObstacleSpan, key: str) -> Solid:
+    points, radius = _outline(span.obstacle)
+    return Solid(
+        key,
+        points,
+        radius,
+        span.start,
+        span.end,
+        np.array(span.time, dtype=float),
+        np.array(span.offset, dtype=float),
+    )
+
+
+def _outline(obstacle: Obstacle) -> tuple[Array, float]:
+    if obstacle.circle is not None:
+        return np.array([obstacle.circle.center]), obstacle.circle.radius
+    if obstacle.box is not None:
+        box = obstacle.box
+        return rectangle_corners((*box.center, box.yaw), *box.size), 0.0
+    if obstacle.polygon is not None:
+        return np.array(obstacle.polygon.points), 0.0
+    raise ValueError("an obstacle without a shape")

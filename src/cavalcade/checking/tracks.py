@@ -1,0 +1,117 @@
+"""Recorded motion: the true poses of each robot, read from the recording and nothing else."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cavalcade.errors import RecordingError
+from cavalcade.geometry import Array
+
+_TOPIC = re.compile(r"/robot_(\d+)/pose")
+_TYPE = "geometry_msgs/msg/PoseStamped"
+_LARGEST = 1e10
+"""Of any figure in a sample: it must leave room for squares, and for seconds since 1970."""
+
+
+@dataclass(frozen=True)
+class Track:
+    """One robot's motion; between samples the pose changes evenly.
+
+    Attributes:
+        time: `(T,)` s, as stamped.
+        pose: `(T, 3)` x, y in m, yaw in rad, map frame; the yaw does not jump at pi.
+    """
+
+    time: Array
+    pose: Array
+
+    def at(self, time: Array) -> Array:
+        """Poses `(K, 3)` at times `(K,)`; before the first and after the last sample it stands."""
+        columns = [np.interp(time, self.time, self.pose[:, k]) for k in range(3)]
+        return np.stack(columns, axis=1)
+
+
+def read_tracks(path: Path, robots: int) -> tuple[Track, ...]:
+    """The tracks of robots 0 to `robots` - 1.
+
+    Raises:
+        RecordingError: The file is missing or damaged, a robot has no poses, there are robots
+            that the scenario does not have, or a pose is not finite or not planar.
+    """
+    samples = _read_poses(path)
+    unknown = sorted(set(samples) - set(range(robots)))
+    if unknown:
+        raise RecordingError(
+            f"poses of a robot that the scenario does not have; it has {robots}",
+            file=path,
+            key=f"/robot_{unknown[0]}/pose",
+        )
+    return tuple(_track(samples.get(k, []), path, f"/robot_{k}/pose") for k in range(robots))
+
+
+def _read_poses(path: Path) -> dict[int, list[tuple[float, ...]]]:
+    """Stamp, x, y, and the quaternion's x, y, z, w of every pose, by robot."""
+    from rosbags.rosbag2 import Reader, ReaderError
+    from rosbags.typesys import Stores, get_typestore
+
+    if not path.is_file():
+        raise RecordingError("there is no such file", file=path)
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    samples: dict[int, list[tuple[float, ...]]] = {}
+    try:
+        with Reader(path) as reader:
+            wanted = [c for c in reader.connections if _TOPIC.fullmatch(c.topic)]
+            wrong = next((c for c in wanted if c.msgtype != _TYPE), None)
+            if wrong is not None:
+                raise RecordingError(
+                    f"expected {_TYPE}, not {wrong.msgtype}", file=path, key=wrong.topic
+                )
+            for connection, _, data in reader.messages(wanted) if wanted else ():
+                robot = int(connection.topic[len("/robot_") : -len("/pose")])
+                sample = _sample(store.deserialize_cdr(data, _TYPE))
+                samples.setdefault(robot, []).append(sample)
+    except RecordingError:
+        raise
+    except ReaderError as error:
+        raise RecordingError(f"not a readable MCAP recording: {error}", file=path) from error
+    except OSError as error:
+        raise RecordingError(f"cannot be read: {error.strerror}", file=path) from error
+    except Exception as error:
+        # The reader lets a damaged file surface as whatever its parser tripped over.
+        raise RecordingError(
+            f"not a readable MCAP recording ({type(error).__name__})", file=path
+        ) from error
+    return samples
+
+
+def _sample(message: Any) -> tuple[float, ...]:
+    stamp, place, turn = message.header.stamp, message.pose.position, message.pose.orientation
+    time = stamp.sec + 1e-9 * stamp.nanosec
+    return time, place.x, place.y, turn.x, turn.y, turn.z, turn.w
+
+
+def _track(samples: list[tuple[float, ...]], path: Path, topic: str) -> Track:
+    if not samples:
+        raise RecordingError("no poses recorded", file=path, key=topic)
+    table = np.array(samples, dtype=float)
+    # Written so that nan is bad too.
+    bad = ~(np.abs(table) < _LARGEST).all(axis=1)
+    if bad.any():
+        raise RecordingError(
+            f"sample {int(bad.argmax())} is not finite or beyond all measure", file=path, key=topic
+        )
+    x, y, z, w = table[:, 3:].T
+    tilted = (np.abs(table[:, 3:] ** 2 @ np.ones(4) - 1.0) > 1e-3) | (np.hypot(x, y) > 1e-3)
+    if tilted.any():
+        raise RecordingError(
+            f"the orientation at {table[tilted.argmax(), 0]:.3f} s is not a planar rotation",
+            file=path,
+            key=topic,
+        )
+    yaw = np.unwrap(2.0 * np.arctan2(z, w))
+    return Track(table[:, 0], np.column_stack((table[:, 1:3], yaw)))

@@ -1,0 +1,173 @@
+"""One small function per command. What a command needs is imported when it runs."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from cavalcade.cli import options
+
+if TYPE_CHECKING:
+    from cavalcade.checking import Report
+
+app = typer.Typer(
+    name="cavalcade",
+    help="Motion planning and control for teams of quadruped robots.",
+    add_completion=False,
+    no_args_is_help=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+
+
+@app.callback(invoke_without_command=True)
+def _start(
+    context: typer.Context,
+    version: Annotated[bool, typer.Option("--version", help="Say the version and end.")] = False,
+) -> None:
+    if version:
+        from cavalcade import __version__
+
+        print(__version__)
+    elif context.invoked_subcommand is None:
+        print(context.get_help())
+
+
+@app.command()
+def run(
+    scenario: options.ScenarioArgument,
+    out: options.Out,
+    seed: options.Seed = None,
+    overrides: options.Set = None,
+    backend: options.Backend = None,
+    force: options.Force = False,
+    realtime: options.Realtime = False,
+    quiet: options.Quiet = False,
+    as_json: options.Json = False,
+) -> None:
+    """Plan and carry out a scenario; leave recording, figures and replay in a folder."""
+    loaded = options.load(scenario, overrides, seed, backend)
+    from cavalcade.running import run as run_scenario
+
+    result = run_scenario(loaded, out, force=force, realtime=realtime, quiet=quiet or as_json)
+    if as_json:
+        _print_json(result.summary)
+    if not result.success:
+        print(f"cavalcade: {loaded.name}: not achieved: {result.reason}", file=sys.stderr)
+        raise typer.Exit(1)
+
+
+@app.command()
+def check(
+    directory: Annotated[Path, typer.Argument(metavar="DIR", help="The folder of a run.")],
+    quiet: options.Quiet = False,
+    as_json: options.Json = False,
+) -> None:
+    """Judge what a run left, independently of the planner: 0 clean, 1 a violation."""
+    from cavalcade.checking import check as check_directory
+
+    report = check_directory(directory)
+    if as_json:
+        _print_json({"ok": report.ok, **_finite(asdict(report))})
+    elif report.violations:
+        first, more = report.violations[0], len(report.violations) - 1
+        rest = f" (and {more} more)" if more else ""
+        print(f"{directory}: {first.kind} at {first.time:.2f} s: {first.message}{rest}")
+    elif not quiet:
+        print(f"{directory}: clean{_measured(report)}")
+    if not report.ok:
+        raise typer.Exit(1)
+
+
+@app.command()
+def scenarios(as_json: options.Json = False) -> None:
+    """List the shipped scenarios."""
+    from cavalcade.scenario import scenario_descriptions
+
+    found = scenario_descriptions()
+    if as_json:
+        _print_json(found)
+        return
+    width = max(map(len, found), default=0)
+    for name, description in found.items():
+        print(f"{name:<{width}}  {description}".rstrip())
+
+
+@app.command()
+def show(
+    scenario: options.ScenarioArgument,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="The picture; NAME.png if not given.")
+    ] = None,
+    seed: options.Seed = None,
+    overrides: options.Set = None,
+    quiet: options.Quiet = False,
+) -> None:
+    """Draw a scenario without running it."""
+    from cavalcade.scenario import build_world, resolve_scenario
+
+    loaded = resolve_scenario(options.load(scenario, overrides, seed, None))
+    target = out if out is not None else Path(f"{options.file_name(loaded.name)}.png")
+    options.check_picture(target)
+    world = build_world(loaded)
+    from cavalcade.running.figures import draw_scenario
+
+    draw_scenario(loaded, world, target)
+    if not quiet:
+        print(target)
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON Schema of scenario files."""
+    from cavalcade.scenario import scenario_schema
+
+    _print_json(scenario_schema())
+
+
+def _later(name: str, what: str) -> None:
+    """A command of the contract that has not arrived yet."""
+
+    def command(context: typer.Context) -> None:
+        print(f"cavalcade: {name} arrives with {what}", file=sys.stderr)
+        raise typer.Exit(2)
+
+    command.__doc__ = f"Arrives with {what}."
+    anything = {"allow_extra_args": True, "ignore_unknown_options": True}
+    app.command(name, context_settings=anything, add_help_option=False)(command)
+
+
+_later("plan", "body planning")
+_later("campaign", "campaigns")
+_later("trial", "campaigns")
+_later("import", "campaigns")
+_later("studio", "the studio")
+
+
+def _print_json(value: Any) -> None:
+    print(json.dumps(value, indent=2, allow_nan=False, ensure_ascii=False))
+
+
+def _measured(report: Report) -> str:
+    found = report.figures
+    if found is None:
+        return ""
+    return (
+        f"; {found.robots} robots, {found.duration_s:.1f} s, "
+        f"smallest gap {found.min_footprint_gap_m:.3f} m"
+    )
+
+
+def _finite(value: Any) -> Any:
+    """The same plain data with null for numbers that JSON does not have."""
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,77 @@
+"""The options that commands share."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cavalcade.errors import InputError, OutputError
+
+if TYPE_CHECKING:
+    from cavalcade.scenario import Scenario
+
+PICTURES = (".png", ".pdf", ".svg")
+
+ScenarioArgument = Annotated[
+    str, typer.Argument(metavar="SCENARIO", help="A shipped scenario's name, or a file.")
+]
+Out = Annotated[
+    Path,
+    typer.Option("--out", metavar="DIR", help="Where the results go: a missing or empty folder."),
+]
+Seed = Annotated[int | None, typer.Option("--seed", metavar="N", help="Over the seed of the file.")]
+Set = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Over the file: a dotted path and a YAML value, such as planner.variant=published; "
+        "repeatable.",
+    ),
+]
+Backend = Annotated[
+    str | None, typer.Option("--backend", metavar="NAME", help="Who moves the robots: ideal.")
+]
+Force = Annotated[bool, typer.Option("--force", help="Replace what DIR holds.")]
+Realtime = Annotated[bool, typer.Option("--realtime", help="At the pace of the wall clock.")]
+Quiet = Annotated[bool, typer.Option("--quiet", help="No progress and no table.")]
+Json = Annotated[bool, typer.Option("--json", help="The result as JSON on stdout, nothing else.")]
+
+
+def load(
+    scenario: str, overrides: list[str] | None, seed: int | None, backend: str | None
+) -> Scenario:
+    """The scenario with everything the command line says over its file.
+
+    Raises:
+        ScenarioError: It cannot be used.
+    """
+    from cavalcade.scenario import load_scenario
+
+    said = list(overrides or [])
+    if backend is not None:
+        said.append(f"execution.backend={backend}")
+    return load_scenario(scenario, overrides=said, seed=seed)
+
+
+def file_name(name: str) -> str:
+    """A scenario's name as a file may be called."""
+    return re.sub(r"[^\w.-]+", "-", name).strip(".-")[:80] or "scenario"
+
+
+def check_picture(path: Path) -> None:
+    """Refuse a picture that cannot be written, before any work is done.
+
+    Raises:
+        InputError: The ending is none of a picture.
+        OutputError: There is no such folder, or a folder of that name.
+    """
+    if path.suffix.lower() not in PICTURES:
+        raise InputError("expected the name of a picture", key="--out", choices=PICTURES)
+    if path.is_dir():
+        raise OutputError(f"{path}: is a folder; expected the name of a picture")
+    if not path.parent.is_dir():
+        raise OutputError(f"{path.parent}: no such folder")

@@ -1,0 +1,35 @@
+"""Formation planning: shapes, roles, goals, springs, avoidance, limits and the last filter."""
+
+from cavalcade.formation.obstacles import MovingObstacle
+from cavalcade.formation.planner import FormationPlanner
+from cavalcade.formation.settings import (
+    LABORATORY,
+    LABORATORY_SPRINGS,
+    PRESETS,
+    SIMULATION,
+    SIMULATION_SPRINGS,
+    FormationSettings,
+    SpringLaw,
+    Springs,
+)
+from cavalcade.formation.shapes import Connection, Formation
+from cavalcade.formation.status import PlannerStatus
+from cavalcade.formation.variants import VARIANTS, Variant
+
+__all__ = [
+    "LABORATORY",
+    "LABORATORY_SPRINGS",
+    "PRESETS",
+    "SIMULATION",
+    "SIMULATION_SPRINGS",
+    "VARIANTS",
+    "Connection",
+    "Formation",
+    "FormationPlanner",
+    "FormationSettings",
+    "MovingObstacle",
+    "PlannerStatus",
+    "SpringLaw",
+    "Springs",
+    "Variant",
+]

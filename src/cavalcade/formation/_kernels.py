@@ -1,0 +1,124 @@
+"""Compiled steps of the planner: springs, avoidance, limits. Arrays in, arrays out."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True)
+def add_springs(velocity, points, pairs, rest, laws, previous, period):
+    """Add springs and dampers to the velocities (Norén et al., eqs. 3-5).
+
+    Args:
+        velocity: `(N, 2)` m/s, changed in place.
+        points: `(N, 2)` m.
+        pairs: `(C, 2)` robots joined by each connection, -1 where a slot is empty.
+        rest: `(C,)` rest lengths, m.
+        laws: `(C, 5)` k_rep, k_att, dv_max_att, b_att, b_rep.
+        previous: `(C,)` lengths one cycle ago, nan where other robots were joined then.
+        period: Seconds per cycle.
+
+    Returns:
+        `(C,)` lengths now.
+    """
+    count = pairs.shape[0]
+    length = np.full(count, np.nan)
+    for k in range(count):
+        a, b = pairs[k, 0], pairs[k, 1]
+        if a < 0 or b < 0:
+            continue
+        dx, dy = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1]
+        l = math.hypot(dx, dy)
+        length[k] = l
+        if l < 1e-9:
+            continue
+        stretch = l - rest[k]
+        if stretch < 0.0:
+            force = -laws[k, 0] * stretch * stretch
+        else:
+            force = min(laws[k, 1] * stretch * stretch, laws[k, 2])
+        if not math.isnan(previous[k]):
+            rate = (l - previous[k]) / period
+            force += (laws[k, 3] if rate < 0.0 else laws[k, 4]) * rate
+        ux, uy = dx / l * force, dy / l * force
+        velocity[a, 0] += ux
+        velocity[a, 1] += uy
+        velocity[b, 0] -= ux
+        velocity[b, 1] -= uy
+    return length
+
+
+@njit(cache=True)
+def sobel(speed, row, col):
+    """Gradient (du, dv) of the velocity map at a cell, per cell, by the Sobel operator.
+
+    Normalised so that a plain slope of s per cell gives s. Beyond the map the speed is 0.
+    """
+    gu, gv = 0.0, 0.0
+    rows, cols = speed.shape
+    for dr in range(-1, 2):
+        for dc in range(-1, 2):
+            r, c = row + dr, col + dc
+            if r < 0 or c < 0 or r >= rows or c >= cols:
+                continue
+            gu += dc * (2.0 - abs(dr)) * speed[r, c]
+            gv += dr * (2.0 - abs(dc)) * speed[r, c]
+    return gu / 8.0, gv / 8.0
+
+
+@njit(cache=True)
+def avoid_obstacles(velocity, points, speed, cell, safe, w_min):
+    """Remove motion towards near obstacles (Norén et al., Algorithm 1).
+
+    Args:
+        velocity: `(N, 2)` m/s, changed in place.
+        points: `(N, 2)` m from the corner of cell [0, 0].
+        speed: `(rows, cols)` the paper's W_B.
+        cell, safe: Cell size and d_safe_b, m.
+        w_min: The paper's W_min,avoid.
+    """
+    rows, cols = speed.shape
+    for k in range(points.shape[0]):
+        row, col = int(math.floor(points[k, 1] / cell)), int(math.floor(points[k, 0] / cell))
+        if row < 0 or col < 0 or row >= rows or col >= cols:
+            continue
+        w = speed[row, col]
+        if w >= 1.0:
+            continue
+        gu, gv = sobel(speed, row, col)
+        dot = gu * velocity[k, 0] + gv * velocity[k, 1]
+        square = gu * gu + gv * gv
+        if dot >= 0.0 or math.sqrt(square) <= 0.5 * cell / safe:
+            continue  # moving away, or on a ridge where no single direction leads out
+        alpha = min(max((1.0 - w) / (1.0 - w_min), 0.0), 1.0)
+        velocity[k, 0] -= alpha * dot / square * gu
+        velocity[k, 1] -= alpha * dot / square * gv
+
+
+@njit(cache=True)
+def limit_speeds(velocity, yaw, w, to_goal, limits):
+    """Limit speeds, directions kept (Norén et al., eqs. 7-9).
+
+    Args:
+        velocity: `(N, 2)` m/s, map frame, changed in place.
+        yaw: `(N,)` headings, rad.
+        w: `(N,)` W_B at the robots.
+        to_goal: `(N,)` distances to the robots' own goals, m; inf switches that limit off.
+        limits: v_max_x, v_max_y, v_min (m/s), d_slowdown (m).
+    """
+    v_x, v_y, v_min, slowdown = limits[0], limits[1], limits[2], limits[3]
+    for k in range(velocity.shape[0]):
+        vx, vy = velocity[k, 0], velocity[k, 1]
+        speed = math.hypot(vx, vy)
+        if speed < 1e-12:
+            continue
+        theta = math.atan2(vy, vx) - yaw[k]
+        ellipse = v_x * v_y / math.hypot(math.sin(theta) * v_x, math.cos(theta) * v_y)
+        top = min(ellipse, v_min + w[k] * (v_x - v_min))
+        top = min(top, to_goal[k] / slowdown * v_x)
+        if speed > top:
+            velocity[k, 0] = vx * top / speed
+            velocity[k, 1] = vy * top / speed

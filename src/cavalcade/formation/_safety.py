@@ -1,0 +1,313 @@
+"""The last filter's kernels: the least change that respects clearances, and its certificate."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from cavalcade.formation._bodies import distance_at, rectangle_gap
+from cavalcade.robots.motion import advance, ellipse_scale
+
+ARM = 0.25
+"""m; weighs turning against moving: u = (vx, vy, ARM * yaw rate)."""
+SWEEPS = 40
+LEVELS = 4
+"""Candidates per robot: filtered command, half of it, its turn alone, stop."""
+
+
+@njit(cache=True)
+def approach_speed(gap, braking, period):
+    """Largest closing speed from which `braking` stops within `gap`, one period late; m/s."""
+    if gap <= 0.0:
+        return max(2.0 * gap, -0.15)  # too near already: open up gently
+    lag = braking * period
+    return math.sqrt(2.0 * braking * gap + lag * lag) - lag
+
+
+@njit(cache=True)
+def obstacle_rows(k, pose, body, discs, disc_radius, keep, margin, braking, period, distance,
+                  cell, rows, bounds, owners, count):  # fmt: skip
+    """Constraints of robot `k` against the map: its discs and its centre's clearance."""
+    c, s = math.cos(pose[2]), math.sin(pose[2])
+    for i in range(discs.shape[0] + 1):
+        centre = i == discs.shape[0]
+        along = 0.0 if centre else discs[i]
+        needed = keep if centre else disc_radius + margin
+        if needed <= 0.0:
+            continue
+        rx, ry = c * along, s * along
+        d, gx, gy = distance_at(distance, cell, pose[0] + rx, pose[1] + ry)
+        if d - needed > 0.5:
+            continue
+        norm = math.hypot(gx, gy)
+        if norm < 0.4:
+            continue  # a ridge: no single direction leads away
+        gx, gy = gx / norm, gy / norm
+        rows[count, 0], rows[count, 1] = gx, gy
+        rows[count, 2] = (-gx * ry + gy * rx) / ARM
+        rows[count, 3], rows[count, 4], rows[count, 5] = 0.0, 0.0, 0.0
+        bounds[count] = -approach_speed(d - needed, braking, period)
+        owners[count, 0], owners[count, 1] = k, -1
+        count += 1
+    return count
+
+
+@njit(cache=True)
+def project(wanted, weights, rows, bounds, owners, count):
+    """Hildreth's method: the nearest `u` (weighted) with `rows u >= bounds`.
+
+    Args:
+        wanted: `(N, 3)` wanted u.
+        weights: `(N,)` how dear a change of each robot's u is.
+        rows: `(R, 6)` coefficients for the first and the second owner.
+        bounds: `(R,)`.
+        owners: `(R, 2)` robots, -1 for none.
+        count: Number of rows in use.
+    """
+    u = wanted.copy()
+    dual = np.zeros(count)
+    for _ in range(SWEEPS):
+        change = 0.0
+        for r in range(count):
+            i, j = owners[r, 0], owners[r, 1]
+            value = -bounds[r]
+            square = 1e-9
+            for a in range(3):
+                value += rows[r, a] * u[i, a]
+                square += rows[r, a] * rows[r, a] / weights[i]
+                if j >= 0:
+                    value += rows[r, 3 + a] * u[j, a]
+                    square += rows[r, 3 + a] * rows[r, 3 + a] / weights[j]
+            step = max(dual[r] - value / square, 0.0) - dual[r]
+            if step == 0.0:
+                continue
+            dual[r] += step
+            change = max(change, abs(step))
+            for a in range(3):
+                u[i, a] += step * rows[r, a] / weights[i]
+                if j >= 0:
+                    u[j, a] += step * rows[r, 3 + a] / weights[j]
+        if change < 1e-6:
+            break
+    return u
+
+
+@njit(cache=True)
+def least_change(poses, wanted, weights, sizes, movers, mover_speeds, discs, disc_radius, keep,
+                 margins, braking, period, distance, cell):  # fmt: skip
+    """Wanted velocities, changed as little as clearances and braking distances ask for.
+
+    Args:
+        poses: `(N, 3)`.
+        wanted: `(N, 3)` velocities in the map frame: m/s, m/s, rad/s.
+        weights: `(N,)`; very large for a robot that cannot be commanded.
+        sizes: `(N, 2)` half lengths and half widths, m.
+        movers: `(M, 5)` moving obstacles: pose, half length, half width.
+        mover_speeds: `(M, 2)` m/s.
+        discs: `(D,)` offsets along the body of the discs that cover a robot's footprint, m.
+        disc_radius: Their radius, m.
+        keep: `(N,)` clearance of the robot's centre, m; 0 for none.
+        margins: To obstacles, between footprints, between centres (m).
+        braking: Deceleration to count on, m/s².
+        period: Seconds per cycle.
+        distance: `(rows, cols)` distance map, m.
+        cell: Cell size, m.
+
+    Returns:
+        `(N, 3)` velocities in the map frame.
+    """
+    n, m = poses.shape[0], movers.shape[0]
+    most = n * (discs.shape[0] + 1) + n * (n - 1) + n * m
+    rows, bounds = np.zeros((most, 6)), np.zeros(most)
+    owners = np.full((most, 2), -1)
+    count = 0
+    for k in range(n):
+        if weights[k] < 1e6:
+            count = obstacle_rows(k, poses[k], sizes[k], discs, disc_radius, keep[k], margins[0],
+                                  braking, period, distance, cell, rows, bounds, owners,
+                                  count)  # fmt: skip
+    for i in range(n):
+        for j in range(i + 1, n):
+            dx, dy = poses[i, 0] - poses[j, 0], poses[i, 1] - poses[j, 1]
+            away = math.hypot(dx, dy)
+            if away > 2.0 or away < 1e-9:
+                continue
+            gap, nx, ny, px, py, qx, qy = rectangle_gap(
+                poses[i], sizes[i, 0], sizes[i, 1], poses[j], sizes[j, 0], sizes[j, 1]
+            )
+            rows[count, 0], rows[count, 1] = nx, ny
+            rows[count, 2] = (-nx * (py - poses[i, 1]) + ny * (px - poses[i, 0])) / ARM
+            rows[count, 3], rows[count, 4] = -nx, -ny
+            rows[count, 5] = (nx * (qy - poses[j, 1]) - ny * (qx - poses[j, 0])) / ARM
+            bounds[count] = -approach_speed(gap - margins[1], 1.5 * braking, period)
+            owners[count, 0], owners[count, 1] = i, j
+            count += 1
+            rows[count, 0], rows[count, 1], rows[count, 2] = dx / away, dy / away, 0.0
+            rows[count, 3], rows[count, 4], rows[count, 5] = -dx / away, -dy / away, 0.0
+            bounds[count] = -approach_speed(away - margins[2], 1.5 * braking, period)
+            owners[count, 0], owners[count, 1] = i, j
+            count += 1
+    for i in range(n):
+        for j in range(m):
+            gap, nx, ny, px, py, _, _ = rectangle_gap(
+                poses[i], sizes[i, 0], sizes[i, 1], movers[j], movers[j, 3], movers[j, 4]
+            )
+            if gap > 2.0 or weights[i] >= 1e6:
+                continue
+            rows[count, 0], rows[count, 1] = nx, ny
+            rows[count, 2] = (-nx * (py - poses[i, 1]) + ny * (px - poses[i, 0])) / ARM
+            rows[count, 3], rows[count, 4], rows[count, 5] = 0.0, 0.0, 0.0
+            approach = nx * mover_speeds[j, 0] + ny * mover_speeds[j, 1]
+            bounds[count] = approach - approach_speed(gap - margins[1], braking, period)
+            owners[count, 0], owners[count, 1] = i, -1
+            count += 1
+    u = wanted.copy()
+    u[:, 2] *= ARM
+    u = project(u, weights, rows, bounds, owners, count)
+    u[:, 2] /= ARM
+    return u
+
+
+@njit(cache=True)
+def roll_out(pose, velocity, command, limits, period, substeps, out):
+    """Poses `(T, 3)` while the command is held for one period and then a stop is commanded."""
+    x, y, yaw = pose[0], pose[1], pose[2]
+    vx, vy, wz = velocity[0], velocity[1], velocity[2]
+    dt = period / substeps
+    for t in range(out.shape[0]):
+        if t < substeps:
+            x, y, yaw, vx, vy, wz = advance(
+                x, y, yaw, vx, vy, wz, command[0], command[1], command[2], dt, limits
+            )
+        else:
+            x, y, yaw, vx, vy, wz = advance(x, y, yaw, vx, vy, wz, 0.0, 0.0, 0.0, dt, limits)
+        out[t, 0], out[t, 1], out[t, 2] = x, y, yaw
+
+
+@njit(cache=True)
+def map_slack(path, discs, disc_radius, keep, hard, distance, cell):
+    """Least slack over poses `(T, 3)`: clearance of discs and centre beyond what is needed; m."""
+    least = np.inf
+    for t in range(path.shape[0]):
+        x, y, yaw = path[t, 0], path[t, 1], path[t, 2]
+        if keep > 0.0:
+            d, _, _ = distance_at(distance, cell, x, y)
+            least = min(least, d - keep)
+        c, s = math.cos(yaw), math.sin(yaw)
+        for i in range(discs.shape[0]):
+            d, _, _ = distance_at(distance, cell, x + c * discs[i], y + s * discs[i])
+            least = min(least, d - disc_radius - hard)
+    return least
+
+
+@njit(cache=True)
+def pair_slack(path_a, size_a, path_b, size_b, hard, centres):
+    """Least slack of footprint gap and centre distance over poses of the same times; m."""
+    least = np.inf
+    for t in range(path_a.shape[0]):
+        away = math.hypot(path_a[t, 0] - path_b[t, 0], path_a[t, 1] - path_b[t, 1])
+        least = min(least, away - centres)
+        if away < size_a[0] + size_a[1] + size_b[0] + size_b[1] + hard:
+            gap = rectangle_gap(
+                path_a[t], size_a[0], size_a[1], path_b[t], size_b[0], size_b[1]
+            )[0]
+            least = min(least, gap - hard)
+    return least
+
+
+@njit(cache=True)
+def certify(poses, velocities, commands, rank, frozen, limits, period, substeps, steps, sizes,
+            movers, mover_speeds, discs, disc_radius, keep, hard, distance, cell):  # fmt: skip
+    """Commands after which every robot can still stop without touching anything.
+
+    Each robot's candidates, from the wanted command down to a stop, are rolled out for one
+    period plus a full stop. A robot steps down until its way is clear, and of two that would
+    come too close the later in rank steps down first. Stopping now was certified one cycle ago,
+    so the procedure ends safely: no choice is worse than all stopping.
+
+    Args:
+        poses, velocities: `(N, 3)` in the map frame.
+        commands: `(N, 3)` in the body frame.
+        rank: `(N,)` order of precedence, 0 first.
+        frozen: `(N,)` robots that are not commanded.
+        limits: Of the robots' motion, see `robots.motion`.
+        period, substeps, steps: Cycle, its division and the number of rolled-out steps.
+        hard: Least gaps: footprint to obstacles, footprint to footprint, centre to centre (m).
+
+    Returns:
+        `(N, 3)` commands in the body frame and `(N,)` the levels taken.
+    """
+    n = poses.shape[0]
+    paths = np.empty((n, LEVELS, steps, 3))
+    options = np.zeros((n, LEVELS, 3))
+    slack = np.empty((n, LEVELS))
+    level = np.zeros(n, np.int64)
+    for i in range(n):
+        if frozen[i]:
+            level[i] = LEVELS - 1
+        options[i, 0] = commands[i]
+        options[i, 1] = 0.5 * commands[i]
+        options[i, 2, 2] = commands[i, 2]
+        for k in range(LEVELS):
+            roll_out(poses[i], velocities[i], options[i, k], limits, period, substeps, paths[i, k])
+            slack[i, k] = map_slack(paths[i, k], discs, disc_radius, keep[i], hard[0], distance,
+                                    cell)  # fmt: skip
+            for j in range(movers.shape[0]):
+                other = np.empty((steps, 3))
+                for t in range(steps):
+                    time = (t + 1) * period / substeps
+                    other[t, 0] = movers[j, 0] + time * mover_speeds[j, 0]
+                    other[t, 1] = movers[j, 1] + time * mover_speeds[j, 1]
+                    other[t, 2] = movers[j, 2]
+                slack[i, k] = min(
+                    slack[i, k],
+                    pair_slack(paths[i, k], sizes[i], other, movers[j, 3:5], hard[1], 0.0),
+                )
+        while level[i] < LEVELS - 1 and slack[i, level[i]] < min(0.0, slack[i, LEVELS - 1]):
+            level[i] += 1
+    last = LEVELS - 1
+    changed = True
+    while changed:
+        changed = False
+        for i in range(n):
+            for j in range(i + 1, n):
+                if level[i] == last and level[j] == last:
+                    continue
+                dx, dy = poses[i, 0] - poses[j, 0], poses[i, 1] - poses[j, 1]
+                if math.hypot(dx, dy) > 2.0:
+                    continue
+                now = pair_slack(paths[i, level[i]], sizes[i], paths[j, level[j]], sizes[j],
+                                 hard[1], hard[2])  # fmt: skip
+                if now >= 0.0:
+                    continue
+                stop = pair_slack(paths[i, last], sizes[i], paths[j, last], sizes[j], hard[1],
+                                  hard[2])  # fmt: skip
+                if now >= stop:
+                    continue
+                k = j if rank[j] > rank[i] else i
+                if level[k] == last:
+                    k = i + j - k
+                level[k] += 1
+                while level[k] < last and slack[k, level[k]] < min(0.0, slack[k, last]):
+                    level[k] += 1
+                changed = True
+    out = np.empty((n, 3))
+    for i in range(n):
+        out[i] = options[i, level[i]]
+    return out, level
+
+
+@njit(cache=True)
+def to_body(velocities, yaw, max_x, max_y, max_w):
+    """Map-frame velocities `(N, 3)` as body-frame commands inside the velocity ellipse."""
+    out = np.empty_like(velocities)
+    for k in range(velocities.shape[0]):
+        c, s = math.cos(yaw[k]), math.sin(yaw[k])
+        vx = c * velocities[k, 0] + s * velocities[k, 1]
+        vy = -s * velocities[k, 0] + c * velocities[k, 1]
+        scale = ellipse_scale(vx, vy, max_x, max_y)
+        out[k, 0], out[k, 1] = vx * scale, vy * scale
+        out[k, 2] = min(max(velocities[k, 2], -max_w), max_w)
+    return out

@@ -1,0 +1,142 @@
+"""Goals: the plan for one formation goal and the partial goals on the way to it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cavalcade.eikonal import ArrivalField
+from cavalcade.formation.ground import Ground
+from cavalcade.geometry import Array, rotation, transform_points
+
+_SHIFT_REACH = 3.0  # m: how far a goal whose slots do not fit is moved at most
+_SHIFT_STEP = 0.05  # m: step in which partial goals are moved to free ground
+
+
+class GoalPlan:
+    """What is known of one goal on one ground; in the grid's frame.
+
+    Attributes:
+        pose: `(3,)` the formation's centre, moved where its slots did not fit.
+        places: `(S, 2)` final places of the slots, m.
+        moved: How far the goal was moved, m.
+        field: Arrival times on W_A from the centre.
+        cut_off: Robots that cannot reach it; the goal is infeasible if there are any.
+    """
+
+    def __init__(self, ground: Ground, goal: Array, slots: Array, points: Array) -> None:
+        """Plan for robots at `points` `(S, 2)`, the ones that take part."""
+        self.ground = ground
+        self.moved = 0.0
+        self.cut_off: NDArray[np.int64] = np.empty(0, np.int64)
+        regions = np.array([ground.component(point) for point in points])
+        names, counts = np.unique(regions[regions > 0], return_counts=True)
+        wanted = transform_points(goal, slots)
+        shift = None
+        if len(names) > 0:
+            common = int(names[np.argmax(counts)])
+            shift = ground.placement(wanted, {common}, _SHIFT_REACH)
+            self.cut_off = np.nonzero(regions != common)[0]
+        if shift is None:
+            self.cut_off = np.arange(len(points))
+            shift = np.zeros(2)
+        self.moved = float(np.hypot(*shift))
+        self.pose = goal + np.append(shift, 0.0)
+        self.places = wanted + shift
+        self.field = self._centre_field(ground)
+        self._slot_fields: dict[int, ArrivalField] = {}
+
+    def slot_field(self, slot: int) -> ArrivalField:
+        """Arrival times on W_B from a slot's final place; computed once."""
+        if slot not in self._slot_fields:
+            self._slot_fields[slot] = self.ground.follower.field(self.places[slot])
+        return self._slot_fields[slot]
+
+    def _centre_field(self, ground: Ground) -> ArrivalField:
+        centre = self.pose[:2]
+        if not ground.leader.is_free(centre):
+            # A shape around an obstacle: head for the free ground nearest to its centre.
+            near = ground.leader.nearest_free(centre)
+            centre = self.places[0] if near is None else near
+        return ground.leader.field(centre)
+
+
+@dataclass(frozen=True)
+class Descent:
+    """A robot's way down a field: points `(K, 2)` m and remaining times `(K,)` s."""
+
+    points: Array
+    times: Array
+
+    @property
+    def eta(self) -> float:
+        """Seconds to the source; inf where there is no way."""
+        return float(self.times[0]) if len(self.times) else np.inf
+
+    def ahead(self, time: float) -> tuple[Array, float]:
+        """The point `time` seconds along the way, and the way's direction there in rad."""
+        k = int(np.searchsorted(-self.times, -(self.times[0] - time)))
+        k = min(max(k, 1), len(self.points) - 1)
+        span = self.times[k - 1] - self.times[k]
+        share = 1.0
+        if span > 0.0:
+            share = min(max((self.times[k - 1] - (self.times[0] - time)) / span, 0.0), 1.0)
+        point = self.points[k - 1] + share * (self.points[k] - self.points[k - 1])
+        before, after = self.points[max(k - 5, 0)], self.points[min(k + 4, len(self.points) - 1)]
+        tangent = after - before
+        return point, float(np.arctan2(tangent[1], tangent[0]))
+
+
+def descend_from(field: ArrivalField, point: Array, w_floor: float = 0.1) -> Descent:
+    """The way from any point; one in the inflated zone first makes for free ground.
+
+    Args:
+        field: Where to.
+        point: `(2,)` m.
+        w_floor: Assumed velocity-map value on the way out of the inflated zone.
+    """
+    points, times = field.path(point)
+    if len(points) > 1:
+        return Descent(points, times)
+    if len(points) == 1:
+        return Descent(np.vstack([points, points]), np.append(times, times))
+    exit_ = field.nearest_reached(point, reach=1.5)
+    if exit_ is None:
+        return Descent(np.empty((0, 2)), np.empty(0))
+    points, times = field.path(exit_)
+    out = float(np.hypot(*(exit_ - point))) / w_floor
+    return Descent(np.vstack([point, points]), np.append(times[0] + out, times))
+
+
+def partial_goals(
+    ground: Ground, anchor: Array, heading: float, slots: Array, w_min: float
+) -> Array:
+    """Partial goals of all slots (Norén et al., eq. 2), moved to free ground where needed.
+
+    Args:
+        ground: The map.
+        anchor: `(2,)` the leader's partial goal p_1, m.
+        heading: Direction of the leader's path there, rad.
+        slots: `(S, 2)` the leader's first.
+        w_min: Least W_B of a follower's partial goal.
+
+    Returns:
+        `(S, 2)` m.
+    """
+    goals = (slots - slots[0]) @ rotation(heading).T + anchor
+    pending = np.nonzero(ground.speed_at(goals) < w_min)[0]
+    pending = pending[pending > 0]
+    if len(pending) == 0:
+        return goals
+    offset = anchor - goals[pending]
+    length = np.hypot(offset[:, 0], offset[:, 1])
+    steps = np.arange(1, int(np.ceil(length.max() / _SHIFT_STEP)) + 1) * _SHIFT_STEP
+    share = np.minimum(steps[None] / np.maximum(length, 1e-9)[:, None], 1.0)
+    tried = goals[pending][:, None] + share[..., None] * offset[:, None]
+    speed = ground.speed_at(tried.reshape(-1, 2)).reshape(share.shape)
+    good = (speed >= w_min) | (share >= 1.0)
+    first = np.argmax(good, axis=1)
+    goals[pending] = tried[np.arange(len(pending)), first]
+    return goals

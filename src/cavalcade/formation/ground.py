@@ -1,0 +1,157 @@
+"""The planner's view of the map: distances, velocity maps and what is connected with what.
+
+Everything here is in the grid's own frame: x, y in m from the lower-left corner of cell [0, 0].
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from cavalcade.eikonal import TravelGrid, surface_distance, velocity_map
+from cavalcade.formation.settings import FormationSettings
+from cavalcade.geometry import Array
+
+
+class Ground:
+    """Maps of one state of the world.
+
+    Args:
+        occupied: `(rows, cols)` cells with obstacles.
+        cell: Cell size, m.
+        settings: Inflation and safe distances.
+        radius: Inflation radius, m; the settings' unless a route needs less.
+
+    Attributes:
+        distance: `(rows, cols)` from each cell's centre to the nearest obstacle's surface, m.
+        speed_b: `(rows, cols)` the paper's W_B.
+        leader, follower: W_A and W_B, prepared for marching.
+    """
+
+    def __init__(
+        self,
+        occupied: NDArray[np.bool_],
+        cell: float,
+        settings: FormationSettings,
+        radius: float | None = None,
+        distance: Array | None = None,
+    ) -> None:
+        self.occupied = occupied
+        self.cell = cell
+        self.settings = settings
+        self.radius = settings.r_max if radius is None else radius
+        self.distance = surface_distance(occupied, cell) if distance is None else distance
+        self.speed_b = velocity_map(self.distance, self.radius, settings.d_safe_b)
+        self.leader = TravelGrid(
+            velocity_map(self.distance, self.radius, settings.d_safe_a), cell
+        )
+        self.follower = TravelGrid(self.speed_b, cell)
+        self._labels: NDArray[np.int32] | None = None
+
+    def tightened(self, radius: float) -> Ground:
+        """The same world for robots inflated by another radius."""
+        return Ground(self.occupied, self.cell, self.settings, radius, self.distance)
+
+    def changed(self, occupied: NDArray[np.bool_]) -> Ground:
+        """The ground after some cells changed; distances are renewed only near the change."""
+        rows, cols = np.nonzero(occupied != self.occupied)
+        if len(rows) == 0:
+            return self
+        # Beyond this distance from a change, the saturated maps stay as they are.
+        reach = int(np.ceil((self.radius + self.settings.d_safe_a) / self.cell)) + 2
+        height, width = occupied.shape
+        top, left = max(rows.min() - reach, 0), max(cols.min() - reach, 0)
+        bottom, right = min(rows.max() + reach + 1, height), min(cols.max() + reach + 1, width)
+        if (bottom - top) * (right - left) > 0.5 * occupied.size:
+            return Ground(occupied, self.cell, self.settings, self.radius)
+        t, lf = max(top - reach, 0), max(left - reach, 0)
+        b, rt = min(bottom + reach, height), min(right + reach, width)
+        window = surface_distance(occupied[t:b, lf:rt], self.cell, border=False)
+        # Where the window ends inside the map nothing is known beyond it, but that is far away.
+        distance = self.distance.copy()
+        inner = window[top - t : bottom - t, left - lf : right - lf]
+        far = (reach - 1) * self.cell
+        distance[top:bottom, left:right] = np.minimum(
+            np.minimum(inner, self._border(top, bottom, left, right)), far
+        )
+        return Ground(occupied, self.cell, self.settings, self.radius, distance)
+
+    def _border(self, top: int, bottom: int, left: int, right: int) -> Array:
+        """Distance to the map's border of the cells of a window."""
+        rows, cols = self.occupied.shape
+        r = np.arange(top, bottom) + 0.5
+        c = np.arange(left, right) + 0.5
+        return self.cell * np.minimum(
+            np.minimum(r, rows - r)[:, None], np.minimum(c, cols - c)[None, :]
+        )
+
+    def clearance(self, points: Array) -> Array:
+        """Distance `(N,)` from points `(N, 2)` to the nearest obstacle: that of their cells; m."""
+        rows, cols = self._cells(points)
+        return self.distance[rows, cols]
+
+    def speed_at(self, points: Array) -> Array:
+        """W_B `(N,)` in the cells of points `(N, 2)`; 0 off the map."""
+        index = np.floor(np.asarray(points) / self.cell).astype(int)
+        inside = ((index >= 0) & (index < (self.occupied.shape[1], self.occupied.shape[0]))).all(1)
+        rows, cols = self._cells(points)
+        return np.where(inside, self.speed_b[rows, cols], 0.0)
+
+    def component(self, point: Array) -> int:
+        """Number of the connected free region a point stands in or next to; 0 if in none."""
+        labels = self._regions()
+        rows, cols = self._cells(np.asarray(point)[None])
+        here = int(labels[rows[0], cols[0]])
+        if here == 0:
+            near = self.follower.nearest_free(point, reach=2.0 * self.settings.d_safe_b)
+            if near is not None:
+                rows, cols = self._cells(near[None])
+                here = int(labels[rows[0], cols[0]])
+        return here
+
+    def placement(self, slots: Array, regions: set[int], reach: float) -> Array | None:
+        """The smallest shift `(2,)` that puts all slots onto free ground of one region.
+
+        Args:
+            slots: `(N, 2)` wanted places, m.
+            regions: Acceptable regions.
+            reach: Largest shift, m.
+
+        Returns:
+            The shift in m, zero if the slots fit as they are, or None if none fits.
+        """
+        labels = self._regions()
+        rows, cols = labels.shape
+        span = int(np.ceil(reach / self.cell))
+        steps = np.arange(-span, span + 1)
+        base = np.floor(slots / self.cell).astype(int)
+        best: Array | None = None
+        best_length = np.inf
+        for region in sorted(regions):
+            free = labels == region
+            fits = np.ones((len(steps), len(steps)), dtype=bool)
+            for col, row in base:
+                r, c = row + steps, col + steps
+                inside_r, inside_c = (r >= 0) & (r < rows), (c >= 0) & (c < cols)
+                view = free[np.clip(r, 0, rows - 1)][:, np.clip(c, 0, cols - 1)]
+                fits &= view & inside_r[:, None] & inside_c[None, :]
+            if not fits.any():
+                continue
+            r, c = np.nonzero(fits)
+            shifts = np.column_stack([steps[c], steps[r]]) * self.cell
+            length = np.hypot(shifts[:, 0], shifts[:, 1])
+            k = int(np.argmin(length))
+            if length[k] < best_length:
+                best, best_length = shifts[k], float(length[k])
+        return best
+
+    def _regions(self) -> NDArray[np.int32]:
+        if self._labels is None:
+            self._labels = ndimage.label(self.speed_b > 0.0)[0]
+        return self._labels
+
+    def _cells(self, points: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        index = np.floor(np.asarray(points) / self.cell).astype(np.int64)
+        rows, cols = self.occupied.shape
+        return np.clip(index[:, 1], 0, rows - 1), np.clip(index[:, 0], 0, cols - 1)

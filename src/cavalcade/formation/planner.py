@@ -1,0 +1,261 @@
+"""The formation planner: poses in, velocity commands out, once per cycle.
+
+Norén et al., "Role-Adaptive Collaborative Formation Planning for Team of Quadruped Robots in
+Cluttered Environments", with stand-off resolution and a last filter of our own on top.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cavalcade.errors import InputError
+from cavalcade.formation import modes
+from cavalcade.formation.ground import Ground
+from cavalcade.formation.obstacles import MovingObstacle, mover_arrays
+from cavalcade.formation.safety import SafetyFilter
+from cavalcade.formation.settings import PRESETS, FormationSettings
+from cavalcade.formation.shapes import Formation
+from cavalcade.formation.status import PlannerStatus
+from cavalcade.formation.team import Team
+from cavalcade.formation.tracking import VelocityTracker
+from cavalcade.formation.variants import variant_named
+from cavalcade.geometry import Array, inverse_transform_points, transform_points, wrap_angle
+from cavalcade.robots import RobotModel, robot_model
+from cavalcade.world import OccupancyMap
+
+
+class FormationPlanner:
+    """Drives a team in formation to one goal after another.
+
+    Call `set_goal`, then `step` at a fixed rate with the robots' poses, and send what it returns.
+    All poses are in the map's frame.
+
+    Args:
+        map: The world.
+        formation: The shape; it has one slot per robot.
+        robots: Number of robots.
+        model: Their model or its name.
+        settings: The paper's parameters, or the name of a preset.
+        variant: One of `cavalcade.formation.VARIANTS`.
+        rate: Cycles per second.
+        seed: Of the choices that break a repeated stand-off.
+        lookahead: Over the settings' look-ahead, s.
+
+    Raises:
+        InputError: Malformed arguments, or slots and robots that differ in number.
+    """
+
+    def __init__(
+        self,
+        map: OccupancyMap,
+        formation: Formation,
+        robots: int | None = None,
+        model: str | RobotModel = "go1",
+        settings: FormationSettings | str | None = None,
+        variant: str = "cavalcade",
+        rate: float = 20.0,
+        seed: int = 0,
+        lookahead: float | None = None,
+    ) -> None:
+        robots = formation.size if robots is None else robots
+        if robots != formation.size:
+            raise InputError(
+                f"the shape {formation.name} has {formation.size} slots for {robots} robots",
+                key="formation",
+            )
+        if not (np.isfinite(rate) and rate > 0.0):
+            raise InputError(f"expected a rate above 0 Hz, got {rate!r}", key="rate")
+        if isinstance(settings, str):
+            if settings not in PRESETS:
+                raise InputError(
+                    f"unknown preset {settings!r}", key="settings", choices=PRESETS
+                )
+            settings = PRESETS[settings][0]
+        self.settings = (settings or FormationSettings()).with_values(lookahead=lookahead)
+        self.model = robot_model(model) if isinstance(model, str) else model
+        self.variant = variant_named(variant)
+        self.rate = float(rate)
+        self._map = map
+        self._ground = Ground(map.occupied, map.resolution, self.settings)
+        self._team = Team(robots, formation)
+        self._tracker = VelocityTracker(self.model)
+        self._filter = SafetyFilter(self.model, 1.0 / self.rate)
+        self._movers: tuple[MovingObstacle, ...] = ()
+        self._mode = modes.Navigator(
+            self.variant, self.settings, self.model, 1.0 / self.rate, np.random.default_rng(seed)
+        )
+        self._paused = False
+        self._status = self._make_status(np.zeros((robots, 3)), None)
+
+    @property
+    def status(self) -> PlannerStatus:
+        """What the last cycle came to."""
+        return self._status
+
+    def set_goal(self, pose: Sequence[float] | ArrayLike) -> None:
+        """Drive the formation's centre to a pose (x, y, yaw), from the next cycle on."""
+        self.set_goals([np.asarray(pose, dtype=float)])
+
+    def set_goals(self, goals: Sequence[Sequence[float]] | ArrayLike) -> None:
+        """Drive through poses `(G, 3)` in their order; they replace all earlier goals."""
+        poses = np.array(goals, dtype=float)
+        if poses.ndim != 2 or poses.shape[1:] != (3,) or not np.isfinite(poses).all():
+            raise InputError("expected finite poses (x, y, yaw)", key="goal")
+        if len(poses) == 0:
+            self.cancel()
+            return
+        origin = np.asarray(self._map.origin, dtype=float)
+        local = np.column_stack(
+            [inverse_transform_points(origin, poses[:, :2]), wrap_angle(poses[:, 2] - origin[2])]
+        )
+        self._mode.set_goals(local)
+
+    def cancel(self) -> None:
+        """Forget all goals; the team stops."""
+        self._mode.set_goals(np.empty((0, 3)))
+
+    def pause(self) -> None:
+        """Stop until `resume`; the goals stay."""
+        self._paused = True
+
+    def resume(self) -> None:
+        """Go on after `pause`."""
+        self._paused = False
+        self._tracker.reset()
+        self._mode.refresh()
+
+    def set_formation(self, formation: Formation) -> None:
+        """Change the shape while standing or moving.
+
+        Raises:
+            InputError: Its slots are neither as many as the robots that take part nor as all.
+        """
+        self._team.set_formation(formation)
+        self._mode.restart()
+
+    def lose(self, robot: int) -> None:
+        """Go on without a robot: the others form a smaller shape and keep clear of it."""
+        self._team.lose(robot)
+        self._mode.restart()
+
+    def rejoin(self, robot: int) -> None:
+        """Take a lost robot back."""
+        self._team.rejoin(robot)
+        self._mode.restart()
+
+    def update_map(self, map: OccupancyMap) -> None:
+        """Replace the map; where only some cells differ, only their surroundings are renewed."""
+        same = (
+            map.rows == self._map.rows
+            and map.cols == self._map.cols
+            and map.resolution == self._map.resolution
+            and tuple(map.origin) == tuple(self._map.origin)
+        )
+        if same:
+            self._ground = self._ground.changed(map.occupied)
+        else:
+            goals = self._mode.goals
+            old, new = np.asarray(self._map.origin), np.asarray(map.origin)
+            self._ground = Ground(map.occupied, map.resolution, self.settings)
+            if len(goals):
+                there = transform_points(old, goals[:, :2])
+                yaw = goals[:, 2] + old[2] - new[2]
+                self._mode.set_goals(
+                    np.column_stack([inverse_transform_points(new, there), yaw]), keep=True
+                )
+            self._tracker.reset()
+        self._map = map
+        self._mode.refresh()
+
+    def set_moving_obstacles(self, obstacles: Sequence[MovingObstacle]) -> None:
+        """Say what moves now and how fast; an empty list when nothing moves any more."""
+        self._movers = tuple(obstacles)
+
+    def step(self, poses: ArrayLike, time: float) -> Array:
+        """One cycle.
+
+        Args:
+            poses: `(N, 3)` x, y in m and yaw in rad of all robots.
+            time: Now, s; any clock that advances.
+
+        Returns:
+            `(N, 3)` body-frame velocities: m/s, m/s, rad/s.
+
+        Raises:
+            InputError: Poses of the wrong shape, or not finite.
+        """
+        poses = np.array(poses, dtype=float)
+        if poses.shape != (self._team.size, 3):
+            raise InputError(
+                f"expected ({self._team.size}, 3) poses, got {poses.shape}", key="poses"
+            )
+        if not (np.isfinite(poses).all() and np.isfinite(time)):
+            raise InputError("expected finite poses and time", key="poses")
+        origin = self._map.origin
+        local = poses
+        if any(origin):
+            local = np.column_stack(
+                [inverse_transform_points(origin, poses[:, :2]), poses[:, 2] - origin[2]]
+            )
+        velocities = self._tracker.update(local, float(time))
+        movers, speeds = mover_arrays(self._movers, origin)
+        if self._paused:
+            wanted = np.zeros_like(local)
+        else:
+            wanted = self._mode.step(
+                self._ground, self._team, local, velocities, float(time), movers, speeds
+            )
+        commands = self._commands(local, velocities, wanted, movers, speeds)
+        self._tracker.commanded(commands)
+        self._status = self._make_status(poses, local)
+        return commands
+
+    def _commands(
+        self, local: Array, velocities: Array, wanted: Array, movers: Array, speeds: Array
+    ) -> Array:
+        frozen = ~self._team.present
+        if self.variant.improved:
+            commands, _ = self._filter.apply(
+                local, velocities, wanted, self._mode.rank(self._team.size), frozen,
+                self._ground.distance, self._ground.cell, self._mode.radius, movers, speeds,
+            )  # fmt: skip
+        else:
+            commands = self._filter.in_body(local, wanted)
+            commands[frozen] = 0.0
+        return commands
+
+    def _make_status(self, poses: Array, local: Array | None) -> PlannerStatus:
+        origin = np.asarray(self._map.origin, dtype=float)
+        view: Any = self._mode.view(self._team, local)
+        goal = None
+        if view.goal is not None:
+            centre = transform_points(origin, view.goal[None, :2])[0]
+            goal = np.array([*centre, wrap_angle(view.goal[2] + origin[2])])
+        goals = poses[:, :2].copy()
+        if view.targets is not None:
+            known = np.isfinite(view.targets).all(axis=1)
+            goals[known] = transform_points(origin, view.targets[known])
+        roles: NDArray[np.int64] = view.roles
+        return PlannerStatus(
+            state="paused" if self._paused else view.state,
+            leader=view.leader,
+            roles=roles,
+            slots=np.array(self._team.formation.slots),
+            goals=goals,
+            goal=goal,
+            paths=tuple(transform_points(origin, path) for path in view.paths),
+            connections=self._team.joined(roles) if self.variant.springs else _NO_PAIRS,
+            eta=view.eta,
+            arrived=view.arrived,
+            waypoint=view.waypoint,
+            goal_moved=view.goal_moved,
+            involved=view.involved,
+            message=view.message,
+        )
+
+
+_NO_PAIRS: NDArray[np.int64] = np.empty((0, 2), np.int64)

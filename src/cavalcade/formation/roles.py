@@ -1,0 +1,110 @@
+"""Who leads, who takes which slot (Norén et al., section 2.3)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+
+from cavalcade.geometry import Array, wrap_angle
+
+_SAME_ANGLE = 0.1  # rad between two slots, seen from the leader, below which order is ambiguous
+_SAME_RING = 0.1  # relative difference of distances within one group
+
+
+def choose_leader(eta: Array, leader: int, lead: float) -> int:
+    """The robot with the least ETA; the present leader stays unless beaten by `lead` seconds.
+
+    Args:
+        eta: `(N,)` s; inf for robots that cannot lead.
+        leader: Present leader, -1 for none.
+        lead: The paper's D_switch, s.
+
+    Returns:
+        Index of the leader, -1 if every ETA is infinite.
+    """
+    best = int(np.argmin(eta))
+    if not np.isfinite(eta[best]):
+        return -1
+    if 0 <= leader < len(eta) and np.isfinite(eta[leader]) and eta[best] >= eta[leader] - lead:
+        return leader
+    return best
+
+
+def follower_rings(slots: Array) -> list[NDArray[np.int64]]:
+    """Follower slots in groups from the leader's slot outwards.
+
+    One group if the angular order around the leader's slot is unambiguous; else slots of about
+    the same distance form a group.
+    """
+    followers = np.arange(1, len(slots))
+    if len(followers) < 2:
+        return [followers] if len(followers) else []
+    offset = slots[1:] - slots[0]
+    angle = np.sort(np.arctan2(offset[:, 1], offset[:, 0]))
+    gaps = np.diff(np.append(angle, angle[0] + 2.0 * np.pi))
+    if gaps.min() >= _SAME_ANGLE:
+        return [followers]
+    distance = np.hypot(offset[:, 0], offset[:, 1])
+    order = np.argsort(distance, kind="stable")
+    rings: list[list[int]] = []
+    for k in order:
+        if rings and distance[k] <= distance[rings[-1][0] - 1] * (1.0 + _SAME_RING):
+            rings[-1].append(int(k) + 1)
+        else:
+            rings.append([int(k) + 1])
+    return [np.array(ring) for ring in rings]
+
+
+def assign_followers(
+    points: Array, leader: int, heading: float, slots: Array, active: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """Give each follower a slot, keeping the slots' angular order around the leader.
+
+    Angles are counted from straight behind the leader, so that the order is cut ahead of it.
+
+    Args:
+        points: `(N, 2)` robots, m.
+        leader: Index of the leading robot.
+        heading: Direction of travel, rad.
+        slots: `(S, 2)` slots in the formation's frame; the leader's first.
+        active: The S robots that take part.
+
+    Returns:
+        `(N,)` slot of each robot; 0 for the leader, -1 for robots that take no part.
+    """
+    roles = np.full(len(points), -1, dtype=np.int64)
+    roles[leader] = 0
+    offset = points - points[leader]
+    away = np.hypot(offset[:, 0], offset[:, 1])
+    behind = wrap_angle(np.arctan2(offset[:, 1], offset[:, 0]) - heading - np.pi)
+    slot_offset = slots - slots[0]
+    slot_behind = wrap_angle(np.arctan2(slot_offset[:, 1], slot_offset[:, 0]) - np.pi)
+    rest = active[active != leader]
+    rest = rest[np.argsort(away[rest], kind="stable")]
+    taken = 0
+    for ring in follower_rings(slots):
+        group = rest[taken : taken + len(ring)]
+        taken += len(ring)
+        robots = group[np.argsort(behind[group], kind="stable")]
+        places = ring[np.argsort(slot_behind[ring], kind="stable")]
+        roles[robots] = places
+    return roles
+
+
+def assign_goals(points: Array, goals: Array, active: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The bijection with the least sum of squared distances (section 2.4.2).
+
+    Args:
+        points: `(N, 2)` robots, m.
+        goals: `(S, 2)` final goals of the slots, m.
+        active: The S robots that take part.
+
+    Returns:
+        `(N,)` slot of each robot, -1 for robots that take no part.
+    """
+    roles = np.full(len(points), -1, dtype=np.int64)
+    offset = points[active][:, None] - goals[None]
+    robots, slots = linear_sum_assignment((offset**2).sum(axis=-1))
+    roles[active[robots]] = slots
+    return roles

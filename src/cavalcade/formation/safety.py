@@ -1,0 +1,113 @@
+"""The last filter: commands that keep oriented footprints apart and off obstacles.
+
+Two stages. The first changes the wanted velocities as little as possible (weighted least
+squares) so that no robot closes in on anything faster than it can brake for. The second rolls
+every command out for one cycle followed by a full stop and lets robots step down until that is
+clear, so that stopping stays possible in every cycle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cavalcade.formation._safety import certify, least_change, to_body
+from cavalcade.geometry import Array
+from cavalcade.robots import RobotModel
+from cavalcade.robots.motion import limits_of
+
+_DISCS = 4
+
+
+@dataclass(frozen=True)
+class Margins:
+    """Gaps in m: what the first stage aims at, and what the second insists on."""
+
+    obstacle: float = 0.04
+    footprint: float = 0.06
+    centres: float = 0.62
+    hard_obstacle: float = 0.01
+    hard_footprint: float = 0.02
+    hard_centres: float = 0.605
+
+
+class SafetyFilter:
+    """Filters the commands of one team.
+
+    Args:
+        model: The robots' size and limits.
+        period: Seconds per cycle.
+        margins: Gaps to keep.
+    """
+
+    def __init__(self, model: RobotModel, period: float, margins: Margins | None = None) -> None:
+        self._margins = margins or Margins()
+        self._period = period
+        self._limits = limits_of(model)
+        self._half = np.array([model.length, model.width]) / 2.0
+        reach = model.length / _DISCS
+        self._discs = (np.arange(_DISCS) - (_DISCS - 1) / 2.0) * reach
+        self._disc_radius = float(np.hypot(reach / 2.0, model.width / 2.0))
+        self._braking = 0.6 * model.max_acceleration
+        self._substeps = max(1, int(np.ceil(period / 0.025 - 1e-9)))
+        stop = max(
+            model.max_speed_x / model.max_acceleration,
+            model.max_yaw_rate / model.max_yaw_acceleration,
+        )
+        self._steps = self._substeps + int(np.ceil(stop / (period / self._substeps))) + 1
+
+    def in_body(self, poses: Array, wanted: Array) -> Array:
+        """Wanted velocities `(N, 3)` as body-frame commands, unfiltered but within the limits."""
+        return to_body(wanted, poses[:, 2], self._limits[0], self._limits[1], self._limits[2])
+
+    def apply(
+        self,
+        poses: Array,
+        velocities: Array,
+        wanted: Array,
+        rank: NDArray[np.int64],
+        frozen: NDArray[np.bool_],
+        distance: Array,
+        cell: float,
+        radius: float,
+        movers: Array,
+        mover_speeds: Array,
+    ) -> tuple[Array, NDArray[np.int64]]:
+        """Safe commands near the wanted ones.
+
+        Args:
+            poses: `(N, 3)` in the grid's frame.
+            velocities: `(N, 3)` present velocities, grid's frame: m/s, m/s, rad/s.
+            wanted: `(N, 3)` wanted velocities, grid's frame.
+            rank: `(N,)` precedence, 0 first: later robots give way.
+            frozen: `(N,)` robots that cannot be commanded.
+            distance: `(rows, cols)` distance to the nearest obstacle, m.
+            cell: Cell size, m.
+            radius: Clearance that centres keep, m.
+            movers: `(M, 5)` moving obstacles: pose, half length, half width.
+            mover_speeds: `(M, 2)` m/s.
+
+        Returns:
+            Commands `(N, 3)` in the body frame, and `(N,)` how far each had to step down: 0 for
+            the filtered command itself, 3 for a stop.
+        """
+        m = self._margins
+        count = len(poses)
+        sizes = np.repeat(self._half[None], count, axis=0)
+        weights = np.where(frozen, 1e9, 1.0 + 2.0 * (count - rank) / count)
+        keep = np.where(frozen, 0.0, radius)
+        u = least_change(
+            poses, wanted, weights, sizes, movers, mover_speeds, self._discs, self._disc_radius,
+            np.where(frozen, 0.0, radius + 0.01), np.array([m.obstacle, m.footprint, m.centres]),
+            self._braking, self._period, distance, cell,
+        )  # fmt: skip
+        commands = self.in_body(poses, u)
+        commands[frozen] = 0.0
+        return certify(
+            poses, velocities, commands, rank, frozen, self._limits, self._period,
+            self._substeps, self._steps, sizes, movers, mover_speeds, self._discs,
+            self._disc_radius, keep,
+            np.array([m.hard_obstacle, m.hard_footprint, m.hard_centres]), distance, cell,
+        )  # fmt: skip

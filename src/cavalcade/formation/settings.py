@@ -1,0 +1,100 @@
+"""The parameters of the formation planner, named as in Norén et al.
+
+The paper marks them with a tilde. `SIMULATION` and `LABORATORY` are the values of its two
+experiments (section 3).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+from cavalcade.errors import InputError
+
+
+@dataclass(frozen=True)
+class SpringLaw:
+    """How one spring-damper acts on the velocities of its two robots (eqs. 3 and 4).
+
+    Attributes:
+        k_rep, k_att: Stiffness when shortened and when stretched, 1/(m s).
+        dv_max_att: Largest velocity change by attraction, m/s.
+        b_att, b_rep: Damping while approaching and while drifting apart, without unit.
+    """
+
+    k_rep: float
+    k_att: float
+    dv_max_att: float
+    b_att: float
+    b_rep: float
+
+
+@dataclass(frozen=True)
+class Springs:
+    """The laws a shape gives its connections: its sides' and its diagonals'."""
+
+    sides: SpringLaw
+    diagonals: SpringLaw
+
+
+SIMULATION_SPRINGS = Springs(
+    sides=SpringLaw(k_rep=4.5, k_att=1.25, dv_max_att=0.40, b_att=0.10, b_rep=0.04),
+    diagonals=SpringLaw(k_rep=3.0, k_att=0.90, dv_max_att=0.30, b_att=0.10, b_rep=0.04),
+)
+_LAB_LAW = SpringLaw(k_rep=4.0, k_att=2.0, dv_max_att=0.50, b_att=0.10, b_rep=0.10)
+LABORATORY_SPRINGS = Springs(sides=_LAB_LAW, diagonals=_LAB_LAW)
+
+
+@dataclass(frozen=True)
+class FormationSettings:
+    """Parameters of the planner. Lengths in m, speeds in m/s, normalised times in s.
+
+    Attributes:
+        r_max: Inflation radius of a robot.
+        d_safe_a: Distance from the inflated obstacles at which the leader may go at full speed.
+        d_safe_b: The same for followers, and for all near the goal.
+        d_switch: Lead in ETA that a challenger needs to take over.
+        lookahead: Normalised time to the partial goal, and to the goal's Final Goal state.
+        w_min_partial: Least velocity-map value of a follower's partial goal.
+        w_min_avoid: Velocity-map value up to which motion towards obstacles is fully removed.
+        v_max_x, v_max_y: Semi-axes of the velocity ellipse along and across the body.
+        v_min: Speed limit where the velocity map is 0. The experiments' 0.50 m/s equals v_max_x
+            and makes this limit inert; the default lets it act.
+        d_slowdown: Distance to the final goal from which on a robot slows down.
+    """
+
+    r_max: float = 0.30
+    d_safe_a: float = 1.50
+    d_safe_b: float = 0.50
+    d_switch: float = 0.05
+    lookahead: float = 5.0
+    w_min_partial: float = 0.70
+    w_min_avoid: float = 0.50
+    v_max_x: float = 0.50
+    v_max_y: float = 0.20
+    v_min: float = 0.25
+    d_slowdown: float = 0.40
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if not (isinstance(value, int | float) and math.isfinite(value) and value >= 0.0):
+                raise InputError(f"expected a number of at least 0, got {value!r}", key=field.name)
+        for name in ("r_max", "d_safe_a", "d_safe_b", "v_max_x", "v_max_y", "d_slowdown"):
+            if getattr(self, name) == 0.0:
+                raise InputError("expected a number above 0", key=name)
+        if self.w_min_avoid >= 1.0:
+            raise InputError("expected a number below 1", key="w_min_avoid")
+
+    def with_values(self, **values: Any) -> FormationSettings:
+        """A copy in which the given values that are not None stand instead."""
+        return replace(self, **{name: v for name, v in values.items() if v is not None})
+
+
+SIMULATION = FormationSettings(lookahead=5.0, v_min=0.50)
+LABORATORY = FormationSettings(lookahead=2.5, v_min=0.50)
+PRESETS: dict[str, tuple[FormationSettings, Springs]] = {
+    "simulation": (SIMULATION, SIMULATION_SPRINGS),
+    "laboratory": (LABORATORY, LABORATORY_SPRINGS),
+}

@@ -1,0 +1,91 @@
+"""Who takes part, in which shape."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cavalcade.errors import InputError
+from cavalcade.formation.shapes import Formation
+from cavalcade.geometry import Array
+
+
+class Team:
+    """The robots, those that are lost, and the shape of those that are not.
+
+    Args:
+        size: Number of robots.
+        formation: The shape for all of them.
+
+    Attributes:
+        present: `(N,)` robots that take part.
+        formation: The shape they form now.
+    """
+
+    def __init__(self, size: int, formation: Formation) -> None:
+        self.size = size
+        self.present = np.ones(size, dtype=bool)
+        self._full = formation
+        self._use(formation)
+
+    @property
+    def active(self) -> NDArray[np.int64]:
+        """Indices of the robots that take part."""
+        return np.nonzero(self.present)[0]
+
+    def set_formation(self, formation: Formation) -> None:
+        """Change the shape; it has a slot for every robot, or for every one that takes part."""
+        count = len(self.active)
+        if formation.size not in (self.size, count):
+            raise InputError(
+                f"the shape {formation.name} has {formation.size} slots for {count} robots",
+                key="formation",
+            )
+        self._full = formation
+        self._use(formation.smaller(count))
+
+    def lose(self, robot: int) -> None:
+        """Take a robot out; the others get a smaller shape."""
+        self._check(robot)
+        self.present[robot] = False
+        self._reshape()
+
+    def rejoin(self, robot: int) -> None:
+        """Take it back."""
+        self._check(robot)
+        self.present[robot] = True
+        self._reshape()
+
+    def joined(self, roles: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Pairs of robots `(C, 2)` that the shape's connections join under these roles."""
+        pairs = self.pairs(roles)
+        return pairs[(pairs >= 0).all(axis=1)]
+
+    def pairs(self, roles: NDArray[np.int64]) -> NDArray[np.int64]:
+        """The same for all connections, -1 where a slot is empty."""
+        robot_of = np.full(self.formation.size + 1, -1, dtype=np.int64)
+        robot_of[roles] = np.arange(len(roles))
+        robot_of[-1] = -1
+        return robot_of[self.ends]
+
+    def _reshape(self) -> None:
+        count = len(self.active)
+        if count > 0:
+            full = self._full
+            self._use(full if full.size == count else full.smaller(count))
+
+    def _use(self, formation: Formation) -> None:
+        self.formation = formation
+        joints = formation.connections
+        self.ends = np.array([(c.a, c.b) for c in joints], dtype=np.int64).reshape(-1, 2)
+        self.rest: Array = np.array([c.rest_length for c in joints])
+        self.laws: Array = np.array(
+            [
+                (c.law.k_rep, c.law.k_att, c.law.dv_max_att, c.law.b_att, c.law.b_rep)
+                for c in joints
+            ]
+        ).reshape(-1, 5)
+
+    def _check(self, robot: int) -> None:
+        if not 0 <= robot < self.size:
+            raise InputError(f"there is no robot {robot} in 0..{self.size - 1}", key="robot")

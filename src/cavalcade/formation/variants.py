@@ -1,0 +1,61 @@
+"""What the planner's variants switch on and off."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from cavalcade.errors import InputError
+
+
+@dataclass(frozen=True)
+class Variant:
+    """Parts of the planner.
+
+    Attributes:
+        name: What scenario files and the command line call it.
+        adaptive_roles: Leader and roles follow the situation; else they stay as first assigned.
+        lookahead: Partial goals lie ahead on the leader's path; else at the leader's own place.
+        springs: Virtual springs and dampers act.
+        avoidance: The obstacle avoidance layer acts (eq. 6).
+        common_plan: There is a plan for the team; else each robot follows weighted behaviours.
+        rigid: The shape is planned through the map as one rigid body.
+        improved: Our additions: pacing, stand-off resolution and the last filter.
+    """
+
+    name: str
+    adaptive_roles: bool = True
+    lookahead: bool = True
+    springs: bool = True
+    avoidance: bool = True
+    common_plan: bool = True
+    rigid: bool = False
+    improved: bool = False
+
+
+VARIANTS: dict[str, Variant] = {
+    variant.name: variant
+    for variant in (
+        Variant("cavalcade", improved=True),
+        Variant("published"),
+        Variant("fixed-roles", adaptive_roles=False),
+        Variant("no-lookahead", lookahead=False),
+        Variant("no-springs", springs=False),
+        Variant("no-avoidance", avoidance=False),
+        Variant("virtual-structure", adaptive_roles=False, springs=False, rigid=True),
+        Variant("behaviour-based", adaptive_roles=False, springs=False, common_plan=False),
+    )
+}
+
+
+def variant_named(name: str) -> Variant:
+    """The variant of that name.
+
+    Raises:
+        InputError: There is none; the message lists those there are.
+    """
+    try:
+        return VARIANTS[name]
+    except KeyError:
+        raise InputError(
+            f"unknown variant {name!r}", key="planner.variant", choices=VARIANTS
+        ) from None

@@ -1,0 +1,100 @@
+"""How an ideal holonomic robot answers a velocity command: the one model of it.
+
+The ideal fleet moves its robots with it and the last filter predicts with it. The checker does
+not: it judges poses by finite differences.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from cavalcade.geometry import Array
+from cavalcade.robots.model import RobotModel
+
+
+def limits_of(model: RobotModel) -> Array:
+    """The model's limits as the array `(5,)` that `advance` takes.
+
+    Order: max_speed_x, max_speed_y, max_yaw_rate (m/s, m/s, rad/s), max_acceleration (m/s²),
+    max_yaw_acceleration (rad/s²).
+    """
+    return np.array(
+        [
+            model.max_speed_x,
+            model.max_speed_y,
+            model.max_yaw_rate,
+            model.max_acceleration,
+            model.max_yaw_acceleration,
+        ]
+    )
+
+
+@njit(cache=True)
+def ellipse_scale(vx, vy, max_x, max_y):
+    """Factor in (0, 1] that shrinks the body velocity onto the velocity ellipse (eq. 8)."""
+    radius = math.sqrt((vx / max_x) ** 2 + (vy / max_y) ** 2)
+    return 1.0 if radius <= 1.0 else 1.0 / radius
+
+
+@njit(cache=True)
+def advance(x, y, yaw, vx, vy, wz, cx, cy, cw, dt, limits):
+    """One time step of one robot under a held command.
+
+    The velocity moves towards the commanded one along a straight line inside the velocity
+    ellipse, as far as the acceleration limit allows. Both limits hold exactly at the step's end
+    as long as `max_speed_x * max_yaw_rate <= max_acceleration`.
+
+    Args:
+        x, y, yaw: Pose in the map frame, m and rad.
+        vx, vy, wz: Present velocity in the *map* frame, m/s and rad/s.
+        cx, cy, cw: Commanded velocity in the *body* frame, m/s and rad/s.
+        dt: Length of the step, s.
+        limits: As `limits_of` gives them.
+
+    Returns:
+        x, y, yaw, vx, vy, wz at the end of the step.
+    """
+    max_x, max_y, max_w, max_a, max_aw = limits[0], limits[1], limits[2], limits[3], limits[4]
+    target_w = min(max(cw, -max_w), max_w)
+    new_w = min(max(target_w, wz - max_aw * dt), wz + max_aw * dt)
+    turn = 0.5 * (wz + new_w) * dt
+    new_yaw = yaw + turn
+
+    scale = ellipse_scale(cx, cy, max_x, max_y)
+    c, s = math.cos(new_yaw), math.sin(new_yaw)
+    tx = scale * (c * cx - s * cy)
+    ty = scale * (s * cx + c * cy)
+
+    # The present velocity, carried along by the turn, stays in the ellipse.
+    ct, st = math.cos(turn), math.sin(turn)
+    rx = ct * vx - st * vy
+    ry = st * vx + ct * vy
+    bx, by = c * rx + s * ry, -s * rx + c * ry
+    scale = ellipse_scale(bx, by, max_x, max_y)
+    rx, ry = rx * scale, ry * scale
+
+    # Largest step along rotated -> target whose change from (vx, vy) the acceleration allows.
+    dx, dy = tx - rx, ty - ry
+    ex, ey = rx - vx, ry - vy
+    reach = max_a * dt
+    a = dx * dx + dy * dy
+    b = ex * dx + ey * dy
+    root = b * b - a * (ex * ex + ey * ey - reach * reach)
+    if a <= 1e-18:
+        step = 1.0
+    elif root <= 0.0:
+        step = 0.0
+    else:
+        step = min(max((-b + math.sqrt(root)) / a, 0.0), 1.0)
+    new_vx, new_vy = rx + step * dx, ry + step * dy
+    return (
+        x + 0.5 * (vx + new_vx) * dt,
+        y + 0.5 * (vy + new_vy) * dt,
+        new_yaw,
+        new_vx,
+        new_vy,
+        new_w,
+    )

@@ -1,0 +1,131 @@
+"""Ways over a grid, pulled taut; compiled. Points are x, y in the grid's own frame, m."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from cavalcade.geometry import Array
+
+Mask = NDArray[np.bool_]
+
+
+@njit(cache=True)
+def line_is_free(free: Mask, cell: float, ax: float, ay: float, bx: float, by: float) -> bool:
+    """Whether all cells that the segment passes through are free, by stepping border to border."""
+    rows, cols = free.shape
+    col, row = int(math.floor(ax / cell)), int(math.floor(ay / cell))
+    last_col, last_row = int(math.floor(bx / cell)), int(math.floor(by / cell))
+    dx, dy = bx - ax, by - ay
+    step_col, step_row = (1 if dx > 0.0 else -1), (1 if dy > 0.0 else -1)
+    along_col = along_row = math.inf
+    per_col = per_row = math.inf
+    if dx != 0.0:
+        border = (col + (1 if dx > 0.0 else 0)) * cell
+        along_col, per_col = (border - ax) / dx, cell / abs(dx)
+    if dy != 0.0:
+        border = (row + (1 if dy > 0.0 else 0)) * cell
+        along_row, per_row = (border - ay) / dy, cell / abs(dy)
+    for _ in range(abs(last_col - col) + abs(last_row - row) + 1):
+        if row < 0 or row >= rows or col < 0 or col >= cols or not free[row, col]:
+            return False
+        if along_col < along_row:
+            along_col += per_col
+            col += step_col
+        else:
+            along_row += per_row
+            row += step_row
+    return True
+
+
+@njit(cache=True)
+def descend(times: Array, row: int, col: int) -> NDArray[np.int64]:
+    """Cells `(K, 2)` from (row, col) down to the source, to the steepest of eight neighbours.
+
+    A diagonal is taken only where both cells beside it are reached, so that it cuts no corner.
+    """
+    rows, cols = times.shape
+    cells = np.empty((rows * cols, 2), dtype=np.int64)
+    count = 0
+    while True:
+        cells[count, 0], cells[count, 1] = row, col
+        count += 1
+        best, best_row, best_col = 0.0, row, col
+        for dr in range(-1, 2):
+            for dc in range(-1, 2):
+                r, c = row + dr, col + dc
+                if (dr == 0 and dc == 0) or r < 0 or r >= rows or c < 0 or c >= cols:
+                    continue
+                beside = math.isfinite(times[r, col]) and math.isfinite(times[row, c])
+                if dr != 0 and dc != 0 and not beside:
+                    continue
+                drop = (times[row, col] - times[r, c]) / math.hypot(dr, dc)
+                if drop > best:
+                    best, best_row, best_col = drop, r, c
+        if best <= 0.0 or count == rows * cols:
+            return cells[:count].copy()
+        row, col = best_row, best_col
+
+
+@njit(cache=True)
+def _shortcut(free: Mask, cell: float, way: Array) -> Array:
+    """The way with every point left out that the one before can do without seeing."""
+    kept = np.empty_like(way)
+    kept[0] = way[0]
+    count = 1
+    anchor = 0
+    for k in range(1, way.shape[0] - 1):
+        if not line_is_free(
+            free, cell, way[anchor, 0], way[anchor, 1], way[k + 1, 0], way[k + 1, 1]
+        ):
+            kept[count] = way[k]
+            count += 1
+            anchor = k
+    kept[count] = way[-1]
+    return kept[: count + 1].copy()
+
+
+@njit(cache=True)
+def _dense(way: Array, spacing: float) -> Array:
+    total = 1
+    for k in range(way.shape[0] - 1):
+        gap = math.hypot(way[k + 1, 0] - way[k, 0], way[k + 1, 1] - way[k, 1])
+        total += max(int(math.ceil(gap / spacing)), 1)
+    dense = np.empty((total, 2))
+    count = 0
+    for k in range(way.shape[0] - 1):
+        gap = math.hypot(way[k + 1, 0] - way[k, 0], way[k + 1, 1] - way[k, 1])
+        parts = max(int(math.ceil(gap / spacing)), 1)
+        for part in range(parts):
+            dense[count] = way[k] + (way[k + 1] - way[k]) * (part / parts)
+            count += 1
+    dense[count] = way[-1]
+    return dense
+
+
+@njit(cache=True)
+def _length(way: Array) -> float:
+    total = 0.0
+    for k in range(way.shape[0] - 1):
+        total += math.hypot(way[k + 1, 0] - way[k, 0], way[k + 1, 1] - way[k, 1])
+    return total
+
+
+@njit(cache=True)
+def pull_taut(free: Mask, cell: float, way: Array) -> float:
+    """Length of a way `(K, 2)` after shortening it, from both ends in turn, while that helps."""
+    length = _length(way)
+    for _ in range(60):
+        way = _shortcut(free, cell, _dense(way, 0.5 * cell))[::-1].copy()
+        shorter = _length(way)
+        # Two rounds, one from each end, without a gain of a tenth of a millimetre: done.
+        if length - shorter < 1e-4:
+            way = _shortcut(free, cell, _dense(way, 0.25 * cell))[::-1].copy()
+            shorter = _length(way)
+            if length - shorter < 1e-4:
+                return min(length, shorter)
+        length = shorter
+    return length

@@ -1,0 +1,97 @@
+"""When a team has arrived: every robot in its slot, turned right and standing, for a while."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cavalcade.formation.status import PlannerStatus
+from cavalcade.geometry import Array, transform_points, wrap_angle
+
+
+@dataclass(frozen=True)
+class ArrivalTolerance:
+    """How near is near enough: m, rad, m/s, and for how many seconds."""
+
+    position: float = 0.10
+    heading: float = 0.15
+    speed: float = 0.02
+    hold: float = 0.5
+
+
+def slot_poses(status: PlannerStatus, goal: Array | None = None) -> Array | None:
+    """Poses `(N, 3)` of each robot's slot at the goal, None without a goal.
+
+    Robots without a slot get rows of infinity.
+    """
+    goal = status.goal if goal is None else goal
+    if goal is None:
+        return None
+    result = np.full((len(status.roles), 3), np.inf)
+    has_slot = (status.roles >= 0) & (status.roles < len(status.slots))
+    places = transform_points(goal, status.slots)
+    result[has_slot, :2] = places[status.roles[has_slot]]
+    result[has_slot, 2] = goal[2]
+    return result
+
+
+class ArrivalMonitor:
+    """Judges true poses cycle by cycle.
+
+    A planner may forget its goal once it thinks that it has arrived, so the last goal and roles
+    that it named stay in force until it names others.
+    """
+
+    def __init__(self, tolerance: ArrivalTolerance | None = None) -> None:
+        self._tolerance = tolerance or ArrivalTolerance()
+        self._since: float | None = None
+        self._status: PlannerStatus | None = None
+
+    @property
+    def targets(self) -> Array | None:
+        """Poses `(N, 3)` of the slots that are being driven to; None before the first goal."""
+        return None if self._status is None else slot_poses(self._status)
+
+    def update(
+        self,
+        time: float,
+        poses: Array,
+        velocities: Array,
+        status: PlannerStatus,
+        last_waypoint: int,
+    ) -> bool:
+        """Whether the team has arrived at its last goal.
+
+        Args:
+            time: Now, s.
+            poses: `(N, 3)` true poses.
+            velocities: `(N, 3)` true velocities, map frame.
+            status: The planner's.
+            last_waypoint: Index of the last goal.
+        """
+        if status.goal is not None:
+            self._status = status
+        latest = self._status
+        if latest is None or latest.waypoint < last_waypoint:
+            self._since = None
+            return False
+        targets = slot_poses(latest)
+        if targets is None or not self._near(poses, velocities, targets):
+            self._since = None
+            return False
+        if self._since is None:
+            self._since = time
+        return time - self._since >= self._tolerance.hold - 1e-9
+
+    def _near(self, poses: Array, velocities: Array, targets: Array) -> bool:
+        active = np.isfinite(targets).all(axis=1)
+        if not active.any():
+            return False
+        off = poses[active] - targets[active]
+        limit = self._tolerance
+        return bool(
+            (np.hypot(off[:, 0], off[:, 1]) <= limit.position).all()
+            and (np.abs(wrap_angle(off[:, 2])) <= limit.heading).all()
+            and (np.hypot(velocities[active, 0], velocities[active, 1]) < limit.speed).all()
+        )

@@ -1,0 +1,28 @@
+"""Whether the compiled kernels are there already."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import cavalcade
+
+
+def kernels_are_cached() -> bool:
+    """Whether an earlier run has left compiled kernels, wherever numba keeps them.
+
+    A guess for the user's information only: after an update some kernels may be compiled anew.
+    """
+    package = Path(cavalcade.__file__).parent
+    named = os.environ.get("NUMBA_CACHE_DIR")
+    if named:
+        folders = [Path(named)]
+    else:
+        folders = [package / "fleet" / "__pycache__"]
+        if not os.access(package, os.W_OK):
+            folders.append(Path.home() / ".cache" / "numba")
+    return any(_holds_kernels(folder) for folder in folders)
+
+
+def _holds_kernels(folder: Path) -> bool:
+    return folder.is_dir() and any(folder.rglob("_kernels.advance_team-*.nbi"))

@@ -1,0 +1,123 @@
+"""Scenario files out: a file that says by itself everything that was run."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from cavalcade.errors import OutputError
+from cavalcade.scenario.model import Scenario
+from cavalcade.scenario.worlds import resolve_scenario
+
+
+class _OneLine(dict[str, Any]):
+    """A mapping that is written on one line."""
+
+
+class _Dumper(yaml.SafeDumper):  # type: ignore[misc]  # PyYAML has no types
+    """Plain values only; nothing is shared, so nothing gets an anchor."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        return True
+
+
+_Dumper.add_representer(
+    _OneLine,
+    lambda dumper, data: dumper.represent_mapping(
+        "tag:yaml.org,2002:map", data.items(), flow_style=True
+    ),
+)
+
+
+def dump_scenario(scenario: Scenario, path: str | Path) -> None:
+    """Write a scenario with every default and override written out.
+
+    A `generate` or `barn` source becomes `empty` with the obstacles listed, so that the file
+    alone says where they stand; names of map files are written relative to the new file. Reading
+    the file gives `resolve_scenario(scenario)`.
+
+    Raises:
+        ScenarioError, MapError: The world cannot be made.
+        OutputError: The file cannot be written.
+    """
+    target = Path(path)
+    text = scenario_text(scenario, target.parent)
+    temporary: Path | None = None
+    try:
+        handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}-")
+        temporary = Path(name)
+        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as stream:
+            stream.write(text)
+        temporary.chmod(0o644)
+        os.replace(temporary, target)
+    except OSError as error:
+        if temporary is not None:
+            temporary.unlink(missing_ok=True)
+        reason = error.strerror or error
+        raise OutputError(f"{target}: cannot be written: {reason}") from None
+
+
+def scenario_text(scenario: Scenario, folder: str | Path) -> str:
+    """The YAML text of the resolved scenario for a file in `folder`."""
+    data = _plain(resolve_scenario(scenario), Path(folder))
+    text: str = yaml.dump(
+        data,
+        Dumper=_Dumper,
+        sort_keys=False,
+        default_flow_style=None,
+        allow_unicode=True,
+        width=10**9,
+    )
+    return text
+
+
+def _plain(scenario: Scenario, folder: Path) -> dict[str, Any]:
+    data = scenario.model_dump(mode="json", exclude={"world", "robots"})
+    world = scenario.world.model_dump(mode="json", exclude_none=True)
+    if scenario.world.map is not None:
+        world["map"] = _relative(scenario.world.map, folder)
+    if scenario.world.movingai is not None:
+        world["movingai"]["file"] = _relative(scenario.world.movingai.file, folder)
+    world["obstacles"] = [_OneLine(obstacle) for obstacle in world["obstacles"]]
+    robots = [
+        _OneLine(robot.model_dump(mode="json", exclude_none=True)) for robot in scenario.robots
+    ]
+    task = data["task"]
+    task["formation"] = _formation(task["formation"])
+    execution = data["execution"]
+    execution["events"] = [_event(event) for event in execution["events"]]
+    head = {key: data[key] for key in ("version", "name", "description")}
+    return {**head, "world": world, "robots": robots, **{k: data[k] for k in _TAIL}}
+
+
+_TAIL = ("task", "planner", "execution")
+
+
+def _formation(formation: dict[str, Any]) -> dict[str, Any]:
+    said = {key: value for key, value in formation.items() if value is not None}
+    joints = formation["connections"]
+    # Null stands for the shape's own springs: that is a choice, and is written out.
+    said["connections"] = joints if joints is None else [_OneLine(joint) for joint in joints]
+    return said
+
+
+def _event(event: dict[str, Any]) -> dict[str, Any]:
+    said = _OneLine({key: value for key, value in event.items() if value is not None})
+    for kind in ("add", "remove", "move"):
+        if kind in said:
+            said[kind] = {key: value for key, value in said[kind].items() if value is not None}
+    if "formation" in said:
+        said["formation"] = _formation(said["formation"])
+    return said
+
+
+def _relative(path: Path, folder: Path) -> str:
+    path, folder = path.resolve(), folder.resolve()
+    try:
+        return Path(os.path.relpath(path, folder)).as_posix()
+    except ValueError:  # on another drive
+        return path.as_posix()

@@ -1,0 +1,100 @@
+"""The kinds of value a scenario file is made of, and what is said when one is wrong."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    Strict,
+    ValidationInfo,
+)
+from pydantic_core import PydanticCustomError
+
+LIMIT = 1e6
+"""Largest magnitude of a coordinate or length, m: beyond it single cells are lost to rounding."""
+
+# YAML 1.1 reads `1e-3` as text because the dot is missing; a user means a number.
+_SCIENTIFIC = re.compile(r"[-+]?\d{1,20}(\.\d{0,20})?[eE][-+]?\d{1,3}")
+
+
+class Section(BaseModel):
+    """A mapping of the file: unknown keys are errors, values do not change."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, validate_default=True)
+
+
+def expected(
+    text: str, *, key: str | None = None, choices: Iterable[str] | None = None
+) -> PydanticCustomError:
+    """The error to raise in a validator.
+
+    Args:
+        text: What is wrong and what was expected, one line.
+        key: Where, below the validated value (`goals[2]`), if not the value itself.
+        choices: The valid values, if there is a short list of them.
+    """
+    context = {"text": text, "key": key, "choices": None if choices is None else tuple(choices)}
+    return PydanticCustomError("expected", "{text}", context)
+
+
+def _number(value: Any) -> float:
+    if isinstance(value, str) and _SCIENTIFIC.fullmatch(value):
+        value = float(value)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise expected("expected a number")
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise expected("expected a finite number")
+    return number
+
+
+def _numbers(names: str) -> BeforeValidator:
+    count = names.count(",") + 1
+
+    def check(value: Any) -> Any:
+        if not isinstance(value, list | tuple) or len(value) != count:
+            raise expected(f"expected [{names}]: {count} numbers")
+        return value
+
+    return BeforeValidator(check)
+
+
+def _path(value: Any) -> Any:
+    if not isinstance(value, str | Path) or not str(value).strip():
+        raise expected("expected a file name")
+    if not str(value).isprintable():
+        raise expected("expected a file name of printable characters")
+    return value
+
+
+def _below_file(path: Path, info: ValidationInfo) -> Path:
+    base = (info.context or {}).get("base")
+    return path if base is None or path.is_absolute() else Path(base) / path
+
+
+Number = Annotated[float, BeforeValidator(_number)]
+Positive = Annotated[Number, Field(gt=0)]
+NotNegative = Annotated[Number, Field(ge=0)]
+Fraction = Annotated[Number, Field(ge=0, le=1)]
+Coordinate = Annotated[Number, Field(ge=-LIMIT, le=LIMIT)]
+Length = Annotated[Number, Field(gt=0, le=LIMIT)]
+Speed = Annotated[Number, Field(gt=0, le=100)]
+Seconds = Annotated[Number, Field(ge=0, le=LIMIT)]
+Index = Annotated[int, Strict(), Field(ge=0)]
+Seed = Annotated[int, Strict(), Field(ge=0, lt=2**63)]
+Point = Annotated[tuple[Coordinate, Coordinate], _numbers("x, y")]
+Size = Annotated[tuple[Length, Length], _numbers("width, height")]
+Pose = Annotated[tuple[Coordinate, Coordinate, Coordinate], _numbers("x, y, yaw")]
+File = Annotated[Path, BeforeValidator(_path), AfterValidator(_below_file)]

@@ -1,0 +1,65 @@
+"""Scenario files in: from a name or a file to a validated `Scenario`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from cavalcade.errors import ScenarioError
+from cavalcade.scenario.messages import scenario_error
+from cavalcade.scenario.model import Scenario
+from cavalcade.scenario.overrides import Overrides, apply_overrides
+from cavalcade.scenario.shipped import find_scenario, read_text
+from cavalcade.scenario.yaml_text import parse_yaml
+
+
+def load_scenario(
+    name_or_path: str | Path, overrides: Overrides = (), seed: int | None = None
+) -> Scenario:
+    """Read a scenario.
+
+    Args:
+        name_or_path: A shipped scenario's name, a file, or the folder of a run.
+        overrides: Values over the file's: `"planner.variant=published"` texts, or dotted paths
+            with plain values.
+        seed: Over the file's `execution.seed`.
+
+    Raises:
+        ScenarioError: It does not exist or does not fit the schema. The world itself is first
+            looked at by `build_world`.
+    """
+    file = find_scenario(name_or_path)
+    data = parse_yaml(read_text(file), file=str(file))
+    if not isinstance(data, dict):
+        raise ScenarioError("expected a mapping with version, name, world, …", file=file)
+    apply_overrides(data, overrides, str(file))
+    if seed is not None:
+        apply_overrides(data, {"execution.seed": seed}, str(file))
+    return parse_scenario(data, file)
+
+
+def parse_scenario(data: Mapping[str, Any], file: str | Path | None = None) -> Scenario:
+    """A scenario from the plain data of a file.
+
+    Args:
+        data: What the file holds; file names in it are relative to `file`.
+        file: Where it comes from; None for data made in Python, relative to the working folder.
+
+    Raises:
+        ScenarioError: It does not fit the schema.
+    """
+    base = Path.cwd() if file is None else Path(file).resolve().parent
+    try:
+        scenario = Scenario.model_validate(dict(data), context={"base": base})
+    except ValidationError as error:
+        raise scenario_error(error, Scenario, file) from None
+    return scenario.with_file(None if file is None else Path(file))
+
+
+def scenario_schema() -> dict[str, Any]:
+    """The JSON Schema of scenario files."""
+    schema = Scenario.model_json_schema()
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}

@@ -1,0 +1,162 @@
+"""A scenario: everything one run needs, as its file says it.
+
+The parts have modules of their own (`ground`, `obstacles`, `task`, `events`, `settings`); this is
+the whole with what must hold between them.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, PrivateAttr, field_validator, model_validator
+from pydantic_core import PydanticCustomError
+
+from cavalcade.robots import MODELS, RobotModel
+from cavalcade.scenario.events import Event, Move
+from cavalcade.scenario.fields import Section, expected
+from cavalcade.scenario.ground import (
+    BarnSource,
+    EmptySource,
+    GenerateSource,
+    MovingAISource,
+    WorldSection,
+)
+from cavalcade.scenario.obstacles import Box, Circle, Obstacle, Polygon
+from cavalcade.scenario.settings import Budget, Delay, ExecutionSection, Noise, PlannerSection
+from cavalcade.scenario.task import (
+    ConnectionSection,
+    FormationSection,
+    RobotSection,
+    TaskSection,
+    check_formation,
+)
+
+
+class Scenario(Section):
+    """A validated scenario; immutable. Its file names are absolute after `load_scenario`."""
+
+    version: Literal[1]
+    name: Annotated[str, Field(min_length=1, max_length=200)]
+    description: Annotated[str, Field(max_length=2000)] = ""
+    world: WorldSection
+    robots: Annotated[tuple[RobotSection, ...], Field(min_length=1, max_length=256)]
+    task: TaskSection
+    planner: PlannerSection = PlannerSection()
+    execution: ExecutionSection = ExecutionSection()
+
+    _file: Path | None = PrivateAttr(default=None)
+
+    @field_validator("name", "description")
+    @classmethod
+    def _printable(cls, text: str) -> str:
+        text = text.strip()
+        if not text.isprintable():
+            raise expected("expected one line of text")
+        return text
+
+    @model_validator(mode="after")
+    def _team(self) -> Self:
+        width = min(model.width for model in self.models)
+        try:
+            check_formation(self.task.formation, len(self.robots), width)
+        except PydanticCustomError as error:
+            raise _below("task.formation", error) from None
+        lost: set[int] = set()
+        for index, event in enumerate(self.execution.events):
+            place = f"execution.events[{index}]"
+            self._check_roll(event, lost, place)
+            if event.formation is not None:
+                team, whole = len(self.robots) - len(lost), len(self.robots)
+                try:
+                    check_formation(event.formation, team, width, accepted=(whole,))
+                except PydanticCustomError as error:
+                    raise _below(f"{place}.formation", error) from None
+        return self
+
+    def _check_roll(self, event: Event, lost: set[int], place: str) -> None:
+        """Follow who is lost at the moment; `events` are in order of time."""
+        robot = event.lose if event.lose is not None else event.rejoin
+        if robot is None:
+            return
+        key = f"{place}.{event.kind}"
+        if robot >= len(self.robots):
+            raise expected(
+                f"there is no robot {robot}; expected 0 to {len(self.robots) - 1}", key=key
+            )
+        if (robot in lost) == (event.kind == "lose"):
+            state = "is lost already" if robot in lost else "is not lost"
+            raise expected(f"robot {robot} {state} at {event.at:g} s", key=key)
+        lost.symmetric_difference_update({robot})
+        if len(lost) == len(self.robots):
+            raise expected("no robot would be left", key=key)
+
+    def with_file(self, file: Path | None) -> Self:
+        """The same scenario, known to come from `file`."""
+        changed = self.model_copy()
+        changed._file = file
+        return changed
+
+    def __eq__(self, other: object) -> bool:
+        """By content, wherever it was read from."""
+        if not isinstance(other, Scenario):
+            return NotImplemented
+        return all(getattr(self, name) == getattr(other, name) for name in Scenario.model_fields)
+
+    def __hash__(self) -> int:
+        return hash(tuple(getattr(self, name) for name in Scenario.model_fields))
+
+    @property
+    def file(self) -> Path | None:
+        """The file it was read from, None if it was made in Python."""
+        return self._file
+
+    @property
+    def models(self) -> tuple[RobotModel, ...]:
+        """The model of each robot."""
+        return tuple(MODELS[robot.model] for robot in self.robots)
+
+    @property
+    def starts(self) -> tuple[tuple[float, float, float], ...]:
+        """The start (x, y, yaw) of each robot: m, m, rad, map frame."""
+        return tuple(robot.start for robot in self.robots)
+
+    @property
+    def seed(self) -> int:
+        """`execution.seed`."""
+        return self.execution.seed
+
+
+def _below(place: str, error: PydanticCustomError) -> PydanticCustomError:
+    context = error.context or {}
+    key = context.get("key")
+    return expected(
+        str(context.get("text")),
+        key=f"{place}.{key}" if key else place,
+        choices=context.get("choices"),
+    )
+
+
+__all__ = [
+    "BarnSource",
+    "Box",
+    "Budget",
+    "Circle",
+    "ConnectionSection",
+    "Delay",
+    "EmptySource",
+    "Event",
+    "ExecutionSection",
+    "FormationSection",
+    "GenerateSource",
+    "Move",
+    "MovingAISource",
+    "Noise",
+    "Obstacle",
+    "PlannerSection",
+    "Polygon",
+    "RobotSection",
+    "Scenario",
+    "TaskSection",
+    "WorldSection",
+]

@@ -1,0 +1,96 @@
+"""Whether the robots can stand where the scenario starts them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cavalcade.errors import ScenarioError
+from cavalcade.geometry import Array
+from cavalcade.scenario.model import Scenario
+from cavalcade.world import Box, Circle, OccupancyMap, Shape, rasterise
+
+_SHRINK = 1e-9
+"""Footprints are judged smaller by this many metres, so that touching is no overlap."""
+
+
+def check_starts(scenario: Scenario, base: OccupancyMap, shapes: Sequence[Shape]) -> None:
+    """Refuse starts outside the map, in an obstacle or in each other.
+
+    Judged by the oriented footprints: against the shapes exactly, against the cells of `base`
+    (the map without the shapes) as squares.
+
+    Raises:
+        ScenarioError: Naming the robot and what it would stand in.
+    """
+    bodies: list[Box] = []
+    for index, (robot, model) in enumerate(zip(scenario.robots, scenario.models, strict=True)):
+        x, y, yaw = robot.start
+        body = Box((x, y), (model.length - _SHRINK, model.width - _SHRINK), yaw)
+        problem = _problem(body, base, shapes, bodies)
+        if problem is not None:
+            raise ScenarioError(
+                f"the robot at ({x:g}, {y:g}) {problem}; expected free ground",
+                file=scenario.file,
+                key=f"robots[{index}].start",
+            )
+        bodies.append(body)
+
+
+def _problem(
+    body: Box, base: OccupancyMap, shapes: Sequence[Shape], bodies: Sequence[Box]
+) -> str | None:
+    if not base.contains(body.corners).all():
+        return "reaches beyond the map"
+    for other, standing in enumerate(bodies):
+        if _overlap(body, standing):
+            return f"overlaps robot {other}"
+    for k, shape in enumerate(shapes):
+        if _overlap(body, shape):
+            return f"stands in world.obstacles[{k}]"
+    if base.occupied.any():
+        cells = rasterise([body], base.rows, base.cols, base.resolution, base.origin)
+        if (cells & base.occupied).any():
+            return "stands in an obstacle of the map"
+    return None
+
+
+def _overlap(body: Box, shape: Shape) -> bool:
+    low_x, low_y, high_x, high_y = body.bounds
+    x_min, y_min, x_max, y_max = shape.bounds
+    if x_min > high_x or x_max < low_x or y_min > high_y or y_max < low_y:
+        return False
+    if isinstance(shape, Circle):
+        return bool(body.distance([shape.center])[0] < shape.radius)
+    corners = shape.corners if isinstance(shape, Box) else shape.vertices
+    return _polygons_meet(body.corners, corners)
+
+
+def _polygons_meet(one: Array, other: Array) -> bool:
+    """Whether two simple polygons `(N, 2)`, `(M, 2)` share a point."""
+    return _edges_cross(one, other) or _inside(one[0], other) or _inside(other[0], one)
+
+
+def _edges_cross(one: Array, other: Array) -> bool:
+    a, b = one[:, None], np.roll(one, -1, axis=0)[:, None]
+    c, d = other[None], np.roll(other, -1, axis=0)[None]
+    # Edges meet if each straddles the other's line; the boxes tell those on one line apart.
+    straddle = (_side(a, b, c) * _side(a, b, d) <= 0) & (_side(c, d, a) * _side(c, d, b) <= 0)
+    near = (np.maximum(a, b) >= np.minimum(c, d)) & (np.maximum(c, d) >= np.minimum(a, b))
+    return bool((straddle & near.all(axis=2)).any())
+
+
+def _side(start: Array, end: Array, point: Array) -> Array:
+    """Positive where `point` is left of the line from `start` to `end`."""
+    u, v = end - start, point - start
+    result: Array = np.sign(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])
+    return result
+
+
+def _inside(point: Array, polygon: Array) -> bool:
+    a, b = polygon, np.roll(polygon, -1, axis=0)
+    spans = (a[:, 1] > point[1]) != (b[:, 1] > point[1])
+    a, b = a[spans], b[spans]
+    x = a[:, 0] + (point[1] - a[:, 1]) * (b[:, 0] - a[:, 0]) / (b[:, 1] - a[:, 1])
+    return bool(np.count_nonzero(x > point[0]) % 2)

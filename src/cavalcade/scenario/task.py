@@ -1,0 +1,165 @@
+"""The team and what it is asked to do: robots, the formation and its goals."""
+
+from __future__ import annotations
+
+import math
+from itertools import combinations
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, field_validator, model_validator
+
+from cavalcade.robots import MODELS
+from cavalcade.scenario.fields import Index, Length, NotNegative, Point, Pose, Section, expected
+
+SHAPES = ("square", "line", "column", "wedge", "triangle", "circle", "custom")
+_SIZE_KEY = {
+    "square": "side",
+    "triangle": "side",
+    "line": "spacing",
+    "column": "spacing",
+    "wedge": "spacing",
+    "circle": "radius",
+}
+_SIZES = {"triangle": 1.15}  # the paper's; 1 m for all others
+_SLOTS = {"square": 4, "triangle": 3}
+_LATER = "individual goals arrive with body planning; expected poses [x, y, yaw] of the formation"
+
+
+class RobotSection(Section):
+    """One robot: the name of its model and its start (x, y, yaw) in the map frame."""
+
+    model: str = "go1"
+    start: Pose
+    goal: Pose | None = None
+
+    @field_validator("model")
+    @classmethod
+    def _known(cls, name: str) -> str:
+        if name not in MODELS:
+            raise expected(f"unknown robot model {name!r}", choices=MODELS)
+        return name
+
+    @field_validator("goal")
+    @classmethod
+    def _not_yet(cls, goal: Pose | None) -> Pose | None:
+        if goal is not None:
+            raise expected("goals of single robots arrive with body planning")
+        return goal
+
+
+class ConnectionSection(Section):
+    """A spring and damper between slots `a` and `b` (paper, section 2.5).
+
+    A value that is null is the shape's own: `l0` the distance of the two slots, the others as the
+    preset says for sides and diagonals. Units: `l0` m, `k_rep` and `k_att` 1/(m s), `dv_max_att`
+    m/s; `b_att` and `b_rep` have none.
+    """
+
+    a: Index
+    b: Index
+    l0: Length | None = None
+    k_rep: NotNegative | None = None
+    k_att: NotNegative | None = None
+    dv_max_att: NotNegative | None = None
+    b_att: NotNegative | None = None
+    b_rep: NotNegative | None = None
+
+
+class FormationSection(Section):
+    """A shape with its size in m: after loading, exactly the size that the shape needs is set.
+
+    Square and triangle need `side`, line, column and wedge `spacing` (each of the two is taken
+    for the other), circle `radius`, custom `slots`: points in the formation's frame, x forward,
+    the leader's slot first. `connections: null` means the shape's own springs, `[]` none.
+    """
+
+    shape: Literal["square", "line", "column", "wedge", "triangle", "circle", "custom"]
+    side: Length | None = None
+    spacing: Length | None = None
+    radius: Length | None = None
+    slots: Annotated[tuple[Point, ...], Field(min_length=1, max_length=256)] | None = None
+    connections: Annotated[tuple[ConnectionSection, ...], Field(max_length=10_000)] | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _size(cls, data: Any) -> Any:
+        shape = data.get("shape") if isinstance(data, dict) else None
+        if not isinstance(shape, str) or shape not in _SIZE_KEY:
+            return data
+        key = _SIZE_KEY[shape]
+        same = {"side": "spacing", "spacing": "side"}.get(key)
+        given = dict(data)
+        if same and given.get(same) is not None and given.get(key) is None:
+            given[key] = given.pop(same)
+        if given.get(key) is None:
+            given[key] = _SIZES.get(shape, 1.0)
+        return given
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        wanted = _SIZE_KEY.get(self.shape, "slots")
+        for key in ("side", "spacing", "radius", "slots"):
+            if getattr(self, key) is None and key == wanted:
+                raise expected("expected a list of points [x, y]", key=key)
+            if getattr(self, key) is not None and key != wanted:
+                raise expected(f"a {self.shape} takes no {key}; expected {wanted}", key=key)
+        seen: set[frozenset[int]] = set()
+        for index, joint in enumerate(self.connections or ()):
+            pair = frozenset((joint.a, joint.b))
+            if len(pair) == 1 or pair in seen:
+                raise expected(
+                    "expected two different slots, each pair once", key=f"connections[{index}]"
+                )
+            seen.add(pair)
+        return self
+
+    @property
+    def slot_count(self) -> int | None:
+        """How many robots the shape takes; None if any number."""
+        return len(self.slots) if self.slots is not None else _SLOTS.get(self.shape)
+
+    def closest_slots(self, robots: int) -> float:
+        """Smallest distance between two slots in m for that many robots; inf for one robot."""
+        if self.slots is not None:
+            return min((math.dist(p, q) for p, q in combinations(self.slots, 2)), default=math.inf)
+        if robots < 2:
+            return math.inf
+        if self.radius is not None:
+            return 2.0 * self.radius * math.sin(math.pi / robots)
+        return self.side or self.spacing or 0.0
+
+
+class TaskSection(Section):
+    """The formation and the poses of its centre to visit, in order."""
+
+    formation: FormationSection
+    goals: Annotated[tuple[Pose, ...], Field(min_length=1, max_length=1000)]
+
+    @field_validator("goals", mode="before")
+    @classmethod
+    def _poses(cls, value: Any) -> Any:
+        if value == "individual":
+            raise expected(_LATER)
+        return value
+
+
+def check_formation(
+    formation: FormationSection, robots: int, width: float, accepted: tuple[int, ...] = ()
+) -> None:
+    """Refuse a formation that a team cannot take up.
+
+    Args:
+        formation: To be taken up.
+        robots: How many there are.
+        width: Of a robot's body, m.
+        accepted: Other numbers of slots that are right too.
+    """
+    count = formation.slot_count
+    if count is not None and count != robots and count not in accepted:
+        raise expected(f"the {formation.shape} has {count} slots, the team {robots} robots")
+    slots = robots if count is None else count
+    for index, joint in enumerate(formation.connections or ()):
+        if max(joint.a, joint.b) >= slots:
+            raise expected(f"expected slots 0 to {slots - 1}", key=f"connections[{index}]")
+    if formation.closest_slots(slots) < width:
+        raise expected(f"slots closer than a robot's width ({width:g} m)")

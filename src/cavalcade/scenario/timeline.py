@@ -1,0 +1,163 @@
+"""What a scenario's events make of its obstacles: which is where, and when.
+
+One reading of `add`, `remove` and `move` for all who need it. `remove` and `move` mean the
+obstacle that now stands exactly where their shape says or, failing that, the one that was first
+written so. A `move` that matches none lets the obstacle appear; a `remove` must match.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from cavalcade.errors import ScenarioError
+from cavalcade.scenario.events import Event, Move
+from cavalcade.scenario.model import Scenario
+from cavalcade.scenario.obstacles import Obstacle
+
+_SAME = 1e-6
+"""Shapes whose figures differ by less (m, rad) are the same."""
+
+Offset = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class ObstacleSpan:
+    """One obstacle from its appearance to its end.
+
+    Attributes:
+        obstacle: Its shape at its first place, map frame.
+        start, end: Seconds between which it is there; 0.0 and inf for one that always is.
+        time: `(K,)` s, not falling, and
+        offset: `(K, 2)` m: its displacement from its first place at these times; linear between
+            them, constant before the first and after the last.
+    """
+
+    obstacle: Obstacle
+    start: float = 0.0
+    end: float = math.inf
+    time: tuple[float, ...] = (0.0,)
+    offset: tuple[Offset, ...] = ((0.0, 0.0),)
+
+    @property
+    def fixed(self) -> bool:
+        """It is there from the start to the end and never moves."""
+        return self.start == 0.0 and self.end == math.inf and len(self.time) == 1
+
+    def offset_at(self, time: float) -> Offset:
+        """Displacement (x, y) in m at `time` s."""
+        if time <= self.time[0]:
+            return self.offset[0]
+        for k in range(1, len(self.time)):
+            if time < self.time[k]:
+                part = (time - self.time[k - 1]) / (self.time[k] - self.time[k - 1])
+                (x0, y0), (x1, y1) = self.offset[k - 1], self.offset[k]
+                return x0 + part * (x1 - x0), y0 + part * (y1 - y0)
+        return self.offset[-1]
+
+    def velocity_at(self, time: float) -> Offset:
+        """Velocity (x, y) in m/s at `time` s; that of the motion that begins at a knot."""
+        for k in range(1, len(self.time)):
+            if self.time[k - 1] <= time < self.time[k]:
+                dt = self.time[k] - self.time[k - 1]
+                (x0, y0), (x1, y1) = self.offset[k - 1], self.offset[k]
+                return (x1 - x0) / dt, (y1 - y0) / dt
+        return 0.0, 0.0
+
+    def obstacle_at(self, time: float) -> Obstacle | None:
+        """The obstacle at its place at `time` s, None while it is not there."""
+        if not self.start <= time < self.end:
+            return None
+        return self.obstacle.moved(self.offset_at(time))
+
+
+@dataclass
+class _Track:
+    obstacle: Obstacle
+    start: float
+    end: float = math.inf
+    time: list[float] = field(default_factory=list)
+    offset: list[Offset] = field(default_factory=list)
+
+    def span(self) -> ObstacleSpan:
+        return ObstacleSpan(
+            self.obstacle, self.start, self.end, tuple(self.time), tuple(self.offset)
+        )
+
+
+def obstacle_spans(
+    scenario: Scenario, generated: tuple[Obstacle, ...] = ()
+) -> tuple[ObstacleSpan, ...]:
+    """Every obstacle of the scenario over time: first `world.obstacles`, then what events add.
+
+    Args:
+        scenario: Best a resolved one, whose world lists all its obstacles.
+        generated: Obstacles of a `generate` or `barn` source, which follow `world.obstacles`.
+
+    Raises:
+        ScenarioError: An event removes an obstacle that is not there.
+    """
+    tracks = [
+        _Track(obstacle, 0.0, time=[0.0], offset=[(0.0, 0.0)])
+        for obstacle in (*scenario.world.obstacles, *generated)
+    ]
+    for index, event in enumerate(scenario.execution.events):
+        if event.add is not None:
+            tracks.append(_Track(event.add, event.at, time=[event.at], offset=[(0.0, 0.0)]))
+        elif event.remove is not None:
+            track = _find(tracks, event.remove, event.at)
+            if track is None:
+                raise ScenarioError(
+                    f"no such obstacle at {event.at:g} s; expected the shape as it was added",
+                    file=scenario.file,
+                    key=f"execution.events[{index}].remove",
+                )
+            track.end = event.at
+        elif event.move is not None:
+            _move(tracks, event, event.move)
+    return tuple(track.span() for track in tracks)
+
+
+def _move(tracks: list[_Track], event: Event, move: Move) -> None:
+    track = _find(tracks, move.obstacle, event.at)
+    if track is None:
+        track = _Track(move.obstacle, event.at, time=[event.at], offset=[(0.0, 0.0)])
+        tracks.append(track)
+    here = track.span().offset_at(event.at)
+    keep = [k for k, time in enumerate(track.time) if time < event.at]
+    track.time = [track.time[k] for k in keep]
+    track.offset = [track.offset[k] for k in keep]
+    cx, cy = track.obstacle.center
+    there = (move.to[0] - cx, move.to[1] - cy)
+    duration = math.dist(here, there) / move.speed
+    track.time.append(event.at)
+    track.offset.append(here)
+    if event.at + duration > event.at:
+        track.time.append(event.at + duration)
+        track.offset.append(there)
+
+
+def _find(tracks: list[_Track], shape: Obstacle, time: float) -> _Track | None:
+    alive = [track for track in tracks if track.start <= time < track.end]
+    for track in alive:
+        if _same(track.obstacle.moved(track.span().offset_at(time)), shape):
+            return track
+    return next((track for track in alive if _same(track.obstacle, shape)), None)
+
+
+def _same(one: Obstacle, other: Obstacle) -> bool:
+    a, b = _figures(one), _figures(other)
+    return (
+        a[0] == b[0]
+        and len(a[1]) == len(b[1])
+        and all(abs(x - y) <= _SAME for x, y in zip(a[1], b[1], strict=True))
+    )
+
+
+def _figures(obstacle: Obstacle) -> tuple[str, list[float]]:
+    if obstacle.box is not None:
+        return "box", [*obstacle.box.center, *obstacle.box.size, obstacle.box.yaw]
+    if obstacle.circle is not None:
+        return "circle", [*obstacle.circle.center, obstacle.circle.radius]
+    points = obstacle.polygon.points if obstacle.polygon is not None else ()
+    return "polygon", [value for point in points for value in point]

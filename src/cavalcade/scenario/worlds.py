@@ -1,0 +1,157 @@
+"""From a scenario to its ground: the map, the exact shapes and how they change."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from cavalcade.errors import InputError, ScenarioError
+from cavalcade.scenario.ground import EmptySource, GenerateSource
+from cavalcade.scenario.model import Scenario
+from cavalcade.scenario.obstacles import Obstacle
+from cavalcade.scenario.placement import check_starts
+from cavalcade.scenario.timeline import ObstacleSpan, obstacle_spans
+from cavalcade.world import (
+    OccupancyMap,
+    Shape,
+    generate,
+    load_barn,
+    load_map,
+    load_movingai,
+    shape_from_mapping,
+    shape_to_mapping,
+)
+
+
+@dataclass(frozen=True)
+class World:
+    """The ground of one scenario before anything has happened.
+
+    Attributes:
+        map: `base` with all `shapes` rasterised: what a planner is given at the start.
+        base: The source alone, without obstacle shapes; to rasterise them anew when they move.
+        shapes: The exact obstacles at the start, map frame, m: `world.obstacles` in the file's
+            order, then those of a `generate` or `barn` source.
+        spans: Every obstacle over time, first those of `shapes` in the same order, then those
+            that events bring.
+        source_map: The map file that `base` was read from, None for worlds without one.
+    """
+
+    map: OccupancyMap
+    base: OccupancyMap
+    shapes: tuple[Shape, ...]
+    spans: tuple[ObstacleSpan, ...]
+    source_map: Path | None
+
+
+def build_world(scenario: Scenario) -> World:
+    """Make the world and see that the robots can stand in it.
+
+    Raises:
+        MapError: A map file cannot be used.
+        ScenarioError: A source or an obstacle cannot be made, an event removes what is not there,
+            or a start is outside, in an obstacle or in another robot.
+    """
+    scenario = resolve_scenario(scenario)
+    world = scenario.world
+    source_map: Path | None = None
+    if world.map is not None:
+        source_map = world.map
+        base = load_map(world.map, unknown=world.unknown)
+    elif world.movingai is not None:
+        source_map = world.movingai.file
+        base = load_movingai(world.movingai.file, world.movingai.resolution)
+    else:
+        size = world.empty.size if world.empty is not None else (0.0, 0.0)
+        try:
+            base = OccupancyMap.empty(size, world.resolution)
+        except InputError as error:
+            raise _at(scenario, "world.empty.size", error) from None
+    shapes = tuple(
+        _shape(scenario, obstacle, f"world.obstacles[{k}]")
+        for k, obstacle in enumerate(world.obstacles)
+    )
+    for index, event in enumerate(scenario.execution.events):
+        for kind in ("add", "remove", "move"):
+            said = getattr(event, kind)
+            if said is not None:
+                _shape(scenario, said, f"execution.events[{index}].{kind}")
+    spans = obstacle_spans(scenario)
+    check_starts(scenario, base, shapes)
+    return World(base.with_shapes(shapes), base, shapes, spans, source_map)
+
+
+def resolve_scenario(scenario: Scenario) -> Scenario:
+    """The same scenario with every obstacle listed: `generate` and `barn` become `empty`.
+
+    Raises:
+        MapError: The BARN file cannot be used.
+        ScenarioError: The generator refuses its options.
+    """
+    world = scenario.world
+    if world.generate is not None:
+        size, shapes = _generated(scenario, world.generate)
+    elif world.barn is not None:
+        field = load_barn(world.barn.file)
+        size, shapes = field.size, field.circles
+    else:
+        return scenario
+    listed = tuple(_obstacle(shape) for shape in shapes)
+    resolved = world.model_copy(
+        update={
+            "generate": None,
+            "barn": None,
+            "empty": EmptySource(size=size),
+            "obstacles": (*world.obstacles, *listed),
+        }
+    )
+    return scenario.model_copy(update={"world": resolved})
+
+
+def shape_of(obstacle: Obstacle) -> Shape:
+    """The exact shape of an obstacle of the file.
+
+    Raises:
+        InputError: A polygon that crosses itself or has no area.
+    """
+    return shape_from_mapping(obstacle.words)
+
+
+def _generated(
+    scenario: Scenario, source: GenerateSource
+) -> tuple[tuple[float, float], tuple[Shape, ...]]:
+    try:
+        drawn = generate(
+            source.kind,
+            source.size,
+            scenario.seed if source.seed is None else source.seed,
+            scenario.world.resolution,
+            radius=source.radius,
+            require_feasible=source.require_feasible,
+            **source.options,
+        )
+    except InputError as error:
+        key = f"world.generate.{error.key}" if error.key else "world.generate"
+        raise _at(scenario, key, error) from None
+    return drawn.size, drawn.shapes
+
+
+def _shape(scenario: Scenario, obstacle: Obstacle, key: str) -> Shape:
+    try:
+        return shape_of(obstacle)
+    except InputError as error:
+        raise _at(scenario, key, error) from None
+
+
+def _obstacle(shape: Shape) -> Obstacle:
+    return Obstacle.model_validate(shape_to_mapping(shape))
+
+
+def _at(scenario: Scenario, key: str, error: InputError) -> ScenarioError:
+    """The error as one of the scenario file's `key`."""
+    text = str(error)
+    if error.file is not None:
+        text = text.removeprefix(f"{error.file}: ")
+    if error.key is not None:
+        text = text.removeprefix(f"{error.key}: ")
+    return ScenarioError(text, file=scenario.file, key=key)

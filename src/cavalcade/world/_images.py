@@ -1,0 +1,160 @@
+"""Map pictures: PGM and PNG to 8-bit grey and back, row 0 at the top.
+
+Sizes are checked in the header, before memory is taken for the picture.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cavalcade.errors import MapError
+from cavalcade.world._files import read_bytes, read_head
+from cavalcade.world.occupancy import check_cell_count
+
+if TYPE_CHECKING:
+    from PIL.Image import Image as Picture
+
+Pixels = NDArray[np.uint8]
+
+_PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+_GAP = rb"(?:\s|#[^\r\n]*[\r\n])+"
+_PGM_HEADER = re.compile(
+    rb"P([25])" + _GAP + rb"(\d{1,9})" + _GAP + rb"(\d{1,9})" + _GAP + rb"(\d{1,5})\s"
+)
+_HEAD = 65_536
+"""Bytes in which a header must have ended."""
+
+_BYTES_PER_PIXEL = 16
+"""More than any picture needs: text with spaces and comments, or 16 bits in four channels."""
+
+
+def read_grey(path: Path) -> tuple[Pixels, Pixels | None]:
+    """Brightness `(height, width)` of a PGM or PNG picture, and its opacity if it has any.
+
+    The format is told by the content, not by the file's name. Colours become luminance
+    (ITU-R BT.601); more or less than 8 bits are scaled to 0..255.
+
+    Raises:
+        MapError: Not such a picture, truncated, damaged, or too large.
+    """
+    head = read_head(path, _HEAD)
+    if head.startswith(_PNG_SIGNATURE):
+        width, height = _png_size(head, path)
+    elif head[:2] in (b"P2", b"P5"):
+        _, width, height, _ = (int(part) for part in _pgm_header(head, path).groups())
+    else:
+        raise MapError("expected a PGM (P2, P5) or PNG picture", file=path)
+    check_cell_count(height, width, file=str(path), key="picture")
+    content = read_bytes(path, _BYTES_PER_PIXEL * width * height + 16 * _HEAD)
+    if head.startswith(_PNG_SIGNATURE):
+        return _decode_png(content, path)
+    return _decode_pgm(content, path), None
+
+
+def encode_pgm(grey: Pixels) -> bytes:
+    """A binary PGM (P5) of the brightness `(height, width)`."""
+    height, width = grey.shape
+    return b"P5\n%d %d\n255\n" % (width, height) + grey.tobytes()
+
+
+def encode_png(grey: Pixels, alpha: Pixels | None = None) -> bytes:
+    """A grey PNG of the brightness `(height, width)`; RGBA if an opacity is given.
+
+    RGBA instead of grey with alpha, because GraphicsMagick, which Nav2 reads with, loses the
+    alpha of the latter.
+    """
+    from PIL import Image
+
+    if alpha is None:
+        picture = Image.fromarray(grey)
+    else:
+        picture = Image.fromarray(np.stack([grey, grey, grey, alpha], axis=2))
+    stream = io.BytesIO()
+    picture.save(stream, format="PNG")
+    return stream.getvalue()
+
+
+def _decode_pgm(content: bytes, path: Path) -> Pixels:
+    header = _pgm_header(content, path)
+    kind, width, height, largest = (int(part) for part in header.groups())
+    if not 1 <= largest <= 65535:
+        raise MapError(f"the largest grey must be 1 to 65535, not {largest}", file=path)
+    count = width * height
+    body = memoryview(content)[header.end() :]
+    if kind == 5:
+        values = _binary_samples(body, count, 1 if largest < 256 else 2, path)
+    else:
+        values = _text_samples(bytes(body), count, path)
+    if largest != 255:
+        if values.max() > largest:
+            raise MapError(f"a grey value exceeds the largest one, {largest}", file=path)
+        values = (values.astype(np.int64) * 510 + largest) // (2 * largest)
+    elif values.max() > 255:
+        raise MapError("a grey value exceeds the largest one, 255", file=path)
+    return values.astype(np.uint8).reshape(height, width)
+
+
+def _pgm_header(content: bytes, path: Path) -> re.Match[bytes]:
+    """The header with its four numbers: format, width, height, largest grey."""
+    header = _PGM_HEADER.match(content)
+    if header is None:
+        raise MapError("the header of the PGM picture is damaged", file=path)
+    return header
+
+
+def _binary_samples(body: memoryview, count: int, width: int, path: Path) -> NDArray[np.integer]:
+    if len(body) < count * width:
+        raise MapError(f"the picture is truncated: {len(body)} of {count * width} bytes", file=path)
+    return np.frombuffer(body, dtype=np.uint8 if width == 1 else np.dtype(">u2"), count=count)
+
+
+def _text_samples(body: bytes, count: int, path: Path) -> NDArray[np.integer]:
+    if b"#" in body:
+        body = re.sub(rb"#[^\r\n]*", b"", body)
+    if body.translate(None, b"0123456789 \t\r\n\v\f"):
+        raise MapError("the picture holds something else than numbers", file=path)
+    values = np.fromstring(body.decode("ascii"), dtype=np.int64, sep=" ")
+    if len(values) < count:
+        raise MapError(f"the picture is truncated: {len(values)} of {count} pixels", file=path)
+    return values[:count]
+
+
+def _png_size(head: bytes, path: Path) -> tuple[int, int]:
+    """Width and height from the first chunk."""
+    if len(head) < 24 or head[12:16] != b"IHDR":
+        raise MapError("the header of the PNG picture is damaged", file=path)
+    return int.from_bytes(head[16:20], "big"), int.from_bytes(head[20:24], "big")
+
+
+def _decode_png(content: bytes, path: Path) -> tuple[Pixels, Pixels | None]:
+    from PIL import Image
+
+    try:
+        with Image.open(io.BytesIO(content), formats=["PNG"]) as picture:
+            picture.load()
+            return _grey_and_alpha(picture)
+    except MemoryError:
+        raise
+    except Exception:
+        # The decoder answers damaged pictures with errors of about ten unrelated types.
+        raise MapError("the PNG picture is truncated or damaged", file=path) from None
+
+
+def _grey_and_alpha(picture: Picture) -> tuple[Pixels, Pixels | None]:
+    transparent = picture.info.get("transparency")
+    if picture.mode.startswith("I"):  # 16-bit grey
+        values = np.asarray(picture).astype(np.int64)
+        grey = ((values + 128) // 257).astype(np.uint8)
+        if isinstance(transparent, int):
+            return grey, np.where(values == transparent, 0, 255).astype(np.uint8)
+        return grey, None
+    if transparent is None and picture.mode not in ("LA", "PA", "RGBA"):
+        return np.asarray(picture.convert("L")), None
+    full = picture.convert("RGBA")
+    return np.asarray(full.convert("RGB").convert("L")), np.asarray(full.getchannel("A"))

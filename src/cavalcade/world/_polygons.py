@@ -1,0 +1,90 @@
+"""Geometry of simple polygons: vertices `(V, 2)`, either way round, edge i from i to i + 1."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cavalcade.geometry import Array
+
+_CHUNK = 2_000_000
+"""Point-edge pairs that are treated at once; bounds the memory."""
+
+
+def signed_area(vertices: Array) -> float:
+    """Area in m², positive for counter-clockwise vertices (shoelace formula)."""
+    # Relative to the first vertex, so that a small polygon far away keeps its digits.
+    x, y = (vertices - vertices[0]).T
+    return float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)) / 2.0
+
+
+def contains(vertices: Array, points: Array) -> NDArray[np.bool_]:
+    """Whether points `(N, 2)` lie inside, `(N,)`, by the parity of crossed edges.
+
+    Points on the boundary may fall either way.
+    """
+    start, end = vertices, np.roll(vertices, -1, axis=0)
+    inside = np.zeros(len(points), dtype=bool)
+    for (ax, ay), (bx, by) in zip(start, end, strict=True):
+        if ay == by:
+            continue
+        spans = (ay > points[:, 1]) != (by > points[:, 1])
+        crossing = ax + (points[:, 1] - ay) * ((bx - ax) / (by - ay))
+        inside ^= spans & (points[:, 0] < crossing)
+    return inside
+
+
+def distance(vertices: Array, points: Array) -> Array:
+    """Distance in m of points `(N, 2)` to the polygon, `(N,)`, 0 inside."""
+    result = np.empty(len(points))
+    step = max(1, _CHUNK // len(vertices))
+    for first in range(0, len(points), step):
+        chunk = points[first : first + step]
+        result[first : first + step] = np.where(
+            contains(vertices, chunk), 0.0, _boundary_distance(vertices, chunk)
+        )
+    return result
+
+
+def first_crossing(vertices: Array) -> tuple[int, int] | None:
+    """The first pair of edges that touch or cross where they must not; None if it is simple.
+
+    Neighbouring edges share a vertex, and must share nothing else.
+    """
+    count = len(vertices)
+    start, end = vertices, np.roll(vertices, -1, axis=0)
+    edge = end - start
+    for i in range(count):
+        following = edge[(i + 1) % count]
+        folded = _cross(edge[i], following) == 0.0 and float(edge[i] @ following) <= 0.0
+        if folded or not edge[i].any():
+            return (i, (i + 1) % count)
+        others = np.arange(i + 2, count - 1 if i == 0 else count)
+        if len(others) == 0:
+            continue
+        a, b, c, d = start[i], end[i], start[others], end[others]
+        side_c, side_d = _cross(b - a, c - a), _cross(b - a, d - a)
+        side_a, side_b = _cross(d - c, a - c), _cross(d - c, b - c)
+        hit = (np.sign(side_c) * np.sign(side_d) <= 0) & (np.sign(side_a) * np.sign(side_b) <= 0)
+        # Collinear edges pass both tests; they touch only if their bounding boxes do.
+        low, high = np.minimum(c, d), np.maximum(c, d)
+        hit &= np.all((low <= np.maximum(a, b)) & (high >= np.minimum(a, b)), axis=1)
+        if hit.any():
+            return (i, int(others[np.argmax(hit)]))
+    return None
+
+
+def _cross(u: Array, v: Array) -> Array:
+    """The z component of the cross product of planar vectors `(..., 2)`."""
+    result: Array = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
+    return result
+
+
+def _boundary_distance(vertices: Array, points: Array) -> Array:
+    """Distance in m of points `(N, 2)` to the nearest edge, `(N,)`."""
+    edge = np.roll(vertices, -1, axis=0) - vertices
+    away = points[:, None, :] - vertices[None, :, :]
+    along = np.einsum("nvi,vi->nv", away, edge) / np.einsum("vi,vi->v", edge, edge)
+    rest = away - np.clip(along, 0.0, 1.0)[:, :, None] * edge
+    nearest: Array = np.sqrt(np.einsum("nvi,nvi->nv", rest, rest).min(axis=1))
+    return nearest

@@ -1,0 +1,98 @@
+"""What a generator gives back, and the parts they share. World frame: lower-left corner (0, 0)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from cavalcade.errors import InputError
+from cavalcade.world.occupancy import OccupancyMap
+from cavalcade.world.shapes import Shape
+
+Pose = tuple[float, float, float]
+"""x m, y m, yaw rad."""
+
+Size = tuple[float, float]
+"""Width and height, m."""
+
+
+@dataclass(frozen=True)
+class Draw:
+    """One draw of a generator.
+
+    Attributes:
+        shapes: The obstacles.
+        start, goal: Poses on free ground for a team to start and to end at.
+    """
+
+    shapes: tuple[Shape, ...]
+    start: Pose
+    goal: Pose
+
+
+Generator = Callable[..., Draw]
+"""Takes size, a numpy random generator and the options of its kind, by keyword."""
+
+
+@dataclass(frozen=True)
+class GeneratedWorld:
+    """A world drawn by a seed. Its shapes are the truth; maps are made from them.
+
+    Attributes:
+        kind, seed: What it was drawn from.
+        size: Width and height, m; the lower-left corner is (0, 0).
+        resolution: Side of the cells of its map, m.
+        shapes: The obstacles.
+        feasible: A disc of the radius asked for gets from start to goal (never claimed wrongly).
+        start, goal: Poses (x, y, yaw) on free ground for the centre of a team.
+        attempts: Draws that were needed.
+    """
+
+    kind: str
+    seed: int
+    size: Size
+    resolution: float
+    shapes: tuple[Shape, ...]
+    feasible: bool
+    start: Pose
+    goal: Pose
+    attempts: int
+
+    def to_map(self) -> OccupancyMap:
+        """The world as an occupancy map."""
+        return OccupancyMap.empty(self.size, self.resolution).with_shapes(self.shapes)
+
+
+def number(name: str, value: float, low: float, high: float = math.inf) -> float:
+    """`value` as a float in [low, high]; InputError names the option."""
+    valid = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
+    if not valid or not math.isfinite(value) or not low <= value <= high:
+        upper = "" if math.isinf(high) else f" and at most {high:g}"
+        raise InputError(f"expected a number of at least {low:g}{upper}", key=name)
+    return float(value)
+
+
+def count(name: str, value: int, low: int, high: int) -> int:
+    """`value` as an integer in [low, high]; InputError names the option."""
+    valid = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+    if not valid or not low <= value <= high:
+        raise InputError(f"expected an integer from {low} to {high}", key=name)
+    return int(value)
+
+
+def zone_poses(size: Size, zone: float) -> tuple[Pose, Pose]:
+    """Start and goal in the middle of the zones of that width on the left and the right."""
+    middle = size[1] / 2.0
+    return (zone / 2.0, middle, 0.0), (size[0] - zone / 2.0, middle, 0.0)
+
+
+def check_band(size: Size, zone: float, least: float) -> None:
+    """Refuse a world that leaves less than `least` m between its start and goal zones."""
+    if size[0] - 2.0 * zone < least:
+        raise InputError(
+            f"{size[0]:g} m leave less than {least:g} m between two zones of {zone:g} m",
+            key="size",
+        )

@@ -1,0 +1,236 @@
+"""The occupancy map: which ground is free, and where the grid lies in the map frame."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cavalcade.errors import MapError
+from cavalcade.geometry import Array, inverse_transform_points, transform_points
+from cavalcade.world.raster import rasterise
+from cavalcade.world.shapes import Shape
+
+FREE, OCCUPIED, UNKNOWN = 0, 100, -1
+"""Cell values of nav_msgs/OccupancyGrid."""
+
+OCCUPIED_FROM = 65
+"""Cells of at least this value are obstacles (ROS's usual `occupied_thresh` of 0.65)."""
+
+MAX_CELLS = 64_000_000
+"""Largest map that is accepted, in cells."""
+
+MAX_EXTENT = 1e6
+"""Largest coordinate of a map, m."""
+
+Unknown = Literal["occupied", "free"]
+
+
+@dataclass(frozen=True, eq=False)
+class OccupancyMap:
+    """A grid of occupancy values with its place in the map frame.
+
+    Grids are indexed `[row, col]` = `[y, x]` with row 0 at the lowest y; a cell's value stands
+    for its whole square. All ground beyond the map counts as occupied.
+
+    Args:
+        grid: `(rows, cols)` integers: 0 free, 100 occupied, -1 unknown, 1 to 99 in between; or
+            bool, True for occupied. Copied, and read-only afterwards.
+        resolution: Side of a cell, m.
+        origin: Pose (x m, y m, yaw rad) of the lower-left corner of cell [0, 0] in the map frame.
+        unknown: Whether cells of value -1 count as `occupied` or `free`.
+
+    Raises:
+        MapError: Wrong shape or type, values out of range, something not finite, or more than
+            `MAX_CELLS` cells.
+    """
+
+    grid: NDArray[np.int8]
+    resolution: float
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    unknown: Unknown = "occupied"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "grid", _checked_grid(self.grid))
+        object.__setattr__(self, "resolution", checked_resolution(self.resolution))
+        object.__setattr__(self, "origin", checked_origin(self.origin))
+        if self.unknown not in ("occupied", "free"):
+            raise MapError("expected another value", key="unknown", choices=("occupied", "free"))
+        if max(self.grid.shape) * self.resolution > MAX_EXTENT:
+            raise MapError(f"the map is longer than {MAX_EXTENT:g} m", key="resolution")
+
+    @classmethod
+    def empty(cls, size: ArrayLike, resolution: float = 0.05) -> OccupancyMap:
+        """A free map of `size` (width, height) m whose lower-left corner is at (0, 0).
+
+        A size that is no multiple of the resolution loses the last, incomplete row or column.
+        """
+        resolution = checked_resolution(resolution)
+        rows, cols = grid_shape(size, resolution)
+        return cls(np.zeros((rows, cols), dtype=np.int8), resolution)
+
+    @property
+    def rows(self) -> int:
+        """Number of rows."""
+        return int(self.grid.shape[0])
+
+    @property
+    def cols(self) -> int:
+        """Number of columns."""
+        return int(self.grid.shape[1])
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Width and height in m, along the grid's own axes."""
+        return self.cols * self.resolution, self.rows * self.resolution
+
+    @cached_property
+    def occupied(self) -> NDArray[np.bool_]:
+        """Obstacle cells `(rows, cols)`, read-only: at least 65, or unknown unless that is free."""
+        occupied: NDArray[np.bool_] = self.grid >= OCCUPIED_FROM
+        if self.unknown == "occupied":
+            occupied |= self.grid == UNKNOWN
+        occupied.setflags(write=False)
+        return occupied
+
+    def to_local(self, points: ArrayLike) -> Array:
+        """Points `(N, 2)` of the map frame seen from the corner of cell [0, 0], x along columns."""
+        return inverse_transform_points(self.origin, np.asarray(points, dtype=float))
+
+    def to_map(self, points: ArrayLike) -> Array:
+        """Points `(N, 2)` given from the corner of cell [0, 0], expressed in the map frame."""
+        return transform_points(self.origin, np.asarray(points, dtype=float))
+
+    def cell_of(self, points: ArrayLike) -> NDArray[np.int64]:
+        """Cells `(N, 2)` as [row, col] in which points `(N, 2)` of the map frame lie.
+
+        They may lie outside the map.
+
+        Raises:
+            MapError: A point is not finite.
+        """
+        array = np.asarray(points, dtype=float)
+        if not np.isfinite(array).all():
+            raise MapError("points must be finite", key="points")
+        local = self.to_local(array)
+        # The clip keeps the conversion to integers defined for points that are light years away.
+        cells: Array = np.floor(local[:, ::-1] / self.resolution)
+        return np.clip(cells, -(2.0**40), 2.0**40).astype(np.int64)
+
+    def centers(self, cells: ArrayLike) -> Array:
+        """Centres `(N, 2)` in the map frame of cells `(N, 2)` given as [row, col]."""
+        local = (np.asarray(cells, dtype=float)[:, ::-1] + 0.5) * self.resolution
+        return self.to_map(local)
+
+    def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
+        """Whether points `(N, 2)` of the map frame lie on the map, `(N,)`; False for nan."""
+        array = np.asarray(points, dtype=float)
+        inside: NDArray[np.bool_] = np.isfinite(array).all(axis=1)
+        local = self.to_local(array[inside])
+        inside[inside] = (local >= 0.0).all(axis=1) & (local <= self.size).all(axis=1)
+        return inside
+
+    def with_shapes(self, shapes: Iterable[Shape]) -> OccupancyMap:
+        """This map with every cell occupied that one of the shapes (map frame) touches."""
+        touched = rasterise(shapes, self.rows, self.cols, self.resolution, self.origin)
+        return replace(self, grid=np.where(touched, np.int8(OCCUPIED), self.grid))
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, OccupancyMap):
+            return NotImplemented
+        same = self.resolution == other.resolution and self.origin == other.origin
+        return same and self.unknown == other.unknown and np.array_equal(self.grid, other.grid)
+
+    def __hash__(self) -> int:
+        return hash((self.grid.shape, self.resolution, self.origin, self.unknown))
+
+    def __repr__(self) -> str:
+        return (
+            f"OccupancyMap({self.rows} x {self.cols} cells of {self.resolution:g} m, "
+            f"origin={self.origin}, unknown={self.unknown!r})"
+        )
+
+
+def check_cell_count(rows: int, cols: int, *, file: str | None = None, key: str = "grid") -> None:
+    """Refuse a map without cells or with more than `MAX_CELLS`, before memory is taken for it."""
+    if rows < 1 or cols < 1:
+        raise MapError(f"a map of {rows} x {cols} cells has no ground", file=file, key=key)
+    if rows * cols > MAX_CELLS:
+        raise MapError(
+            f"{rows} x {cols} cells are too many, at most {MAX_CELLS / 1e6:g} million are allowed",
+            file=file,
+            key=key,
+        )
+
+
+def checked_resolution(value: object) -> float:
+    """`value` as a positive, finite float, m per cell."""
+    number = _finite(value, "resolution")
+    if not 1e-4 <= number <= 1e4:
+        raise MapError("expected metres per cell between 0.0001 and 10000", key="resolution")
+    return number
+
+
+def checked_origin(value: object) -> tuple[float, float, float]:
+    """`value` as a finite pose x, y, yaw."""
+    try:
+        parts = [_finite(part, "origin") for part in value]  # type: ignore[attr-defined]
+    except TypeError:
+        parts = []
+    if len(parts) != 3:
+        raise MapError("expected three numbers: x, y, yaw", key="origin")
+    if max(abs(part) for part in parts) > MAX_EXTENT:
+        raise MapError(f"expected numbers within ±{MAX_EXTENT:g}", key="origin")
+    return parts[0], parts[1], parts[2]
+
+
+def grid_shape(size: ArrayLike, resolution: float) -> tuple[int, int]:
+    """Whole rows and columns in a world of `size` (width, height) m."""
+    try:
+        width, height = (_finite(side, "size") for side in np.asarray(size).tolist())
+    except (TypeError, ValueError):
+        raise MapError("expected two numbers: width, height", key="size") from None
+    if not 0.0 < width <= MAX_EXTENT or not 0.0 < height <= MAX_EXTENT:
+        raise MapError(f"expected positive lengths up to {MAX_EXTENT:g} m", key="size")
+    # 14.0 / 0.05 falls just short of 280 in floating point.
+    rows, cols = (math.floor(side / resolution + 1e-6) for side in (height, width))
+    check_cell_count(rows, cols, key="size")
+    return rows, cols
+
+
+def _finite(value: object, key: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
+        raise MapError("expected a number", key=key)
+    try:
+        number = float(value)
+    except (OverflowError, TypeError):
+        raise MapError("expected a number", key=key) from None
+    if not math.isfinite(number):
+        raise MapError("expected a finite number", key=key)
+    return number
+
+
+def _checked_grid(grid: object) -> NDArray[np.int8]:
+    """An own, read-only int8 copy of the occupancy values."""
+    try:
+        array = np.asarray(grid)
+    except ValueError:
+        raise MapError("rows differ in length", key="grid") from None
+    if array.ndim != 2:
+        raise MapError(f"expected two dimensions (rows, cols), not {array.ndim}", key="grid")
+    check_cell_count(*array.shape)
+    if array.dtype == bool:
+        result = np.where(array, np.int8(OCCUPIED), np.int8(FREE))
+    elif np.issubdtype(array.dtype, np.integer):
+        if array.min() < UNKNOWN or array.max() > OCCUPIED:
+            raise MapError("occupancy values must lie between -1 and 100", key="grid")
+        result = array.astype(np.int8)
+    else:
+        raise MapError(f"expected integers or bool, not {array.dtype}", key="grid")
+    result.setflags(write=False)
+    return result

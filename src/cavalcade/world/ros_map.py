@@ -1,0 +1,202 @@
+"""Occupancy maps of ROS's map server: a YAML description and a PGM or PNG picture.
+
+Grey becomes occupancy as in Nav2's `nav2_map_server` (`map_io.cpp`, since its comparisons are
+inclusive): with `occ = 1 - grey / 255`, or `grey / 255` if `negate` is set,
+
+- `trinary`: `occ >= occupied_thresh` is 100, `occ <= free_thresh` is 0, the rest is unknown;
+- `scale`: the rest is scaled to 0..100 between the two thresholds;
+- `raw`: the grey itself, 0 to 100; all else is unknown. `negate` and opacity have no effect.
+
+In the first two modes a pixel that is not fully opaque is unknown. Row 0 of a picture is its top,
+row 0 of a map is its bottom.
+"""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cavalcade.errors import MapError
+from cavalcade.world._files import write_atomically
+from cavalcade.world._images import encode_pgm, encode_png, read_grey
+from cavalcade.world._map_yaml import (
+    MODES,
+    MapDescription,
+    Mode,
+    description_text,
+    read_description,
+)
+from cavalcade.world.occupancy import FREE, OCCUPIED, UNKNOWN, OccupancyMap, Unknown
+
+_SAVED_UNKNOWN = 205
+"""Grey that map savers write for unknown ground."""
+
+_THRESHOLDS: dict[Mode, tuple[float, float]] = {
+    "trinary": (0.196, 0.65),
+    # The whole range, so that scaling there and back keeps every value.
+    "scale": (0.0, 1.0),
+    "raw": (0.196, 0.65),
+}
+"""free_thresh and occupied_thresh that a saved map is described with."""
+
+
+class MapWarning(UserWarning):
+    """A map was read as it is written, but probably not as it was meant."""
+
+
+def load_map(path: str | Path, unknown: Unknown | None = None) -> OccupancyMap:
+    """Read a map from its YAML description.
+
+    Args:
+        path: The YAML file; the picture it names is looked for beside it.
+        unknown: Whether unknown cells count as `occupied` or `free`. By default what the file
+            says in a key `unknown` of our own, else `occupied`.
+
+    Raises:
+        MapError: A file is missing or malformed; the message names file and key.
+
+    Warns:
+        MapWarning: `free_thresh` turns the grey that stands for unknown ground into free ground.
+    """
+    path = Path(path)
+    description = read_description(path)
+    picture = path.parent / description.image
+    if not _exists(picture):
+        raise MapError(f"no such file: {description.image}", file=path, key="image")
+    grey, alpha = read_grey(picture)
+    table = _occupancy_of_grey(description)
+    if _loses_unknown(description, table) and bool((grey == _SAVED_UNKNOWN).any()):
+        warnings.warn(
+            f"{path}: free_thresh: {description.free_thresh:g} turns unknown ground "
+            f"(grey {_SAVED_UNKNOWN}) into free ground; set it to 0.196 to keep it unknown",
+            MapWarning,
+            stacklevel=2,
+        )
+    grid = table[grey]
+    if alpha is not None and description.mode != "raw":
+        grid[alpha < 255] = UNKNOWN
+    return OccupancyMap(
+        grid[::-1],
+        description.resolution,
+        description.origin,
+        description.unknown if unknown is None else unknown,
+    )
+
+
+def save_map(
+    occupancy_map: OccupancyMap,
+    path: str | Path,
+    image: Literal["pgm", "png"] = "pgm",
+    mode: Mode | None = None,
+) -> None:
+    """Write a map so that `load_map` gives an equal one; both files appear whole or not at all.
+
+    Args:
+        occupancy_map: The map.
+        path: The YAML file to write, `*.yaml` or `*.yml`; the picture gets the same stem.
+        image: Format of the picture.
+        mode: `trinary`, `scale` or `raw`; by default the first of them that keeps every value.
+
+    Raises:
+        MapError: The wrong kind of name, or a mode that cannot keep the map's values.
+        OutputError: A file cannot be written.
+    """
+    path = Path(path)
+    if path.suffix not in (".yaml", ".yml"):
+        raise MapError("expected a name ending in .yaml or .yml", file=path)
+    if image not in ("pgm", "png"):
+        raise MapError("unknown format of picture", key="image", choices=("pgm", "png"))
+    if mode is not None and mode not in MODES:
+        raise MapError("unknown mode", key="mode", choices=MODES)
+    grid = occupancy_map.grid[::-1]
+    chosen = _fitting_mode(grid, image) if mode is None else mode
+    if not _keeps(grid, chosen, image):
+        raise MapError(f"{chosen} in a {image} picture cannot keep this map's values", key="mode")
+    grey = _GREY_OF[chosen][grid.astype(np.int64) + 1]
+    alpha = None
+    if chosen == "scale" and image == "png":
+        alpha = np.where(grid == UNKNOWN, 0, 255).astype(np.uint8)
+    picture = path.with_suffix(f".{image}")
+    free_thresh, occupied_thresh = _THRESHOLDS[chosen]
+    description = MapDescription(
+        image=picture.name,
+        resolution=occupancy_map.resolution,
+        origin=occupancy_map.origin,
+        mode=chosen,
+        negate=False,
+        free_thresh=free_thresh,
+        occupied_thresh=occupied_thresh,
+        unknown=occupancy_map.unknown,
+    )
+    write_atomically(picture, encode_pgm(grey) if image == "pgm" else encode_png(grey, alpha))
+    # Last, so that a description never names a picture that is not there.
+    write_atomically(path, description_text(description).encode())
+
+
+def _occupancy_of_grey(description: MapDescription) -> NDArray[np.int8]:
+    """Occupancy `(256,)` for every grey; in single precision, as Nav2 compares."""
+    grey = np.arange(256)
+    if description.mode == "raw":
+        return np.where(grey <= OCCUPIED, grey, UNKNOWN).astype(np.int8)
+    occ = grey.astype(np.float32) / np.float32(255.0)
+    if not description.negate:
+        occ = np.float32(1.0) - occ
+    low, high = np.float32(description.free_thresh), np.float32(description.occupied_thresh)
+    table = np.full(256, UNKNOWN, dtype=np.int8)
+    if description.mode == "scale":
+        span = np.float32(description.occupied_thresh - description.free_thresh)
+        between = (occ > low) & (occ < high)
+        table[between] = np.floor((occ[between] - low) / span * np.float32(100.0) + 0.5)
+    table[occ >= high] = OCCUPIED
+    table[occ <= low] = FREE
+    return table
+
+
+def _loses_unknown(description: MapDescription, table: NDArray[np.int8]) -> bool:
+    # Scaled maps tell unknown ground by opacity, and raw ones by values above 100.
+    if description.mode != "trinary" or description.negate:
+        return False
+    return bool(table[_SAVED_UNKNOWN] == FREE)
+
+
+def _grey_tables() -> dict[Mode, NDArray[np.uint8]]:
+    """Grey `(102,)` that each mode writes for the values -1 to 100."""
+    value = np.arange(-1, 101)
+    trinary = np.where(value == FREE, 254, np.where(value == OCCUPIED, 0, _SAVED_UNKNOWN))
+    scale = np.where(value == UNKNOWN, 128, np.rint((100 - value) / 100 * 255))
+    raw = np.where(value == UNKNOWN, 255, value)
+    tables: dict[Mode, NDArray[np.uint8]] = {
+        "trinary": trinary.astype(np.uint8),
+        "scale": scale.astype(np.uint8),
+        "raw": raw.astype(np.uint8),
+    }
+    for table in tables.values():
+        table.setflags(write=False)
+    return tables
+
+
+_GREY_OF = _grey_tables()
+
+
+def _fitting_mode(grid: NDArray[np.int8], image: str) -> Mode:
+    return next(mode for mode in MODES if _keeps(grid, mode, image))
+
+
+def _keeps(grid: NDArray[np.int8], mode: Mode, image: str) -> bool:
+    """Whether a map of these values survives being saved."""
+    if mode == "trinary":
+        return bool(((grid <= FREE) | (grid == OCCUPIED)).all())
+    if mode == "scale":
+        return image == "png" or not bool((grid == UNKNOWN).any())
+    return True
+
+
+def _exists(path: Path) -> bool:
+    try:
+        return path.exists()
+    except (OSError, ValueError):  # a name that is too long, or with a null byte
+        return False

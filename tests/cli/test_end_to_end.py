@@ -1,0 +1,119 @@
+"""Real commands in a process of their own: the main job, refusals and Ctrl-C."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+_SCENARIO = """\
+version: 1
+name: short
+world: {empty: {size: [6, 4]}}
+robots:
+  - {model: go1, start: [1.0, 2.5, 0.0]}
+  - {model: go1, start: [1.0, 1.5, 0.0]}
+task:
+  formation: {shape: line, spacing: 1.0}
+  goals: [[2.5, 2.0, 0.0]]
+"""
+
+
+@pytest.fixture
+def scenario(tmp_path: Path) -> Path:
+    path = tmp_path / "short.yaml"
+    path.write_text(_SCENARIO, encoding="utf-8")
+    return path
+
+
+def _command(*arguments: object) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "cavalcade", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=180,
+        check=False,
+    )
+
+
+def _one_line(done: subprocess.CompletedProcess[str]) -> str:
+    assert done.returncode == 2, done.stderr
+    assert done.stdout == ""
+    assert done.stderr.startswith("cavalcade: ")
+    assert done.stderr.count("\n") == 1
+    return done.stderr
+
+
+def test_run_then_check(scenario: Path, tmp_path: Path) -> None:
+    out = tmp_path / "a"
+    done = _command("run", scenario, "--out", out, "--json")
+    assert done.returncode == 0, done.stderr
+    summary = json.loads(done.stdout)
+    assert summary["success"] is True
+    assert summary["reason"] == "arrived"
+    assert json.loads((out / "summary.json").read_text(encoding="utf-8")) == summary
+    assert _command("check", out).returncode == 0
+    # What holds something is not overwritten unless that is said.
+    assert "--force" in _one_line(_command("run", scenario, "--out", out))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ("robots[0].start=[0.1, 2.5, 0]", "robots[0].start: the robot at (0.1, 2.5) reaches"),
+        (
+            "robots[0].start=[1.0, 1.5, 0]",
+            "robots[1].start: the robot at (1, 1.5) overlaps robot 0",
+        ),
+        ("robots[0].start=[.nan, 1.5, 0]", "robots[0].start[0]: expected a finite number"),
+        ("task.formation.shape=blob", "task.formation.shape: unknown value 'blob'"),
+        ("world={empty: {size: [500, 500]}}", "world.empty.size: "),
+        ("world={map: none.yaml}", "none.yaml"),
+    ],
+)
+def test_bad_input_leaves_nothing(
+    scenario: Path, tmp_path: Path, change: str, message: str
+) -> None:
+    done = _command("run", scenario, "--out", tmp_path / "a", "--set", change)
+    assert message in _one_line(done)
+    assert os.listdir(tmp_path) == ["short.yaml"]
+
+
+def test_an_output_folder_that_cannot_be_made(scenario: Path, tmp_path: Path) -> None:
+    done = _command("run", scenario, "--out", scenario / "a")
+    assert str(scenario) in _one_line(done)
+    assert os.listdir(tmp_path) == ["short.yaml"]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+def test_ctrl_c_is_130_and_leaves_nothing(scenario: Path, tmp_path: Path) -> None:
+    arguments = [
+        "run",
+        scenario,
+        "--out",
+        tmp_path / "a",
+        "--realtime",
+        "--set",
+        "execution.rate=10",
+    ]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "cavalcade", *map(str, arguments)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    until = time.monotonic() + 60.0
+    while not (tmp_path / "a").exists() and time.monotonic() < until:
+        time.sleep(0.05)
+    time.sleep(1.0)
+    process.send_signal(signal.SIGINT)
+    _, error = process.communicate(timeout=60)
+    assert process.returncode == 130, error
+    assert "Traceback" not in error
+    assert os.listdir(tmp_path) == ["short.yaml"]

@@ -1,0 +1,193 @@
+from __future__ import annotations
+
+import dataclasses
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from cavalcade import eikonal
+from cavalcade.errors import OutputError
+from cavalcade.running.figures import draw_scenario, make_figures
+from cavalcade.running.figures.scene import scene_of
+from cavalcade.running.figures.snapshots import choose_moments
+from cavalcade.scenario import World
+from cavalcade.world import OccupancyMap
+
+NAMES = ["sequence.png", "obstacle_distance.png", "pair_distance.png", "arrival_field.png"]
+
+
+@pytest.fixture(autouse=True)
+def straight_arrival_times(monkeypatch):
+    """Distance in a straight line in place of fast marching: the pictures do not care."""
+
+    def surface_distance(occupied, cell):
+        from scipy.ndimage import distance_transform_edt
+
+        return np.maximum(distance_transform_edt(~occupied) - 0.5, 0.0) * cell
+
+    def arrival_times(speed, sources, cell):
+        row, col = np.indices(speed.shape)
+        times = np.hypot(row - sources[0][0], col - sources[0][1]) * cell
+        return np.where(speed > 0.0, times, np.inf)
+
+    monkeypatch.setattr(eikonal, "surface_distance", surface_distance, raising=False)
+    monkeypatch.setattr(eikonal, "arrival_times", arrival_times, raising=False)
+
+
+def draw(run, folder):
+    return make_figures(run.scenario, run.world, run.recording, run.summary, folder)
+
+
+def test_a_run_leaves_four_pictures_in_good_time(run, tmp_path):
+    start = time.perf_counter()
+    files = draw(run, tmp_path / "new" / "figures")
+    assert time.perf_counter() - start < 20.0  # a second or two on a machine of its own
+    assert [file.name for file in files] == NAMES
+    assert sorted(path.name for path in files[0].parent.iterdir()) == sorted(NAMES)
+    for file in files:
+        with Image.open(file) as picture:
+            picture.load()
+            assert min(picture.size) > 600
+            assert picture.info["dpi"][0] >= 299.0
+            # A picture of nothing is of one colour.
+            assert len(picture.convert("RGB").getcolors(1 << 24)) > 50
+
+
+def test_pictures_are_the_widths_of_a_printed_page(run, tmp_path):
+    sizes = {}
+    for file in draw(run, tmp_path):
+        with Image.open(file) as picture:
+            sizes[file.name] = picture.size[0] / picture.info["dpi"][0]
+    assert sizes["sequence.png"] == pytest.approx(7.16, abs=0.02)
+    for name in NAMES[1:]:
+        assert sizes[name] == pytest.approx(3.5, abs=0.02)
+
+
+def test_the_same_run_gives_the_same_bytes(run, tmp_path):
+    one = {file.name: file.read_bytes() for file in draw(run, tmp_path / "a")}
+    other = {file.name: file.read_bytes() for file in draw(run, tmp_path / "b")}
+    assert one == other
+
+
+@pytest.mark.parametrize("robots", [1, 2, 3, 10])
+def test_any_number_of_robots(make_run, tmp_path, robots):
+    files = draw(make_run(cycles=60, robots=robots), tmp_path)
+    expected = [name for name in NAMES if robots > 1 or name != "pair_distance.png"]
+    assert [file.name for file in files] == expected
+
+
+@pytest.mark.parametrize("cycles", [0, 1, 2, 5])
+def test_very_short_recordings(run, tmp_path, cycles):
+    short = dataclasses.replace(
+        run.recording,
+        time=run.recording.time[:cycles],
+        poses=run.recording.poses[:cycles],
+        status=run.recording.status[:cycles],
+    )
+    files = make_figures(run.scenario, run.world, short, run.summary, tmp_path)
+    assert [file.name for file in files] == (NAMES if cycles else [])
+
+
+def test_a_team_without_a_goal_has_no_arrival_field(make_run, tmp_path):
+    run = make_run(cycles=20)
+    idle = tuple(
+        dataclasses.replace(status, goal=None, state="inactive", leader=-1, paths=((),) * 4)
+        for status in run.recording.status
+    )
+    recording = dataclasses.replace(run.recording, status=idle)
+    files = make_figures(run.scenario, run.world, recording, run.summary, tmp_path)
+    assert [file.name for file in files] == NAMES[:3]
+
+
+def test_a_lost_robot_and_a_new_shape_are_drawn(make_run, tmp_path):
+    run = make_run(cycles=40)
+    changed = tuple(
+        dataclasses.replace(
+            status,
+            roles=np.array([0, 1, -1, 2]),
+            slots=1.2 * status.slots[:3],
+            connections=np.array([[0, 1], [1, 3]]),
+            eta=np.array([1.0, 2.0, np.inf, 3.0]),
+        )
+        if i > 20
+        else status
+        for i, status in enumerate(run.recording.status)
+    )
+    recording = dataclasses.replace(run.recording, status=changed)
+    assert len(make_figures(run.scenario, run.world, recording, run.summary, tmp_path)) == 4
+
+
+def test_a_map_with_unknown_ground_and_a_turned_origin(make_run, tmp_path):
+    run = make_run(cycles=20)
+    grid = np.zeros((200, 280), dtype=np.int8)
+    grid[:20], grid[90:100, 200:230] = -1, 100
+    ground = OccupancyMap(grid, 0.05, (0.5, -0.5, 0.1))
+    world = World(ground.with_shapes(run.world.shapes), ground, run.world.shapes, (), None)
+    assert len(make_figures(run.scenario, world, run.recording, run.summary, tmp_path)) == 4
+
+
+def test_a_place_that_cannot_be_written_is_named(run, tmp_path):
+    (tmp_path / "file").write_text("x")
+    with pytest.raises(OutputError, match="file"):
+        draw(run, tmp_path / "file" / "figures")
+    (tmp_path / "figures" / "sequence.png").mkdir(parents=True)
+    with pytest.raises(OutputError, match=r"sequence\.png"):
+        draw(run, tmp_path / "figures")
+    assert [path.name for path in (tmp_path / "figures").iterdir()] == ["sequence.png"]
+
+
+def test_drawing_leaves_matplotlib_as_it_was(run, tmp_path):
+    import matplotlib
+
+    before = dict(matplotlib.rcParams)
+    draw(run, tmp_path)
+    assert dict(matplotlib.rcParams) == before
+
+
+def test_a_scenario_is_drawn_without_running_it(run, tmp_path):
+    file = draw_scenario(run.scenario, run.world, tmp_path / "scenario.png")
+    with Image.open(file) as picture:
+        assert picture.size[0] / picture.info["dpi"][0] == pytest.approx(7.16, abs=0.02)
+
+
+def test_importing_the_package_does_not_import_matplotlib():
+    code = "import sys, cavalcade.running.figures; sys.exit('matplotlib' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_moments_start_and_end_with_the_run_and_rise(run):
+    scene = scene_of(run.scenario, run.world, run.recording)
+    moments = choose_moments(scene)
+    assert len(moments) == 6
+    assert moments[0] == 0
+    assert moments[-1] == len(scene.time) - 1
+    assert (np.diff(moments) > 0).all()
+
+
+def test_moments_do_not_crowd_where_the_team_waits(run):
+    waiting = np.repeat(np.arange(240), np.where(np.arange(240) == 120, 400, 1))
+    recording = dataclasses.replace(
+        run.recording,
+        time=np.arange(len(waiting)) * 0.1,
+        poses=run.recording.poses[waiting],
+        status=tuple(run.recording.status[i] for i in waiting),
+    )
+    moments = waiting[choose_moments(scene_of(run.scenario, run.world, recording))]
+    assert (moments == 120).sum() <= 1
+
+
+def test_the_whole_map_is_shown_unless_the_team_used_little_of_it(make_run):
+    run = make_run(cycles=20)
+    scene = scene_of(run.scenario, run.world, run.recording)
+    assert scene.view() == pytest.approx([0.0, 0.0, 14.0, 10.0])
+    big = OccupancyMap.empty((60.0, 60.0), 0.1)
+    world = World(big, big, (), (), None)
+    view = scene_of(run.scenario, world, run.recording).view()
+    width, height = view[2:] - view[:2]
+    assert width < 20.0
+    assert height >= 0.49 * width
+    assert (view[:2] >= 0.0).all()

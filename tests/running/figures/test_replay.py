@@ -1,0 +1,158 @@
+from __future__ import annotations
+
+import dataclasses
+import json
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from cavalcade.errors import OutputError
+from cavalcade.running.replay import write_replay
+
+
+def page(run, tmp_path, **changes):
+    recording = dataclasses.replace(run.recording, **changes)
+    file = write_replay(run.scenario, run.world, recording, run.summary, tmp_path / "replay.html")
+    return file.read_text(encoding="utf-8")
+
+
+def data_of(text):
+    found = re.search(r'<script id="run" type="application/json">(.*?)</script>', text, re.DOTALL)
+    return json.loads(found[1])
+
+
+def whole(steps, unit):
+    return np.cumsum(steps) * unit
+
+
+class Elements(HTMLParser):
+    def __init__(self):
+        super().__init__()
+        self.found = []
+
+    def handle_starttag(self, tag, attrs):
+        self.found.append((tag, dict(attrs)))
+
+
+def test_a_minute_of_four_robots_is_small(make_run, tmp_path):
+    text = page(make_run(cycles=1200, duration=60.0), tmp_path)
+    assert len(text.encode()) < 1_500_000 / 4
+
+
+def test_three_minutes_of_many_robots_are_not_big_either(make_run, tmp_path):
+    text = page(make_run(cycles=1800, duration=180.0, robots=24), tmp_path)
+    assert len(text.encode()) < 3_000_000
+
+
+def test_the_page_needs_nothing_from_outside(run, tmp_path):
+    text = page(run, tmp_path)
+    elements = Elements()
+    elements.feed(text)
+    tags = [tag for tag, _ in elements.found]
+    assert tags.count("script") == 2
+    assert not {"link", "img", "iframe", "object"} & set(tags)
+    assert all("src" not in attrs and "href" not in attrs for _, attrs in elements.found)
+    assert re.findall(r"(?:https?:)?//[a-z]+\.", text) == []
+    assert "url(" not in text
+    assert "import(" not in text
+    policy = next(attrs for tag, attrs in elements.found if attrs.get("http-equiv"))
+    assert policy["content"].startswith("default-src 'none'")
+
+
+def test_the_page_carries_the_run_exactly_enough(run, tmp_path):
+    data = data_of(page(run, tmp_path))
+    assert whole(data["time"], 0.001) == pytest.approx(run.recording.time, abs=0.0006)
+    for k in range(4):
+        pose = data["pose"][k]
+        assert whole(pose["x"], 0.001) == pytest.approx(run.recording.poses[:, k, 0], abs=0.0006)
+        assert whole(pose["y"], 0.001) == pytest.approx(run.recording.poses[:, k, 1], abs=0.0006)
+        turn = whole(pose["a"], 0.001) - run.recording.poses[:, k, 2]
+        assert np.sin(turn) == pytest.approx(np.zeros(len(turn)), abs=0.0006)
+        # Unwrapped: no step is longer than half a turn.
+        assert np.abs(pose["a"][1:]).max() <= 3142
+    assert data["robots"][0] == {"model": "go1", "length": 0.65, "width": 0.28}
+    assert data["notes"] == [[12.0, "obstacle moves to (11.5, 7.0)"]]
+    assert data["outcome"] == {"text": "arrived in 30.0 s", "good": True}
+    assert min(sum(line[: i + 1]) for line in data["series"]["neighbour"] for i in range(9)) > 50
+
+
+def test_phases_tell_who_leads_and_who_has_which_slot(run, tmp_path):
+    phases = data_of(page(run, tmp_path))["phases"]
+    assert [phase["leader"] for phase in phases] == [0, 1, -1, -1]
+    assert phases[1]["roles"] == [1, 0, 2, 3]
+    assert [phase["state"] for phase in phases[2:]] == ["final", "inactive"]
+    assert [phase["arrived"] for phase in phases] == [False, False, False, True]
+    times = [phase["t"] for phase in phases]
+    assert times == sorted(times)
+
+
+def test_goals_that_are_not_known_stay_with_their_robot(run, tmp_path):
+    status = tuple(
+        dataclasses.replace(one, goals=np.full((4, 2), np.nan), paths=(np.full((3, 2), np.nan),))
+        for one in run.recording.status
+    )
+    data = data_of(page(run, tmp_path, status=status))
+    assert whole(data["goals"][2]["x"], 0.01) == pytest.approx(
+        run.recording.poses[:, 2, 0], abs=0.006
+    )
+    assert data["paths"]["lines"][0] == [[]]
+
+
+def test_a_lost_robot_is_marked(run, tmp_path):
+    status = tuple(
+        dataclasses.replace(one, roles=np.array([0, 1, -1, 2])) for one in run.recording.status
+    )
+    phases = data_of(page(run, tmp_path, status=status))["phases"]
+    assert phases[0]["lost"] == [0, 0, 1, 0]
+
+
+def test_text_from_outside_cannot_leave_its_place(run, tmp_path):
+    nasty = "</script><script>alert(1)</script>%RUN% & \u2028 <!--"
+    scenario = run.scenario.model_copy(update={"name": nasty})
+    recording = dataclasses.replace(run.recording, notes=((1.0, nasty),))
+    file = write_replay(scenario, run.world, recording, run.summary, tmp_path / "r.html")
+    text = file.read_text(encoding="utf-8")
+    assert text.count("<script") == 2
+    assert data_of(text)["name"] == nasty
+    assert data_of(text)["notes"] == [[1.0, nasty]]
+
+
+def test_unreachable_goals_and_missing_numbers_are_null_not_nan(run, tmp_path):
+    status = tuple(
+        dataclasses.replace(one, eta=np.full(4, np.inf), goal=None, paths=())
+        for one in run.recording.status
+    )
+    bare = {"success": False, "reason": "stuck", "makespan_s": None, "collisions": None}
+    recording = dataclasses.replace(run.recording, status=status)
+    file = write_replay(run.scenario, run.world, recording, bare, tmp_path / "r.html")
+    data = data_of(file.read_text(encoding="utf-8"))
+    assert set(data["paths"]["eta"]) == {None}
+    assert data["outcome"] == {"text": "stuck", "good": False}
+    assert data["numbers"] == []
+
+
+@pytest.mark.parametrize(("robots", "cycles"), [(1, 30), (2, 2), (3, 1)])
+def test_small_runs(make_run, tmp_path, robots, cycles):
+    run = make_run(cycles=30, robots=robots)
+    text = page(
+        run,
+        tmp_path,
+        time=run.recording.time[:cycles],
+        poses=run.recording.poses[:cycles],
+        status=run.recording.status[:cycles],
+    )
+    assert len(data_of(text)["robots"]) == robots
+
+
+def test_the_same_run_gives_the_same_page(run, tmp_path):
+    assert page(run, tmp_path) == page(run, tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["replay.html"]
+
+
+def test_a_place_that_cannot_be_written_is_named(run, tmp_path):
+    with pytest.raises(OutputError, match="missing"):
+        write_replay(
+            run.scenario, run.world, run.recording, run.summary, tmp_path / "missing" / "r.html"
+        )
