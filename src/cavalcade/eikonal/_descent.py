@@ -16,18 +16,40 @@ from cavalcade.eikonal._march import march
 
 @njit(cache=True)
 def line_time(u0, v0, u1, v1, delay, stride):
-    """Time in s along the straight segment, or inf if a blocked cell lies on it."""
-    length = math.hypot(u1 - u0, v1 - v0)
-    count = max(int(math.ceil(2.0 * length)), 1)
+    """Time in s along the straight segment, or inf if it touches a blocked cell.
+
+    Exact for delays that are constant within each cell. A segment through the very corner of four
+    cells touches all of them. Both ends lie inside the grid.
+    """
+    du, dv = u1 - u0, v1 - v0
+    length = math.hypot(du, dv)
+    col, row = int(math.floor(u0 + 0.5)), int(math.floor(v0 + 0.5))
+    n = (row + 1) * stride + col + 1
+    right, up = (1 if du > 0.0 else -1), (1 if dv > 0.0 else -1)
+    # Shares of the segment at which it leaves the column and the row that it is in.
+    at_u = (col + 0.5 * right - u0) / du if du != 0.0 else np.inf
+    at_v = (row + 0.5 * up - v0) / dv if dv != 0.0 else np.inf
+    share = 0.0
     total = 0.0
-    for k in range(count + 1):
-        share = k / count
-        u, v = u0 + share * (u1 - u0), v0 + share * (v1 - v0)
-        here = delay[int(math.floor(v + 1.5)) * stride + int(math.floor(u + 1.5))]
+    while True:
+        here = delay[n]
+        leaves = min(at_u, at_v, 1.0)
         if here == np.inf:
             return np.inf
-        total += here * (0.5 if k == 0 or k == count else 1.0)
-    return length * total / count
+        total += here * max(leaves - share, 0.0)
+        if leaves >= 1.0:
+            return length * total
+        share = leaves
+        corner = abs(at_u - at_v) * length < 1e-9
+        if corner and (delay[n + right] == np.inf or delay[n + up * stride] == np.inf):
+            return np.inf
+        sideways = at_u <= at_v
+        if sideways or corner:
+            n += right
+            at_u += abs(1.0 / du)
+        if corner or not sideways:
+            n += up * stride
+            at_v += abs(1.0 / dv)
 
 
 @njit(cache=True)
@@ -82,8 +104,21 @@ def time_at(u, v, times, stride):
 
 
 @njit(cache=True)
-def descend(u, v, goal_u, goal_v, times, delay, stride, step, points, stamps):
-    """Walk down the arrival times from (u, v) to the goal.
+def straight_goal(u, v, reach, goals, delay, stride):
+    """Index of the goal soonest reached along a straight line of at most `reach`, -1 if none."""
+    found = -1
+    soonest = np.inf
+    for k in range(goals.shape[0]):
+        if math.hypot(goals[k, 0] - u, goals[k, 1] - v) <= reach:
+            time = line_time(u, v, goals[k, 0], goals[k, 1], delay, stride)
+            if time < soonest:
+                soonest, found = time, k
+    return found
+
+
+@njit(cache=True)
+def descend(u, v, goals, times, delay, stride, step, points, stamps):
+    """Walk down the arrival times from (u, v) to the goal below it.
 
     Gradient steps on the bilinear interpolant. Where it is not defined, would leave the free
     cells or does not descend, the walk goes from cell centre to the lowest neighbouring cell's
@@ -91,7 +126,7 @@ def descend(u, v, goal_u, goal_v, times, delay, stride, step, points, stamps):
 
     Args:
         u, v: Start, in a reached cell.
-        goal_u, goal_v: Where the march began.
+        goals: `(G, 2)` where the march began.
         step: Step length in cells, at most 0.5.
         points, stamps: `(K, 2)` and `(K,)`, filled with the way and its times.
 
@@ -105,9 +140,9 @@ def descend(u, v, goal_u, goal_v, times, delay, stride, step, points, stamps):
     count = 1
     gridwise = False
     while count < size:
-        away = math.hypot(goal_u - u, goal_v - v)
-        if away <= 1.5 and line_time(u, v, goal_u, goal_v, delay, stride) < np.inf:
-            points[count, 0], points[count, 1], stamps[count] = goal_u, goal_v, 0.0
+        goal = straight_goal(u, v, 1.5, goals, delay, stride)
+        if goal >= 0:
+            points[count], stamps[count] = goals[goal], 0.0
             return count + 1, True
         row, col = int(math.floor(v + 0.5)), int(math.floor(u + 0.5))
         here = (row + 1) * stride + col + 1
@@ -143,15 +178,16 @@ def descend(u, v, goal_u, goal_v, times, delay, stride, step, points, stamps):
                 dr, dc = k // 3 - 1, k % 3 - 1
                 n = here + dr * stride + dc
                 t = times[n]
-                if t < lowest:
-                    if dr != 0 and dc != 0:
-                        if delay[here + dr * stride] == np.inf or delay[here + dc] == np.inf:
-                            continue
+                # A straight neighbour that was reached is free itself.
+                if t < lowest and delay[here + dr * stride] + delay[here + dc] < np.inf:
                     lowest, target = t, n
             if target == here:
                 if u == float(col) and v == float(row):
-                    # Lowest of its neighbours: a seed in straight sight of the goal.
-                    points[count, 0], points[count, 1], stamps[count] = goal_u, goal_v, 0.0
+                    # Lowest of its neighbours: a seed in straight sight of a goal.
+                    goal = straight_goal(u, v, np.inf, goals, delay, stride)
+                    if goal < 0:
+                        return count, False
+                    points[count], stamps[count] = goals[goal], 0.0
                     return count + 1, True
                 u, v = float(col), float(row)
             else:
@@ -189,34 +225,33 @@ def nearest_reached(u, v, values, rows, cols, stride, reach):
 
 
 @njit(cache=True)
-def local_path(start_u, start_v, goal_u, goal_v, delay, rows, cols, stride, times, visited, heads,
-               cells, links, far, width, least, step, points, stamps):  # fmt: skip
+def local_path(start, goal, delay, rows, cols, stride, times, visited, work, width, least, step,
+               points, stamps):  # fmt: skip
     """March from the goal until the start is settled, then walk back. Leaves `times` at inf.
 
     The march leaves out cells that cannot lie on a way as good as the straight one, if the
     straight one is free.
 
     Returns:
-        Number of points, whether the start reaches the goal, and the time from the start.
+        Number of points, whether they reach the goal, and the time from the start, inf if there
+        is no way. `points` is too short if there is a way but they do not reach the goal.
     """
+    start_u, start_v = start
+    goal_u, goal_v = goal
     row, col = int(math.floor(start_v + 0.5)), int(math.floor(start_u + 0.5))
-    start = (row + 1) * stride + col + 1
+    first = (row + 1) * stride + col + 1
     count = seed_point(goal_u, goal_v, 3.0, delay, rows, cols, stride, times, visited, 0)
-    if count == 0 or delay[start] == np.inf:
-        for k in range(count):
-            times[visited[k]] = np.inf
-        return 0, False, np.inf
     straight = line_time(start_u, start_v, goal_u, goal_v, delay, stride)
-    bound = 1.1 * straight + 4.0 * delay[start]
+    bound = 1.1 * straight + 4.0 * delay[first]
     focus = np.array([start_v + 1.0, start_u + 1.0, least])
-    targets = np.array([start])
-    count = march(delay, stride, times, visited, count, heads, cells, links, far, width, targets,
-                  bound, focus)  # fmt: skip
+    targets = np.array([first])
+    count = march(delay, stride, times, visited, count, work, width, targets, bound, focus)
     length, reached, eta = 0, False, np.inf
-    if times[start] < np.inf:
+    if times[first] < np.inf:
         eta = time_at(start_u, start_v, times, stride)
+        goals = np.array([[goal_u, goal_v]])
         length, reached = descend(
-            start_u, start_v, goal_u, goal_v, times, delay, stride, step, points, stamps
+            start_u, start_v, goals, times, delay, stride, step, points, stamps
         )
     for k in range(count):
         times[visited[k]] = np.inf

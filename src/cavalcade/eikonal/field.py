@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,8 +15,24 @@ from cavalcade.geometry import Array
 
 _ALL: NDArray[np.int64] = np.empty(0, np.int64)
 _STEP = 0.5  # of a cell: step length of a walk down a field
+_FARTHEST = 1e12  # cells
 _SEED_RADIUS = 12.0  # cells around a source that get straight-line times
-_LONGEST = 200_000  # points of a path
+
+
+def _as_points(points: ArrayLike) -> Array:
+    """Points as an array `(N, 2)`, m."""
+    try:
+        array = np.atleast_2d(np.asarray(points, dtype=float))
+    except (TypeError, ValueError):
+        raise InputError("expected points (N, 2) in m", key="point") from None
+    if array.ndim != 2 or array.shape[1] != 2:
+        raise InputError(f"expected points (N, 2) in m, got shape {array.shape}", key="point")
+    return array
+
+
+def _within(cells: float) -> float:
+    """What is far off any grid, brought to where it fits into an integer."""
+    return min(max(cells, -_FARTHEST), _FARTHEST)
 
 
 class TravelGrid:
@@ -32,39 +50,41 @@ class TravelGrid:
     """
 
     def __init__(self, speed: ArrayLike, cell: float) -> None:
-        speed = np.asarray(speed, dtype=float)
+        try:
+            speed = np.asarray(speed, dtype=float)
+        except (TypeError, ValueError):
+            raise InputError("expected (rows, cols) numbers", key="speed") from None
         if speed.ndim != 2 or speed.size == 0:
             raise InputError(f"expected (rows, cols) speeds, got shape {speed.shape}", key="speed")
-        if not (np.isfinite(cell) and cell > 0.0):
+        try:
+            self.cell = float(cell)
+        except (TypeError, ValueError):
+            raise InputError(f"expected a cell size in m, got {cell!r}", key="cell") from None
+        if not 0.0 < self.cell < np.inf:
             raise InputError(f"expected a positive cell size in m, got {cell!r}", key="cell")
-        top = float(speed.max())
-        if not (np.isfinite(top) and speed.min() >= 0.0):
-            raise InputError("expected finite speeds of at least 0", key="speed")
         self.rows, self.cols = speed.shape
-        self.cell = float(cell)
         self._stride = self.cols + 2
-        delay = np.full((self.rows + 2, self._stride), np.inf)
-        with np.errstate(divide="ignore"):
-            np.divide(cell, speed, out=delay[1:-1, 1:-1])
-        self._delay = delay.ravel()
-        self._least = cell / top if top > 0.0 else np.inf
-        size = self._delay.size
+        size = (self.rows + 2) * self._stride
+        self._delay = np.empty(size)
+        top = float(speed.max())
+        positive = _march.pad_delays(np.ascontiguousarray(speed), self.cell, self._delay)
+        if not (np.isfinite(top) and positive):
+            raise InputError("expected finite speeds of at least 0", key="speed")
+        self._least = self.cell / top if top > 0.0 else np.inf
         self._visited = np.empty(size, np.uint32)
-        self._heads = np.full(_march.BUCKETS, _march.NONE, np.uint32)
-        self._queue = np.empty((2, _march.POOL * size), np.uint32)
-        self._far = np.empty(size, np.uint32)
+        self._work = _march.work_space(size)
         self._scratch: Array | None = None  # kept at inf between local paths
         self._points: Array = np.empty((0, 2))
         self._stamps: Array = np.empty(0)
 
     @property
     def _width(self) -> float:
-        return self._least if np.isfinite(self._least) else 1.0
+        return 0.7 * self._least if np.isfinite(self._least) else 1.0
 
     def cell_of(self, point: ArrayLike) -> tuple[int, int]:
         """The [row, col] in which a point `(2,)` lies; it may be outside the grid."""
-        x, y = np.asarray(point, dtype=float)
-        return int(np.floor(y / self.cell)), int(np.floor(x / self.cell))
+        u, v = self._place(point)
+        return math.floor(v + 0.5), math.floor(u + 0.5)
 
     def is_free(self, point: ArrayLike) -> bool:
         """Whether the point lies in a cell that can be driven through."""
@@ -87,10 +107,10 @@ class TravelGrid:
             targets: [row, col] cells at which the march may stop once all are settled; None
                 settles every cell that can be reached.
         """
-        sources = np.atleast_2d(np.asarray(sources, dtype=float))
+        sources = _as_points(sources)
         times = np.full(self._delay.size, np.inf)
         count = 0
-        for u, v in sources / self.cell - 0.5:
+        for u, v in (self._place(source) for source in sources):
             count = _descent.seed_point(
                 u, v, _SEED_RADIUS, self._delay, self.rows, self.cols, self._stride, times,
                 self._visited, count,
@@ -104,11 +124,7 @@ class TravelGrid:
         targets: Sequence[tuple[int, int]] | None = None,
     ) -> Array:
         """Times `(rows, cols)` from the centres of [row, col] cells; see `arrival_times`."""
-        places = np.asarray(cells, dtype=np.int64).reshape(-1, 2)
-        if ((places < 0) | (places >= (self.rows, self.cols))).any():
-            raise InputError(
-                f"expected [row, col] cells inside {self.rows} x {self.cols}", key="sources"
-            )
+        places = self._cells(cells, "sources")
         # Around few sources straight-line times help; many are a front, not points.
         radius = _SEED_RADIUS if len(places) <= 64 else 0.0
         times = np.full(self._delay.size, np.inf)
@@ -121,21 +137,41 @@ class TravelGrid:
         self._run(times, count, targets)
         blocked = (places[:, 0] + 1) * self._stride + places[:, 1] + 1
         times[blocked] = 0.0
-        return times.reshape(self.rows + 2, self._stride)[1:-1, 1:-1].copy()
+        return times.reshape(self.rows + 2, self._stride)[1:-1, 1:-1]
 
-    def _run(
-        self, times: Array, count: int, targets: Sequence[tuple[int, int]] | None
-    ) -> None:
+    def _run(self, times: Array, count: int, targets: Sequence[tuple[int, int]] | None) -> None:
         if count == 0:
             return
         stops = _ALL
         if targets is not None:
-            cells = np.asarray(targets, dtype=np.int64).reshape(-1, 2)
+            cells = self._cells(targets, "targets")
             stops = (cells[:, 0] + 1) * self._stride + cells[:, 1] + 1
+            stops = stops[self._delay[stops] < np.inf]
+            if len(stops) == 0:
+                return
         _march.march(
-            self._delay, self._stride, times, self._visited, count, self._heads, self._queue[0],
-            self._queue[1], self._far, self._width, stops, np.inf, np.zeros(3),
+            self._delay, self._stride, times, self._visited, count, self._work, self._width, stops,
+            np.inf, np.zeros(3),
         )  # fmt: skip
+
+    def _cells(self, cells: ArrayLike, key: str) -> NDArray[np.int64]:
+        """[row, col] cells as an array `(N, 2)`."""
+        try:
+            places = np.asarray(cells)
+            with np.errstate(invalid="ignore"):
+                whole = places.astype(np.int64)
+            same = bool((whole == places).all())
+        except (TypeError, ValueError, OverflowError):
+            raise InputError("expected [row, col] cells", key=key) from None
+        if places.size == 0:
+            return np.empty((0, 2), np.int64)
+        if whole.ndim == 1:
+            whole = whole[None]
+        if not same or whole.ndim != 2 or whole.shape[1] != 2:
+            raise InputError("expected [row, col] cells", key=key)
+        if ((whole < 0) | (whole >= (self.rows, self.cols))).any():
+            raise InputError(f"expected [row, col] cells inside {self.rows} x {self.cols}", key=key)
+        return whole
 
     def local_path(self, start: ArrayLike, goal: ArrayLike) -> tuple[Array, float]:
         """The fastest way between two points, marching no farther than it must.
@@ -149,35 +185,56 @@ class TravelGrid:
         """
         if self._scratch is None:
             self._scratch = np.full(self._delay.size, np.inf)
-        self._buffers(8 * (self.rows + self.cols))
-        start_u, start_v = np.asarray(start, dtype=float) / self.cell - 0.5
-        goal_u, goal_v = np.asarray(goal, dtype=float) / self.cell - 0.5
         if not (self.is_free(start) and self.is_free(goal)):
             return np.empty((0, 2)), np.inf
-        count, reached, eta = _descent.local_path(
-            start_u, start_v, goal_u, goal_v, self._delay, self.rows, self.cols, self._stride,
-            self._scratch, self._visited, self._heads, self._queue[0], self._queue[1], self._far,
-            self._width, self._least, _STEP, self._points, self._stamps,
-        )  # fmt: skip
-        if not reached:
-            return np.empty((0, 2)), np.inf
+        self._buffers(8 * (self.rows + self.cols))
+        while True:
+            count, reached, eta = _descent.local_path(
+                self._place(start), self._place(goal), self._delay, self.rows, self.cols,
+                self._stride, self._scratch, self._visited, self._work, self._width, self._least,
+                _STEP, self._points, self._stamps,
+            )  # fmt: skip
+            if reached:
+                break
+            if eta == np.inf or not self._more_points():
+                return np.empty((0, 2)), np.inf
         return (self._points[:count] + 0.5) * self.cell, float(eta)
+
+    def _place(self, point: ArrayLike) -> tuple[float, float]:
+        """A point `(2,)` in cell units: [row, col] = [v, u] is a cell's centre."""
+        pair: Any = point
+        try:
+            x, y = pair
+            x, y = float(x), float(y)
+        except (TypeError, ValueError):
+            raise InputError("expected a point (x, y) in m", key="point") from None
+        if not (math.isfinite(x) and math.isfinite(y)):
+            raise InputError(f"expected a finite point in m, got ({x}, {y})", key="point")
+        return _within(x / self.cell) - 0.5, _within(y / self.cell) - 0.5
 
     def _buffers(self, size: int) -> None:
         if len(self._points) < size:
-            self._points = np.empty((min(size, _LONGEST), 2))
-            self._stamps = np.empty(min(size, _LONGEST))
+            self._points = np.empty((size, 2))
+            self._stamps = np.empty(size)
+
+    def _more_points(self) -> bool:
+        """Double the longest path; False if it is longer than any path already."""
+        size = len(self._points)
+        if size > 8 * self._delay.size:
+            return False
+        self._buffers(2 * size)
+        return True
 
     def _nearest(self, point: ArrayLike, values: Array, reach: float) -> Array | None:
-        u, v = np.asarray(point, dtype=float) / self.cell - 0.5
+        u, v = self._place(point)
         rings = int(min(reach / self.cell, self.rows + self.cols)) + 1
-        found = _descent.nearest_reached(
-            u, v, values, self.rows, self.cols, self._stride, rings
-        )
+        found = _descent.nearest_reached(u, v, values, self.rows, self.cols, self._stride, rings)
         if found < 0:
             return None
         row, col = divmod(found, self._stride)
-        return np.array([col - 0.5, row - 0.5]) * self.cell
+        nearest = np.array([col - 0.5, row - 0.5])
+        near = np.hypot(*(nearest - (u + 0.5, v + 0.5))) <= reach / self.cell
+        return nearest * self.cell if near else None
 
 
 class ArrivalField:
@@ -192,6 +249,9 @@ class ArrivalField:
         self.grid = grid
         self.sources = sources
         self._times = times
+        # Only these have times around them.
+        self._goals = np.array([s for s in sources if grid.is_free(s)]).reshape(-1, 2)
+        self._goals = self._goals / grid.cell - 0.5
 
     @property
     def times(self) -> Array:
@@ -206,7 +266,7 @@ class ArrivalField:
             return np.inf
         if self._times[(row + 1) * (self.grid.cols + 2) + col + 1] == np.inf:
             return np.inf
-        u, v = np.asarray(point, dtype=float) / self.grid.cell - 0.5
+        u, v = self.grid._place(point)
         return float(_descent.time_at(u, v, self._times, self.grid.cols + 2))
 
     def nearest_reached(self, point: ArrayLike, reach: float = np.inf) -> Array | None:
@@ -227,28 +287,16 @@ class ArrivalField:
         if self.eta(start) == np.inf:
             return np.empty((0, 2)), np.empty(0)
         grid._buffers(16 * (grid.rows + grid.cols))
-        u, v = np.asarray(start, dtype=float) / grid.cell - 0.5
-        source = self.sources[0] if len(self.sources) == 1 else self._source_below(start)
-        goal_u, goal_v = source / grid.cell - 0.5
+        u, v = grid._place(start)
         while True:
             count, reached = _descent.descend(
-                u, v, goal_u, goal_v, self._times, grid._delay, grid._stride, _STEP,
-                grid._points, grid._stamps,
+                u, v, self._goals, self._times, grid._delay, grid._stride, _STEP, grid._points,
+                grid._stamps,
             )  # fmt: skip
-            if reached or len(grid._points) == _LONGEST:
+            if reached or not grid._more_points():
                 break
-            grid._buffers(2 * len(grid._points))
         points = (grid._points[:count] + 0.5) * grid.cell
         return points, grid._stamps[:count].copy()
-
-    def _source_below(self, start: ArrayLike) -> Array:
-        """Of several sources, the one a descent from `start` ends at."""
-        best, found = np.inf, self.sources[0]
-        for source in self.sources:
-            _, eta = self.grid.local_path(start, source)
-            if eta < best:
-                best, found = eta, source
-        return found
 
 
 def arrival_times(
@@ -259,8 +307,8 @@ def arrival_times(
 ) -> Array:
     """Solve `|grad T| speed = 1` by fast marching (Sethian 1996; Norén et al., eq. 1).
 
-    First order. Times within three cells of a source are those along the straight line, where
-    it is free.
+    First order. Times within twelve cells of a source (of up to 64) begin with those along the
+    straight line, where it is free: near a source the scheme is at its worst.
 
     Args:
         speed: `(rows, cols)` m/s; 0 blocks a cell.
@@ -270,9 +318,10 @@ def arrival_times(
         targets: [row, col] cells at which to stop once all of them are settled.
 
     Returns:
-        `(rows, cols)` s; inf where the front does not come.
+        `(rows, cols)` s; inf where the front does not come. A view into a larger array, so not
+        contiguous.
 
     Raises:
-        InputError: Malformed speeds, cell size or sources.
+        InputError: Malformed speeds or cell size; sources or targets off the grid.
     """
     return TravelGrid(speed, cell).from_cells(sources, targets)

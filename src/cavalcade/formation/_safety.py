@@ -13,8 +13,8 @@ from cavalcade.robots.motion import advance, ellipse_scale
 ARM = 0.25
 """m; weighs turning against moving: u = (vx, vy, ARM * yaw rate)."""
 SWEEPS = 40
-LEVELS = 4
-"""Candidates per robot: filtered command, half of it, its turn alone, stop."""
+LEVELS = 5
+"""Candidates per robot: filtered command, half of it, without its turn, its turn alone, stop."""
 
 
 @njit(cache=True)
@@ -249,7 +249,8 @@ def certify(poses, velocities, commands, rank, frozen, limits, period, substeps,
             level[i] = LEVELS - 1
         options[i, 0] = commands[i]
         options[i, 1] = 0.5 * commands[i]
-        options[i, 2, 2] = commands[i, 2]
+        options[i, 2, :2] = commands[i, :2]
+        options[i, 3, 2] = commands[i, 2]
         for k in range(LEVELS):
             roll_out(poses[i], velocities[i], options[i, k], limits, period, substeps, paths[i, k])
             slack[i, k] = map_slack(paths[i, k], discs, disc_radius, keep[i], hard[0], distance,
@@ -268,23 +269,27 @@ def certify(poses, velocities, commands, rank, frozen, limits, period, substeps,
         while level[i] < LEVELS - 1 and slack[i, level[i]] < min(0.0, slack[i, LEVELS - 1]):
             level[i] += 1
     last = LEVELS - 1
+    near = np.zeros((n, n), np.bool_)
+    stopped = np.zeros((n, n))
+    for i in range(n):
+        for j in range(i + 1, n):
+            near[i, j] = math.hypot(poses[i, 0] - poses[j, 0], poses[i, 1] - poses[j, 1]) < 2.0
+            near[j, i] = near[i, j]
+            if near[i, j]:
+                stopped[i, j] = min(0.0, pair_slack(
+                    paths[i, last], sizes[i], paths[j, last], sizes[j], hard[1], hard[2]
+                ))  # fmt: skip
+                stopped[j, i] = stopped[i, j]
     changed = True
     while changed:
         changed = False
         for i in range(n):
             for j in range(i + 1, n):
-                if level[i] == last and level[j] == last:
-                    continue
-                dx, dy = poses[i, 0] - poses[j, 0], poses[i, 1] - poses[j, 1]
-                if math.hypot(dx, dy) > 2.0:
+                if not near[i, j] or (level[i] == last and level[j] == last):
                     continue
                 now = pair_slack(paths[i, level[i]], sizes[i], paths[j, level[j]], sizes[j],
                                  hard[1], hard[2])  # fmt: skip
-                if now >= 0.0:
-                    continue
-                stop = pair_slack(paths[i, last], sizes[i], paths[j, last], sizes[j], hard[1],
-                                  hard[2])  # fmt: skip
-                if now >= stop:
+                if now >= stopped[i, j]:
                     continue
                 k = j if rank[j] > rank[i] else i
                 if level[k] == last:
@@ -293,6 +298,29 @@ def certify(poses, velocities, commands, rank, frozen, limits, period, substeps,
                 while level[k] < last and slack[k, level[k]] < min(0.0, slack[k, last]):
                     level[k] += 1
                 changed = True
+    # A robot may have stepped down for one that stopped in the end: step up again, first in
+    # rank first, as far as the others' ways allow now.
+    for r in range(n):
+        i = 0
+        for k in range(n):
+            if rank[k] == r:
+                i = k
+        if frozen[i]:
+            continue
+        for k in range(level[i]):
+            if slack[i, k] < min(0.0, slack[i, last]):
+                continue
+            clear = True
+            for j in range(n):
+                if j != i and near[i, j]:
+                    now = pair_slack(paths[i, k], sizes[i], paths[j, level[j]], sizes[j], hard[1],
+                                     hard[2])  # fmt: skip
+                    if now < stopped[i, j]:
+                        clear = False
+                        break
+            if clear:
+                level[i] = k
+                break
     out = np.empty((n, 3))
     for i in range(n):
         out[i] = options[i, level[i]]

@@ -22,6 +22,7 @@ from cavalcade.robots import RobotModel
 
 _TURN_GAIN = 2.5  # rad/s of yaw rate per rad of heading error
 _FIRST = 6  # points of a path (half a cell apart) that give its initial direction
+_HELD_BACK = float(__import__("os").environ.get("HB", "0.5"))
 _NEAR = 0.30  # m from its slot at which a robot turns to the goal's heading
 _PASSED = 0.25  # m from all slots at which a waypoint counts as reached
 _TIGHTER = (0.25, 0.21)  # m: inflation radii tried where r_max leaves no way
@@ -221,9 +222,7 @@ class Navigator:
         paths = [np.empty((0, 2))] * len(points)
         paths[self._leader] = way.points
         self._drive(cycle, targets, paths, np.full(len(points), np.inf))
-        order = np.argsort(cycle.eta, kind="stable")
-        self._rank = np.empty(len(points), dtype=np.int64)
-        self._rank[order] = np.arange(len(points))
+        self._rank = _order(cycle.eta)
 
     def _final(self, cycle: _Cycle) -> None:
         plan, points = cycle.plan, cycle.points
@@ -232,8 +231,7 @@ class Navigator:
         targets = _by_robot(plan.places, self._roles)
         away = _distance(points, targets)
         self._drive(cycle, targets, [np.empty((0, 2))] * len(points), away)
-        self._rank = np.empty(len(points), dtype=np.int64)
-        self._rank[np.argsort(away, kind="stable")] = np.arange(len(points))
+        self._rank = _order(cycle.eta)
         cycle.final = True
 
     def _resolve(self, cycle: _Cycle) -> None:
@@ -241,7 +239,7 @@ class Navigator:
         if self._resolver is None:
             roles = assign_goals(points, plan.places, cycle.active)
             self._resolver = Resolver(roles)
-        single = self._resolver.plan(plan, points, cycle.active, cycle.time)
+        single = self._resolver.plan(plan, points, cycle.active, cycle.eta, cycle.time)
         self._roles, self._rank = single.roles, single.rank
         targets = _by_robot(plan.places, self._roles)
         velocity = np.zeros((len(points), 2))
@@ -280,6 +278,8 @@ class Navigator:
                 velocity, points, pairs, cycle.team.rest, cycle.team.laws, previous, self._period
             )
             self._joined = pairs
+            if self._variant.improved:
+                _spare_pace(velocity, cycle.intent, _HELD_BACK * self._top_x)
         if self._variant.avoidance:
             _kernels.avoid_obstacles(
                 velocity, points, ground.speed_b, ground.cell, settings.d_safe_b,
@@ -287,7 +287,7 @@ class Navigator:
             )  # fmt: skip
         _kernels.limit_speeds(
             velocity, cycle.poses[:, 2], ground.speed_at(points), away,
-            np.array([self._top_x, self._top_y, settings.v_min, settings.d_slowdown]),
+            np.array([self._top_x, self._top_y, settings.v_min, settings.d_slowdown * (0.6 if self._variant.improved else 1.0)]),
         )  # fmt: skip
         velocity[~cycle.team.present] = 0.0
         cycle.velocity = velocity
@@ -441,6 +441,21 @@ def _unit(path: Array) -> Array:
     step = path[min(_FIRST, len(path) - 1)] - path[0]
     length = float(np.hypot(step[0], step[1]))
     return step / length if length > 1e-9 else np.zeros(2)
+
+
+def _spare_pace(velocity: Array, intent: Array, most: float) -> None:
+    """Let springs slow a robot on its way by `most` m/s at the utmost; what turns it stays."""
+    pace = np.hypot(intent[:, 0], intent[:, 1])
+    course = intent / np.maximum(pace, 1e-9)[:, None]
+    back = -((velocity - intent) * course).sum(axis=1)
+    velocity += np.maximum(back - most, 0.0)[:, None] * course
+
+
+def _order(eta: Array) -> NDArray[np.int64]:
+    """Precedence `(N,)`: 0 for the least time."""
+    rank = np.empty(len(eta), dtype=np.int64)
+    rank[np.argsort(eta, kind="stable")] = np.arange(len(eta))
+    return rank
 
 
 def _direction(path: Array) -> float:

@@ -91,12 +91,13 @@ class SafetyFilter:
 
         Returns:
             Commands `(N, 3)` in the body frame, and `(N,)` how far each had to step down: 0 for
-            the filtered command itself, 3 for a stop.
+            the filtered command itself, 4 for a stop.
         """
         m = self._margins
         count = len(poses)
         sizes = np.repeat(self._half[None], count, axis=0)
-        weights = np.where(frozen, 1e9, 1.0 + 2.0 * (count - rank) / count)
+        ratio = min(float(__import__('os').environ.get('WR','4')), 1000.0 ** (1.0 / max(count - 1, 1)))
+        weights = np.where(frozen, 1e9, ratio ** (count - 1.0 - rank))
         keep = np.where(frozen, 0.0, radius)
         u = least_change(
             poses, wanted, weights, sizes, movers, mover_speeds, self._discs, self._disc_radius,

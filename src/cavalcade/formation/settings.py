@@ -65,15 +65,15 @@ class FormationSettings:
     """
 
     r_max: float = 0.30
-    d_safe_a: float = 1.50
+    d_safe_a: float = float(__import__("os").environ.get("DA","1.5"))
     d_safe_b: float = 0.50
     d_switch: float = 0.05
-    lookahead: float = 5.0
+    lookahead: float = float(__import__("os").environ.get("LA","5.0"))
     w_min_partial: float = 0.70
     w_min_avoid: float = 0.50
     v_max_x: float = 0.50
     v_max_y: float = 0.20
-    v_min: float = 0.25
+    v_min: float = float(__import__('os').environ.get('VM','0.25'))
     d_slowdown: float = 0.40
 
     def __post_init__(self) -> None:

@@ -52,7 +52,7 @@ class SinglePlan:
     Attributes:
         roles: `(N,)` final slots.
         ways: Per robot, its way to its slot.
-        rank: `(N,)` precedence by time to go.
+        rank: `(N,)` precedence: who is ahead goes first.
     """
 
     roles: NDArray[np.int64]
@@ -64,8 +64,8 @@ class Resolver:
     """Brings robots to their final slots one by one, each along its own arrival-time field.
 
     Robots are not unique, so two in each other's way need not pass: they exchange slots, as in
-    the target swapping of Okumura and Défago (2022). The robot nearest in time to its goal goes
-    first; those behind give way.
+    the target swapping of Okumura and Défago (2022). The robot that is ahead goes first; those behind give
+    way.
 
     Args:
         roles: `(N,)` slots to begin with, -1 for robots that take no part.
@@ -76,7 +76,12 @@ class Resolver:
         self._last_swap = np.full((len(roles), len(roles)), -np.inf)
 
     def plan(
-        self, goal: GoalPlan, points: Array, active: NDArray[np.int64], time: float
+        self,
+        goal: GoalPlan,
+        points: Array,
+        active: NDArray[np.int64],
+        eta: Array,
+        time: float,
     ) -> SinglePlan:
         """Ways and precedence now.
 
@@ -84,14 +89,13 @@ class Resolver:
             goal: Where to.
             points: `(N, 2)` robots, m.
             active: Robots that take part.
+            eta: `(N,)` times to the formation's goal, s: who is ahead.
             time: Now, s.
         """
         self._swap(goal, points, active, time)
         ways = [Descent(np.empty((0, 2)), np.empty(0)) for _ in range(len(points))]
-        eta = np.full(len(points), np.inf)
         for k in active:
             ways[k] = descend_from(goal.slot_field(int(self._roles[k])), points[k])
-            eta[k] = ways[k].eta
         rank = np.empty(len(points), dtype=np.int64)
         rank[np.argsort(eta, kind="stable")] = np.arange(len(points))
         return SinglePlan(self._roles.copy(), tuple(ways), rank)

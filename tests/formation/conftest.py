@@ -1,0 +1,134 @@
+"""A world to plan in, robots that obey, and geometry that is slow and obvious."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from cavalcade.formation import Formation, FormationPlanner
+from cavalcade.geometry import rotation
+from cavalcade.robots.motion import advance, limits_of
+from cavalcade.world import OccupancyMap
+
+Hook = Callable[[int, "FormationPlanner"], None]
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What a team did, cycle by cycle (T cycles)."""
+
+    time: np.ndarray
+    poses: np.ndarray
+    commands: np.ndarray
+    status: list
+
+    @property
+    def states(self) -> list[str]:
+        return [status.state for status in self.status]
+
+
+def drive(
+    planner: FormationPlanner,
+    poses: np.ndarray,
+    seconds: float,
+    hook: Hook | None = None,
+    until_arrived: bool = True,
+) -> Drive:
+    """Move ideal robots from rest by the planner's commands; `hook(cycle, planner)` goes first."""
+    limits = limits_of(planner.model)
+    substeps = 5
+    period = 1.0 / planner.rate
+    states = np.column_stack([np.array(poses, dtype=float), np.zeros((len(poses), 3))])
+    log: list[tuple] = []
+    for cycle in range(round(seconds / period)):
+        if hook is not None:
+            hook(cycle, planner)
+        commands = planner.step(states[:, :3].copy(), cycle * period)
+        log.append((cycle * period, states[:, :3].copy(), commands, planner.status))
+        if until_arrived and planner.status.arrived and np.abs(states[:, 3:]).max() < 0.02:
+            break
+        for k, command in enumerate(commands):
+            state = tuple(states[k])
+            for _ in range(substeps):
+                state = advance(*state, *command, period / substeps, limits)
+            states[k] = state
+    times, where, said, status = zip(*log, strict=True)
+    return Drive(np.array(times), np.array(where), np.array(said), list(status))
+
+
+def placed(formation: Formation, pose: tuple[float, float, float]) -> np.ndarray:
+    """Poses `(N, 3)` of robots that stand in their slots and look ahead."""
+    return np.column_stack([formation.placed(pose), np.full(formation.size, pose[2])])
+
+
+def rectangle_points(pose: np.ndarray, length: float, width: float, step: float) -> np.ndarray:
+    """Points that cover a rectangle: its corners, its edges and its inside, `step` apart."""
+    x = np.linspace(-length / 2, length / 2, max(2, int(np.ceil(length / step)) + 1))
+    y = np.linspace(-width / 2, width / 2, max(2, int(np.ceil(width / step)) + 1))
+    grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    return grid @ rotation(pose[2]).T + pose[:2]
+
+
+def distance_to_rectangle(
+    points: np.ndarray, pose: np.ndarray, length: float, width: float
+) -> np.ndarray:
+    """Distances from points `(N, 2)`, 0 inside."""
+    body = (points - pose[:2]) @ rotation(pose[2])
+    out = np.maximum(np.abs(body) - (length / 2, width / 2), 0.0)
+    return np.hypot(out[:, 0], out[:, 1])
+
+
+def sampled_gap(
+    a: np.ndarray, b: np.ndarray, size_a: tuple, size_b: tuple, step: float = 0.05
+) -> float:
+    """Gap of two rectangles; exact where they are apart, for a corner is always nearest."""
+    return float(
+        min(
+            distance_to_rectangle(rectangle_points(a, *size_a, step), b, *size_b).min(),
+            distance_to_rectangle(rectangle_points(b, *size_b, step), a, *size_a).min(),
+        )
+    )
+
+
+def occupied_gap(
+    pose: np.ndarray, size: tuple, occupied: np.ndarray, cell: float, step: float = 0.05
+) -> float:
+    """Distance from a rectangle to the nearest occupied cell or to the border, by sampling.
+
+    At most `step` too large, for a small cell may touch between the samples.
+    """
+    points = rectangle_points(pose, *size, step)
+    height, width = np.array(occupied.shape) * cell
+    border = np.minimum(points, (width, height) - points).min()
+    rows, cols = np.nonzero(occupied)
+    if len(rows) == 0:
+        return float(border)
+    low = np.column_stack([cols, rows]) * cell
+    offset = np.maximum(low[None] - points[:, None], points[:, None] - low[None] - cell)
+    out = np.maximum(offset, 0.0)
+    return float(min(border, np.hypot(out[..., 0], out[..., 1]).min()))
+
+
+@dataclass(frozen=True)
+class Tools:
+    """The above, for tests: `tools.drive(...)`."""
+
+    drive = staticmethod(drive)
+    placed = staticmethod(placed)
+    sampled_gap = staticmethod(sampled_gap)
+    occupied_gap = staticmethod(occupied_gap)
+    rectangle_points = staticmethod(rectangle_points)
+    distance_to_rectangle = staticmethod(distance_to_rectangle)
+
+    @staticmethod
+    def mirrored(map: OccupancyMap) -> OccupancyMap:
+        """The map reflected at its horizontal middle line: y becomes its height less y."""
+        return OccupancyMap(map.grid[::-1], map.resolution, map.origin)
+
+
+@pytest.fixture(scope="session")
+def tools() -> Tools:
+    return Tools()

@@ -1,0 +1,131 @@
+"""The planner's view of the map, and what changes in it when cells change."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cavalcade.formation import FormationSettings
+from cavalcade.formation.ground import Ground
+from cavalcade.world import Box, OccupancyMap
+
+CELL = 0.05
+SETTINGS = FormationSettings(d_safe_a=0.6, d_safe_b=0.3)
+
+
+def speeds(ground):
+    """W_A and W_B as arrays, as the fields see them."""
+    delay = ground.leader._delay.reshape(ground.leader.rows + 2, -1)[1:-1, 1:-1]
+    return CELL / delay, ground.speed_b
+
+
+def assert_same(ground, fresh):
+    for a, b in zip(speeds(ground), speeds(fresh), strict=True):
+        np.testing.assert_allclose(a, b, atol=1e-9)
+    # What the filter asks of distances: exact as far as it looks.
+    near = fresh.distance < ground.radius + 0.5
+    np.testing.assert_allclose(ground.distance[near], fresh.distance[near], atol=1e-9)
+    assert (ground.distance[~near] >= ground.radius + 0.5 - 1e-9).all()
+
+
+@st.composite
+def changes(draw):
+    """A grid and a few successive changes of small regions."""
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    shape = draw(st.sampled_from([(90, 130), (140, 60), (30, 200)]))
+    occupied = rng.random(shape) < draw(st.sampled_from([0.0, 0.002, 0.02]))
+    states = [occupied]
+    for _ in range(draw(st.integers(1, 4))):
+        occupied = occupied.copy()
+        row, col = rng.integers(0, shape[0]), rng.integers(0, shape[1])
+        size = rng.integers(1, 12, 2)
+        patch = occupied[row : row + size[0], col : col + size[1]]
+        patch[:] = rng.random(patch.shape) < rng.choice([0.0, 0.3, 1.0])
+        states.append(occupied)
+    return states
+
+
+@settings(max_examples=40, deadline=None)
+@given(changes())
+def test_a_changed_ground_equals_one_built_anew(states):
+    ground = Ground(states[0], CELL, SETTINGS)
+    for occupied in states[1:]:
+        ground = ground.changed(occupied)
+        assert_same(ground, Ground(occupied, CELL, SETTINGS))
+
+
+@settings(max_examples=10, deadline=None)
+@given(changes())
+def test_also_for_the_robots_of_a_tight_route(states):
+    ground = Ground(states[0], CELL, SETTINGS).changed(states[-1]).tightened(0.21)
+    assert_same(ground, Ground(states[-1], CELL, SETTINGS, 0.21))
+
+
+def test_also_where_the_followers_keep_the_larger_distance():
+    settings_ = FormationSettings(d_safe_a=0.3, d_safe_b=1.2)
+    occupied = np.zeros((160, 240), dtype=bool)
+    changed = occupied.copy()
+    changed[80, 120] = True
+    ground = Ground(occupied, CELL, settings_).changed(changed)
+    fresh = Ground(changed, CELL, settings_)
+    np.testing.assert_allclose(ground.speed_b, fresh.speed_b, atol=1e-9)
+
+
+def test_also_for_a_rigid_body_of_many_robots():
+    occupied = np.zeros((240, 240), dtype=bool)
+    changed = occupied.copy()
+    changed[20, 20] = True
+    wide = Ground(occupied, CELL, SETTINGS).changed(changed).tightened(2.0)
+    np.testing.assert_allclose(
+        speeds(wide)[0], speeds(Ground(changed, CELL, SETTINGS, 2.0))[0], atol=1e-9
+    )
+
+
+def test_without_a_change_it_is_the_same_ground():
+    ground = Ground(np.zeros((20, 30), dtype=bool), CELL, SETTINGS)
+    assert ground.changed(np.zeros((20, 30), dtype=bool)) is ground
+
+
+def test_the_velocity_maps_are_the_papers():
+    ground = Ground(np.zeros((100, 140), dtype=bool), CELL, FormationSettings())
+    distance = np.minimum.reduce(
+        [np.broadcast_to(np.minimum(k + 0.5, n - 0.5 - k), (100, 140)) * CELL
+         for k, n in ((np.arange(100)[:, None], 100), (np.arange(140)[None], 140))]
+    )  # fmt: skip
+    np.testing.assert_allclose(ground.distance, distance)
+    leader, follower = speeds(ground)
+    np.testing.assert_allclose(follower, np.clip((distance - 0.30) / 0.50, 0, 1), atol=1e-9)
+    np.testing.assert_allclose(leader, np.clip((distance - 0.30) / 1.50, 0, 1), atol=1e-9)
+
+
+def test_off_the_map_nobody_may_drive():
+    ground = Ground(np.zeros((60, 80), dtype=bool), CELL, SETTINGS)
+    points = np.array([[-0.1, 1.0], [1.0, 3.1], [99.0, 99.0], [2.0, 1.5]])
+    assert ground.speed_at(points).tolist() == [0.0, 0.0, 0.0, 1.0]
+
+
+class TestRegions:
+    MAP = OccupancyMap.empty((8.0, 4.0), CELL).with_shapes([Box((4.0, 2.0), (0.4, 4.0))])
+    GROUND = Ground(MAP.occupied, CELL, FormationSettings())
+
+    def test_the_sides_of_a_wall_are_two(self):
+        left, right = (self.GROUND.component(np.array([x, 2.0])) for x in (2.0, 6.0))
+        assert left != right
+        assert 0 not in (left, right)
+
+    def test_a_point_in_the_inflated_zone_belongs_to_the_nearest_region(self):
+        left = self.GROUND.component(np.array([2.0, 2.0]))
+        assert self.GROUND.component(np.array([3.7, 2.0])) == left
+
+    def test_ground_that_is_all_occupied_has_none(self):
+        ground = Ground(np.ones((40, 40), dtype=bool), CELL, FormationSettings())
+        assert ground.component(np.array([1.0, 1.0])) == 0
+
+    def test_a_placement_is_found_in_the_wanted_region_only(self):
+        left = self.GROUND.component(np.array([2.0, 2.0]))
+        shift = self.GROUND.placement(np.array([[5.0, 2.0]]), {left}, 3.0)
+        assert shift is not None
+        assert shift[0] == pytest.approx(-1.7, abs=CELL)
+        assert self.GROUND.placement(np.array([[7.5, 2.0]]), {left}, 3.0) is None
