@@ -8,8 +8,8 @@ Contact with what stands, with the border and with another robot always could. O
 * An obstacle that moves could be avoided if, from its pose `WARNING` seconds before the contact
   (or when the obstacle appeared, if that is later), the robot could have stood still, or gone
   straight in one of 16 directions at its top speed (0.5 m/s forward, 0.2 m/s sideways, the
-  ellipse between) for up to `WARNING` seconds and then stood, without touching anything until
-  the obstacle has passed on. The others are taken to move as they did.
+  ellipse between) for some time and then stood, without touching anything until the obstacle is
+  where it stops, or for `AFTERWARDS` seconds. The others are taken to move as they did.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ from cavalcade.world.shapes import distance_to_shapes
 WARNING = 3.0
 """s"""
 
-AFTERWARDS = 2.0
-"""How long after the contact the obstacle is followed, s."""
+AFTERWARDS = 8.0
+"""How long after the contact the obstacle is followed at most, s."""
 
 REACTION = 0.25
 """A robot that evades is at its speed after this, s: half of the time it takes to reach it."""
@@ -101,7 +101,8 @@ class _Scene:
         if not any(span.velocity_at(contact.time - 1e-6)):
             return True, "it stood"
         begin = max(contact.time - WARNING, span.start, 0.0)
-        way = self._escape(robot, begin, contact.time + AFTERWARDS)
+        end = min(max(span.time[-1], contact.time), contact.time + AFTERWARDS)
+        way = self._escape(robot, begin, end)
         return (True, way) if way else (False, "no way out of the path of a moving obstacle")
 
     def _sudden(self, robot: int, index: int) -> bool:
@@ -123,7 +124,7 @@ class _Scene:
         times = np.arange(begin, end + _STEP, _STEP)
         if self._free(robot, np.tile(pose, (len(times), 1)), times):
             return "it could have stood still"
-        durations = np.arange(0.5, WARNING + 0.25, 0.5)
+        durations = np.arange(0.5, end - begin + 0.25, 0.5)
         directions = 2.0 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
         for duration, direction in product(durations, directions):
             speed = _top_speed(model, float(direction))

@@ -45,10 +45,10 @@ def slots(pose: Sequence[float], formation: Formation | None = None) -> Array:
     return (formation or Formation.square(SIDE)).placed(pose)
 
 
-def passable(shapes: Sequence[Shape], starts: Array, goals: Array) -> bool:
+def passable(shapes: Sequence[Shape], starts: Array, goals: Array, radius: float = RADIUS) -> bool:
     """Whether the disc gets from every start `(N, 2)` to every goal `(M, 2)`."""
     pairs = [(start, goals[0]) for start in starts] + [(starts[0], goal) for goal in goals[1:]]
-    return all(is_connected(shapes, SIZE, a, b, RADIUS, STEP) for a, b in pairs)
+    return all(is_connected(shapes, SIZE, a, b, radius, STEP) for a, b in pairs)
 
 
 def clutter_data(seed: int, obstacles: int, variant: str) -> dict[str, Any]:

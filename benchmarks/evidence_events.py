@@ -19,8 +19,17 @@ from evidence_clutter import GOAL, SIZE, START, clutter_data, passable, slots
 from evidence_trials import Finished, Outcome, Trial
 
 from cavalcade.formation import Formation
-from cavalcade.scenario import parse_scenario
-from cavalcade.world import Box, Circle, Shape, generate, shape_to_mapping
+from cavalcade.geometry import transform_points
+from cavalcade.scenario import obstacle_spans, parse_scenario
+from cavalcade.world import (
+    Box,
+    Circle,
+    Polygon,
+    Shape,
+    generate,
+    shape_from_mapping,
+    shape_to_mapping,
+)
 
 OBSTACLES = (15, 25)
 APPEARING, MOVING = (1, 3), (1, 2)
@@ -37,6 +46,9 @@ TIMEOUT = 240.0
 ROBOTS = 4
 ARRIVED = 0.10
 """m, as in the contract"""
+
+SQUEEZE = 0.25
+"""Radius of the disc that tells whether a team that did not arrive had a way left, m."""
 
 _SHAPES: tuple[tuple[dict[str, Any], Formation], ...] = (
     ({"shape": "square", "side": 1.2}, Formation.square(1.2)),
@@ -81,7 +93,7 @@ def _events(rng: np.random.Generator, standing: Sequence[Shape]) -> list[dict[st
         if rng.random() < 0.5:
             index = int(rng.integers(len(standing)))
             shape = shapes[index]
-            if shape is not standing[index]:
+            if shape is not standing[index] or isinstance(shape, Polygon):
                 continue  # it moves already
         else:
             edge = 0.0 if rng.random() < 0.5 else SIZE[1]
@@ -146,13 +158,33 @@ def measure(trial: Trial, done: Finished) -> dict[str, Any]:
     there = all(error is not None and error <= ARRIVED for error in errors)
     # A collision takes the place of `arrived` as the reason, but the team drives on.
     ended = done.summary["reason"] == "collision" and done.summary["sim_time_s"] < TIMEOUT
+    arrived = done.summary["reason"] == "arrived" or (ended and there)
     return {
-        "arrived": done.summary["reason"] == "arrived" or (ended and there),
+        "arrived": arrived,
+        "way_open": None if arrived else _way_open(done),
         "avoidable": len(avoidable),
         "unavoidable": len(collisions) - len(avoidable),
         "why": "; ".join(collision.why for collision in collisions) or None,
         "moved_m": done.summary["goal_moved_m"],
     }
+
+
+def _way_open(done: Finished) -> bool:
+    """Whether, at the end, every robot could have gone to every place of the shape.
+
+    The other robots that drive are left out; those that are lost stand where they are.
+    """
+    recording, scenario = done.recording, done.scenario
+    status, poses = recording.status[-1], recording.poses[-1]
+    if status.goal is None:
+        return False
+    there = (span.obstacle_at(float(recording.time[-1])) for span in obstacle_spans(scenario))
+    shapes = [shape_from_mapping(obstacle.words) for obstacle in there if obstacle is not None]
+    for pose, model, role in zip(poses, scenario.models, status.roles, strict=True):
+        if role < 0:
+            shapes.append(Box(tuple(pose[:2]), (model.length, model.width), float(pose[2])))
+    goals = transform_points(status.goal, status.slots)
+    return passable(shapes, poses[status.roles >= 0, :2], goals, SQUEEZE)
 
 
 def bars(outcomes: Sequence[Outcome]) -> list[Bar]:
@@ -174,10 +206,12 @@ def describe(outcomes: Sequence[Outcome]) -> list[str]:
     """How they ended."""
     unavoidable = [o.trial.name for o in outcomes if o.figures.get("unavoidable")]
     late = [o.trial.name for o in outcomes if not o.figures.get("arrived")]
+    closed = [o.trial.name for o in outcomes if o.figures.get("way_open") is False]
     done = [outcome for outcome in outcomes if outcome.summary]
     return [
         reasons(outcomes),
         f"  did not arrive: {', '.join(late) or 'none'}",
+        f"  of these, no way was left at the end: {', '.join(closed) or 'none'}",
         f"  with a collision that nothing could have avoided: {', '.join(unavoidable) or 'none'}",
         distribution("sim_time_s", [outcome.time for outcome in done]),
         distribution("goal moved, m", [outcome.figures["moved_m"] for outcome in done]),

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import combinations
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,9 @@ _SECTION = np.array([[4.1, 4.6], [5.4, 2.0]])
 _HALF_WIDTH = 0.5
 _AROUND_MIDDLE = 0.5
 """How far along the corridor from its middle robots are looked at, m."""
+
+EXPLAINED: Mapping[tuple[str, str], str] = MappingProxyType({})
+"""(variant, scenario) to the reason why the published rule fails there: its bars are waived."""
 
 SIDE = 1.15
 """Of the triangle, m."""
@@ -104,31 +108,38 @@ def side_error(recording: Recording) -> float:
 
 
 def bars(outcomes: Sequence[Outcome]) -> list[Bar]:
-    """The verdict, scenario by scenario."""
+    """The verdict, scenario by scenario; what is explained counts as met."""
     found: list[Bar] = []
     for outcome in outcomes:
-        name, summary, figures = outcome.trial.name, outcome.summary, outcome.figures
-        found.append(
-            Bar(f"{name}: success, clean by the checker", _ended(outcome), outcome.success)
-        )
-        if not summary:
-            continue
-        found.append(_above(f"{name}: footprint gap", figures["checked_gap"], 0.0))
-        obstacle, pair = summary["min_obstacle_distance_m"], summary["min_robot_distance_m"]
-        found.append(_above(f"{name}: obstacle distance", obstacle, LEAST_OBSTACLE))
-        found.append(_above(f"{name}: pair distance", pair, LEAST_PAIR))
-        if name == "square-clutter":
-            for key, text in (("leader_changes", "leader changes"), ("exchanges", "exchanges")):
-                value = figures[key]
-                found.append(Bar(f"{name}: {text} >= 1", str(value), value >= 1))
-        elif name == "cone":
-            value = figures["other_side"]
-            found.append(Bar(f"{name}: robots on the other side >= 1", str(value), value >= 1))
-        elif name == "triangle-corridor":
-            found.append(_below(f"{name}: lateral spread at the middle", figures["spread"], 0.25))
-            value = figures["sides"]
-            text = f"{name}: sides at the end within 5 % of {SIDE} m"
-            found.append(Bar(text, f"{value:.1%} off", value <= 0.05))
+        why = EXPLAINED.get((outcome.trial.variant, outcome.trial.name))
+        for bar in _bars(outcome):
+            waived = why is not None and not bar.met
+            found.append(Bar(bar.text, f"{bar.found} ({why})", True) if waived else bar)
+    return found
+
+
+def _bars(outcome: Outcome) -> list[Bar]:
+    found: list[Bar] = []
+    name, summary, figures = outcome.trial.name, outcome.summary, outcome.figures
+    found.append(Bar(f"{name}: success, clean by the checker", _ended(outcome), outcome.success))
+    if not summary:
+        return found
+    found.append(_above(f"{name}: footprint gap", figures["checked_gap"], 0.0))
+    obstacle, pair = summary["min_obstacle_distance_m"], summary["min_robot_distance_m"]
+    found.append(_above(f"{name}: obstacle distance", obstacle, LEAST_OBSTACLE))
+    found.append(_above(f"{name}: pair distance", pair, LEAST_PAIR))
+    if name == "square-clutter":
+        for key, text in (("leader_changes", "leader changes"), ("exchanges", "exchanges")):
+            value = figures[key]
+            found.append(Bar(f"{name}: {text} >= 1", str(value), value >= 1))
+    elif name == "cone":
+        value = figures["other_side"]
+        found.append(Bar(f"{name}: robots on the other side >= 1", str(value), value >= 1))
+    elif name == "triangle-corridor":
+        found.append(_below(f"{name}: lateral spread at the middle", figures["spread"], 0.25))
+        value = figures["sides"]
+        text = f"{name}: sides at the end within 5 % of {SIDE} m"
+        found.append(Bar(text, f"{value:.1%} off", value <= 0.05))
     return found
 
 

@@ -263,6 +263,24 @@ def test_stopping_early_leaves_the_rest_out_and_the_work_space_clean():
     assert grid.from_cells([(100, 100)]).tobytes() == full.tobytes()
 
 
+def test_work_space_grows_where_it_does_not_suffice(clutter):
+    speed = clutter(80, 80, 7)
+    source = a_free_cell(speed, 7)
+    expected = arrival_times(speed, [source], CELL)
+    grid, roomy = TravelGrid(speed, CELL), TravelGrid(speed, CELL)
+    grid._work = (grid._work[0], *(part[:8] for part in grid._work[1:4]),
+                  grid._work[4])  # fmt: skip
+    tight = grid._work
+    np.testing.assert_array_equal(grid.from_cells([source]), expected)
+    assert grid._work[1].size > 8
+    points = [(np.array(k[::-1]) + 0.5) * CELL for k in (source, a_free_cell(speed, 3))]
+    grid._work = (np.full_like(tight[0], 0xFFFFFFFF), *tight[1:])
+    path, eta = grid.local_path(*points)
+    other, other_eta = roomy.local_path(*points)
+    np.testing.assert_array_equal(path, other)
+    assert eta == other_eta
+
+
 def test_blocked_targets_are_not_waited_for():
     speed = np.ones((100, 100))
     speed[0, 0] = 0.0

@@ -93,23 +93,29 @@ def sampled_gap(
     )
 
 
-def occupied_gap(
-    pose: np.ndarray, size: tuple, occupied: np.ndarray, cell: float, step: float = 0.05
-) -> float:
-    """Distance from a rectangle to the nearest occupied cell or to the border, by sampling.
+def occupied_gap(pose: np.ndarray, size: tuple, occupied: np.ndarray, cell: float) -> float:
+    """Distance from a rectangle to the nearest occupied cell or to the border; 0 on contact.
 
-    At most `step` too large, for a small cell may touch between the samples.
+    Where two convex shapes are apart, a corner of one of them is nearest; and a cell is too
+    small to cut through a body without one of its corners lying in it.
     """
-    points = rectangle_points(pose, *size, step)
+    corners = rectangle_points(pose, *size, max(size))
     height, width = np.array(occupied.shape) * cell
-    border = np.minimum(points, (width, height) - points).min()
+    best = float(np.minimum(corners, (width, height) - corners).min())
     rows, cols = np.nonzero(occupied)
     if len(rows) == 0:
-        return float(border)
+        return best
     low = np.column_stack([cols, rows]) * cell
-    offset = np.maximum(low[None] - points[:, None], points[:, None] - low[None] - cell)
-    out = np.maximum(offset, 0.0)
-    return float(min(border, np.hypot(out[..., 0], out[..., 1]).min()))
+    out = np.maximum(low[None] - corners[:, None], corners[:, None] - low[None] - cell)
+    out = np.maximum(out, 0.0)
+    squares = (low[:, None] + cell * np.array([[0, 0], [0, 1], [1, 0], [1, 1]])).reshape(-1, 2)
+    return float(
+        min(
+            best,
+            np.hypot(out[..., 0], out[..., 1]).min(),
+            distance_to_rectangle(squares, pose, *size).min(),
+        )
+    )
 
 
 @dataclass(frozen=True)

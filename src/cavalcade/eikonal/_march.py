@@ -26,21 +26,22 @@ BATCH = 512
 NONE = uint32(0xFFFFFFFF)
 """End of a linked list."""
 _COLUMNS_AHEAD, _ROWS_AHEAD = 6, 4  # how far from the front memory is asked for
-_POOL = 4  # queue nodes per cell; far more than a front ever holds
 
 
-def work_space(size: int) -> tuple[np.ndarray, ...]:
+def work_space(size: int, nodes: int = 0) -> tuple[np.ndarray, ...]:
     """What a march over `size` padded cells needs besides its grids; may be used again.
 
-    Memory is only taken from the system where it is written to, which is along the front.
+    Args:
+        size: Number of padded cells.
+        nodes: Number of queue nodes. By default one for each cell, which a front hardly ever
+            comes near to.
 
     Returns:
         Heads of the buckets' lists, the nodes' cells, the nodes' links, spare nodes, and cells
         for later rounds.
     """
-    nodes = _POOL * (size + BATCH)
     heads = np.full(BUCKETS, NONE, np.uint32)
-    cells, links, spares = (np.empty(nodes, np.uint32) for _ in range(3))
+    cells, links, spares = (np.empty(max(nodes, size), np.uint32) for _ in range(3))
     return heads, cells, links, spares, np.empty(size, np.uint32)
 
 
@@ -99,17 +100,23 @@ def march(delay, row_length, times, visited, seeds, work, width, targets, bound,
 
     Returns:
         Number of cells in `visited`.
+
+    Raises:
+        MemoryError: There are too few queue nodes; times and work space are spoilt.
     """
     heads, cells, links, spares, far = work
     none, one, stride = uintp(0), uintp(1), uintp(row_length)
     columns_ahead, rows_ahead = uintp(_COLUMNS_AHEAD), uintp(_ROWS_AHEAD * row_length)
     changed = np.empty(4 * BATCH, np.uint32)  # cells that may get a new time
     ahead = np.empty(4 * BATCH, np.uint32)  # where the front goes from there
+    queued = np.empty(4 * BATCH, np.uint32)  # cells to queue, and the buckets they go to
+    into = np.empty(4 * BATCH, np.uint32)
     per_second = 1.0 / width
     guided = bound < np.inf
     base = -np.inf
     count = uintp(seeds)
     far_count = uintp(seeds)
+    pool = uintp(cells.size)
     made = uint32(0)  # nodes taken from the pool so far
     spare = none  # nodes in `spares`
     for k in range(seeds):
@@ -178,11 +185,12 @@ def march(delay, row_length, times, visited, seeds, work, width, targets, bound,
                     todo += uintp((times[n] > t) & (delay[n] < np.inf))
                 heads[b] = node
                 while spare < todo:
-                    if uintp(made) >= uintp(cells.size):
+                    if uintp(made) >= pool:
                         raise MemoryError("work space of the march exhausted")
                     spares[spare] = made
                     made += uint32(1)
                     spare += one
+                fresh = none
                 for k in range(todo):
                     n = uintp(changed[uintp(k)])
                     prefetch(times, uintp(ahead[uintp(k)]))
@@ -191,9 +199,12 @@ def march(delay, row_length, times, visited, seeds, work, width, targets, bound,
                     old = times[n]
                     across = min(times[n - one], times[n + one])
                     along = min(times[n - stride], times[n + stride])
-                    # Where the later axis does not take part, the gap becomes q and new = t + q.
-                    gap = min(abs(across - along), q)
-                    new = min(across, along) + 0.5 * (gap + math.sqrt(2.0 * q * q - gap * gap))
+                    low, high = min(across, along), max(across, along)
+                    # Where the later axis does not take part, gap = q and new = low + q.
+                    gap = min(high - low, q)
+                    new = low + 0.5 * (gap + math.sqrt(2.0 * q * q - gap * gap))
+                    # No rounding error may put it into a bucket that has been served.
+                    new = max(new, min(high, low + q))
                     # The tolerance ends the exchange of rounding errors between neighbours.
                     lower = new * (1.0 + 1e-12) < old
                     if guided and new + remaining(n, stride, focus) > bound:
@@ -210,11 +221,16 @@ def march(delay, row_length, times, visited, seeds, work, width, targets, bound,
                     nb = uintp(place)
                     # Otherwise it waits in that bucket already.
                     push = lower & ((nb == b) | ((old - base) * per_second >= nb + one))
-                    node = spares[spare - one]
-                    cells[uintp(node)] = n
+                    queued[fresh] = n
+                    into[fresh] = nb
+                    fresh += uintp(push)
+                for k in range(fresh):
+                    spare -= one
+                    node = spares[spare]
+                    nb = uintp(into[uintp(k)])
+                    cells[uintp(node)] = queued[uintp(k)]
                     links[uintp(node)] = heads[nb]
-                    heads[nb] = node if push else heads[nb]
-                    spare -= uintp(push)
+                    heads[nb] = node
             if targets.size > 0:
                 settled = True
                 for k in range(targets.size):

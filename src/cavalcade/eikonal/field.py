@@ -108,15 +108,8 @@ class TravelGrid:
                 settles every cell that can be reached.
         """
         sources = _as_points(sources)
-        times = np.full(self._delay.size, np.inf)
-        count = 0
-        for u, v in (self._place(source) for source in sources):
-            count = _descent.seed_point(
-                u, v, _SEED_RADIUS, self._delay, self.rows, self.cols, self._stride, times,
-                self._visited, count,
-            )  # fmt: skip
-        self._run(times, count, targets)
-        return ArrivalField(self, times, sources)
+        places = [self._place(source) for source in sources]
+        return ArrivalField(self, self._march(places, _SEED_RADIUS, targets), sources)
 
     def from_cells(
         self,
@@ -127,32 +120,47 @@ class TravelGrid:
         places = self._cells(cells, "sources")
         # Around few sources straight-line times help; many are a front, not points.
         radius = _SEED_RADIUS if len(places) <= 64 else 0.0
-        times = np.full(self._delay.size, np.inf)
-        count = 0
-        for row, col in places:
-            count = _descent.seed_point(
-                float(col), float(row), radius, self._delay, self.rows, self.cols, self._stride,
-                times, self._visited, count,
-            )  # fmt: skip
-        self._run(times, count, targets)
+        times = self._march([(float(c), float(r)) for r, c in places], radius, targets)
         blocked = (places[:, 0] + 1) * self._stride + places[:, 1] + 1
         times[blocked] = 0.0
         return times.reshape(self.rows + 2, self._stride)[1:-1, 1:-1]
 
-    def _run(self, times: Array, count: int, targets: Sequence[tuple[int, int]] | None) -> None:
-        if count == 0:
-            return
+    def _march(
+        self,
+        places: Sequence[tuple[float, float]],
+        radius: float,
+        targets: Sequence[tuple[int, int]] | None,
+    ) -> Array:
+        """Padded times from places in cell units; `radius` as in `_descent.seed_point`."""
         stops = _ALL
         if targets is not None:
             cells = self._cells(targets, "targets")
             stops = (cells[:, 0] + 1) * self._stride + cells[:, 1] + 1
             stops = stops[self._delay[stops] < np.inf]
-            if len(stops) == 0:
-                return
-        _march.march(
-            self._delay, self._stride, times, self._visited, count, self._work, self._width, stops,
-            np.inf, np.zeros(3),
-        )  # fmt: skip
+        idle = targets is not None and len(stops) == 0
+        while True:
+            times = np.full(self._delay.size, np.inf)
+            count = 0
+            for u, v in places:
+                count = _descent.seed_point(
+                    u, v, radius, self._delay, self.rows, self.cols, self._stride, times,
+                    self._visited, count,
+                )  # fmt: skip
+            if count == 0 or idle:
+                return times
+            try:
+                _march.march(
+                    self._delay, self._stride, times, self._visited, count, self._work,
+                    self._width, stops, np.inf, np.zeros(3),
+                )  # fmt: skip
+            except MemoryError:
+                self._grow()
+            else:
+                return times
+
+    def _grow(self) -> None:
+        """More work space, for the rare march whose front is longer than the grid has cells."""
+        self._work = _march.work_space(self._delay.size, 4 * self._work[1].size)
 
     def _cells(self, cells: ArrayLike, key: str) -> NDArray[np.int64]:
         """[row, col] cells as an array `(N, 2)`."""
@@ -183,17 +191,22 @@ class TravelGrid:
             The path `(K, 2)` from start to goal, empty where there is none, and its time in s
             (inf where there is none).
         """
-        if self._scratch is None:
-            self._scratch = np.full(self._delay.size, np.inf)
         if not (self.is_free(start) and self.is_free(goal)):
             return np.empty((0, 2)), np.inf
         self._buffers(8 * (self.rows + self.cols))
         while True:
-            count, reached, eta = _descent.local_path(
-                self._place(start), self._place(goal), self._delay, self.rows, self.cols,
-                self._stride, self._scratch, self._visited, self._work, self._width, self._least,
-                _STEP, self._points, self._stamps,
-            )  # fmt: skip
+            if self._scratch is None:
+                self._scratch = np.full(self._delay.size, np.inf)
+            try:
+                count, reached, eta = _descent.local_path(
+                    self._place(start), self._place(goal), self._delay, self.rows, self.cols,
+                    self._stride, self._scratch, self._visited, self._work, self._width,
+                    self._least, _STEP, self._points, self._stamps,
+                )  # fmt: skip
+            except MemoryError:
+                self._grow()
+                self._scratch = None
+                continue
             if reached:
                 break
             if eta == np.inf or not self._more_points():

@@ -3,6 +3,7 @@
 from cavalcade.formation.obstacles import MovingObstacle
 from cavalcade.formation.planner import FormationPlanner
 from cavalcade.formation.settings import (
+    IMPROVED,
     LABORATORY,
     LABORATORY_SPRINGS,
     PRESETS,
@@ -14,9 +15,10 @@ from cavalcade.formation.settings import (
 )
 from cavalcade.formation.shapes import Connection, Formation
 from cavalcade.formation.status import PlannerStatus
-from cavalcade.formation.variants import VARIANTS, Variant
+from cavalcade.formation.variants import VARIANTS, Variant, default_settings
 
 __all__ = [
+    "IMPROVED",
     "LABORATORY",
     "LABORATORY_SPRINGS",
     "PRESETS",
@@ -32,4 +34,5 @@ __all__ = [
     "SpringLaw",
     "Springs",
     "Variant",
+    "default_settings",
 ]

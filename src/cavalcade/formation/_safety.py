@@ -210,9 +210,7 @@ def pair_slack(path_a, size_a, path_b, size_b, hard, centres):
         away = math.hypot(path_a[t, 0] - path_b[t, 0], path_a[t, 1] - path_b[t, 1])
         least = min(least, away - centres)
         if away < size_a[0] + size_a[1] + size_b[0] + size_b[1] + hard:
-            gap = rectangle_gap(
-                path_a[t], size_a[0], size_a[1], path_b[t], size_b[0], size_b[1]
-            )[0]
+            gap = rectangle_gap(path_a[t], size_a[0], size_a[1], path_b[t], size_b[0], size_b[1])[0]
             least = min(least, gap - hard)
     return least
 

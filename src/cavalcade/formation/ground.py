@@ -43,9 +43,7 @@ class Ground:
         self.radius = settings.r_max if radius is None else radius
         self.distance = surface_distance(occupied, cell) if distance is None else distance
         self.speed_b = velocity_map(self.distance, self.radius, settings.d_safe_b)
-        self.leader = TravelGrid(
-            velocity_map(self.distance, self.radius, settings.d_safe_a), cell
-        )
+        self.leader = TravelGrid(velocity_map(self.distance, self.radius, settings.d_safe_a), cell)
         self.follower = TravelGrid(self.speed_b, cell)
         self._labels: NDArray[np.int32] | None = None
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from cavalcade.formation import _kernels
 from cavalcade.formation.baselines import behave, rigid_ground
 from cavalcade.formation.evasion import evade
-from cavalcade.formation.goals import Descent, GoalPlan, descend_from, partial_goals
+from cavalcade.formation.goals import GoalPlan, descend_from, partial_goals
 from cavalcade.formation.ground import Ground
 from cavalcade.formation.roles import assign_followers, assign_goals, choose_leader
 from cavalcade.formation.settings import FormationSettings
@@ -22,8 +22,10 @@ from cavalcade.robots import RobotModel
 
 _TURN_GAIN = 2.5  # rad/s of yaw rate per rad of heading error
 _FIRST = 6  # points of a path (half a cell apart) that give its initial direction
-_HELD_BACK = float(__import__("os").environ.get("HB", "0.5"))
+_BRISK = 0.6  # of d_slowdown: where our variant slows down before its slots
+_HELD_BACK = 0.5  # of the top speed: what springs may take from a robot on its way
 _NEAR = 0.30  # m from its slot at which a robot turns to the goal's heading
+_DOCKING = 0.60  # m from its final slot at which a robot goes straight for it
 _PASSED = 0.25  # m from all slots at which a waypoint counts as reached
 _TIGHTER = (0.25, 0.21)  # m: inflation radii tried where r_max leaves no way
 _ATTEMPTS = 6  # at resolving before a team is reported as stuck
@@ -134,7 +136,7 @@ class Navigator:
         if self._state == "inactive" or len(active) == 0:
             self._view = View()
             return wanted
-        points = poses[:, :2]
+        points = np.ascontiguousarray(poses[:, :2])
         plan = self._planned_for(ground, team, points, active)
         cycle = _Cycle(plan, team, poses, points, active, time)
         if len(plan.cut_off) > 0:
@@ -250,9 +252,7 @@ class Navigator:
         cycle.report(self._roles, tuple(way.points for way in single.ways), targets)
         cycle.away, cycle.final = away, True
 
-    def _drive(
-        self, cycle: _Cycle, targets: Array, paths: list[Array], away: Array
-    ) -> None:
+    def _drive(self, cycle: _Cycle, targets: Array, paths: list[Array], away: Array) -> None:
         """Desired velocities along local paths, then steps 9 to 11 of the cycle."""
         ground, points = cycle.plan.ground, cycle.points
         velocity = np.zeros((len(points), 2))
@@ -285,9 +285,13 @@ class Navigator:
                 velocity, points, ground.speed_b, ground.cell, settings.d_safe_b,
                 settings.w_min_avoid,
             )  # fmt: skip
+            if self._variant.improved:
+                # A slot may lie close to an obstacle; there the last filter is enough.
+                docking = away < _DOCKING
+                velocity[docking] = cycle.intent[docking]
         _kernels.limit_speeds(
             velocity, cycle.poses[:, 2], ground.speed_at(points), away,
-            np.array([self._top_x, self._top_y, settings.v_min, settings.d_slowdown * (0.6 if self._variant.improved else 1.0)]),
+            np.array([self._top_x, self._top_y, settings.v_min, settings.d_slowdown * (_BRISK if self._variant.improved else 1.0)]),
         )  # fmt: skip
         velocity[~cycle.team.present] = 0.0
         cycle.velocity = velocity
@@ -344,7 +348,7 @@ class Navigator:
     def _yaw_rates(self, cycle: _Cycle) -> Array:
         """Turn to the direction of motion; near its final slot, to the goal's heading."""
         poses, velocity = cycle.poses, cycle.velocity
-        assert velocity is not None  # noqa: S101
+        assert velocity is not None
         aim = np.arctan2(velocity[:, 1], velocity[:, 0])
         moving = np.hypot(velocity[:, 0], velocity[:, 1]) > 0.02
         aim = np.where(moving, aim, poses[:, 2])
@@ -367,8 +371,10 @@ class Navigator:
         if np.isfinite(eta):
             return eta
         near = plan.field.nearest_reached(point, reach=1.5)
-        return np.inf if near is None else plan.field.eta(near) + 10.0 * float(
-            np.hypot(*(near - point))
+        return (
+            np.inf
+            if near is None
+            else plan.field.eta(near) + 10.0 * float(np.hypot(*(near - point)))
         )
 
     def _roles_or_none(self, team: Team) -> NDArray[np.int64]:
@@ -400,9 +406,7 @@ class _Cycle:
         self.roles, self.targets = roles, targets
         self.paths = paths or (np.empty((0, 2)),) * len(self.poses)
 
-    def view(
-        self, navigator: Navigator, message: str = "", involved: tuple[int, ...] = ()
-    ) -> View:
+    def view(self, navigator: Navigator, message: str = "", involved: tuple[int, ...] = ()) -> View:
         arrived = self.final and bool(self.away[self.active].max() < 0.05)
         eta = self.eta if len(self.eta) else np.full(len(self.poses), np.inf)
         leads = navigator._state == "partial"

@@ -24,7 +24,9 @@ class MovingObstacle:
     velocity: tuple[float, float]
 
 
-def mover_arrays(obstacles: Sequence[MovingObstacle], origin: Sequence[float]) -> tuple[Array, Array]:
+def mover_arrays(
+    obstacles: Sequence[MovingObstacle], origin: Sequence[float]
+) -> tuple[Array, Array]:
     """Enclosing rectangles and velocities in the grid's frame.
 
     Args:

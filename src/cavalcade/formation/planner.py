@@ -22,7 +22,7 @@ from cavalcade.formation.shapes import Formation
 from cavalcade.formation.status import PlannerStatus
 from cavalcade.formation.team import Team
 from cavalcade.formation.tracking import VelocityTracker
-from cavalcade.formation.variants import variant_named
+from cavalcade.formation.variants import default_settings, variant_named
 from cavalcade.geometry import Array, inverse_transform_points, transform_points, wrap_angle
 from cavalcade.robots import RobotModel, robot_model
 from cavalcade.world import OccupancyMap
@@ -39,7 +39,7 @@ class FormationPlanner:
         formation: The shape; it has one slot per robot.
         robots: Number of robots.
         model: Their model or its name.
-        settings: The paper's parameters, or the name of a preset.
+        settings: The paper's parameters, or the name of a preset; None for the variant's own.
         variant: One of `cavalcade.formation.VARIANTS`.
         rate: Cycles per second.
         seed: Of the choices that break a repeated stand-off.
@@ -71,11 +71,10 @@ class FormationPlanner:
             raise InputError(f"expected a rate above 0 Hz, got {rate!r}", key="rate")
         if isinstance(settings, str):
             if settings not in PRESETS:
-                raise InputError(
-                    f"unknown preset {settings!r}", key="settings", choices=PRESETS
-                )
+                raise InputError(f"unknown preset {settings!r}", key="settings", choices=PRESETS)
             settings = PRESETS[settings][0]
-        self.settings = (settings or FormationSettings()).with_values(lookahead=lookahead)
+        settings = default_settings(variant) if settings is None else settings
+        self.settings = settings.with_values(lookahead=lookahead)
         self.model = robot_model(model) if isinstance(model, str) else model
         self.variant = variant_named(variant)
         self.rate = float(rate)

@@ -19,6 +19,8 @@ from cavalcade.robots import RobotModel
 from cavalcade.robots.motion import limits_of
 
 _DISCS = 4
+_PRECEDENCE = 4.0  # how much dearer a robot's change is than that of the next in rank
+_WEIGHTS = 1000.0  # largest ratio of such weights in one team
 
 
 @dataclass(frozen=True)
@@ -96,7 +98,7 @@ class SafetyFilter:
         m = self._margins
         count = len(poses)
         sizes = np.repeat(self._half[None], count, axis=0)
-        ratio = min(float(__import__('os').environ.get('WR','4')), 1000.0 ** (1.0 / max(count - 1, 1)))
+        ratio = min(_PRECEDENCE, _WEIGHTS ** (1.0 / max(count - 1, 1)))
         weights = np.where(frozen, 1e9, ratio ** (count - 1.0 - rank))
         keep = np.where(frozen, 0.0, radius)
         u = least_change(

@@ -87,9 +87,7 @@ class Formation:
     ) -> Formation:
         """One behind the other."""
         n, spacing = _count(robots), _length(spacing, "spacing")
-        return cls._of(
-            "column", [(((n - 1) / 2 - k) * spacing, 0.0) for k in range(n)], springs
-        )
+        return cls._of("column", [(((n - 1) / 2 - k) * spacing, 0.0) for k in range(n)], springs)
 
     @classmethod
     def wedge(

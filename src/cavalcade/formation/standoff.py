@@ -100,9 +100,7 @@ class Resolver:
         rank[np.argsort(eta, kind="stable")] = np.arange(len(points))
         return SinglePlan(self._roles.copy(), tuple(ways), rank)
 
-    def _swap(
-        self, goal: GoalPlan, points: Array, active: NDArray[np.int64], time: float
-    ) -> None:
+    def _swap(self, goal: GoalPlan, points: Array, active: NDArray[np.int64], time: float) -> None:
         """Exchange slots wherever that shortens the longer of two ways, or a robot is in the way.
 
         Each pair rests for a while after an exchange, so that it cannot go back and forth.

@@ -80,10 +80,7 @@ class Team:
         self.ends = np.array([(c.a, c.b) for c in joints], dtype=np.int64).reshape(-1, 2)
         self.rest: Array = np.array([c.rest_length for c in joints])
         self.laws: Array = np.array(
-            [
-                (c.law.k_rep, c.law.k_att, c.law.dv_max_att, c.law.b_att, c.law.b_rep)
-                for c in joints
-            ]
+            [(c.law.k_rep, c.law.k_att, c.law.dv_max_att, c.law.b_att, c.law.b_rep) for c in joints]
         ).reshape(-1, 5)
 
     def _check(self, robot: int) -> None:

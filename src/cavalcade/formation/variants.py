@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from cavalcade.errors import InputError
+from cavalcade.formation.settings import IMPROVED, FormationSettings
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,11 @@ VARIANTS: dict[str, Variant] = {
         Variant("behaviour-based", adaptive_roles=False, springs=False, common_plan=False),
     )
 }
+
+
+def default_settings(name: str) -> FormationSettings:
+    """The parameters a variant has if none are given: the paper's but for our own variant."""
+    return IMPROVED if variant_named(name).improved else FormationSettings()
 
 
 def variant_named(name: str) -> Variant:

@@ -16,6 +16,7 @@ from cavalcade.formation import (
     MovingObstacle,
 )
 from cavalcade.formation.settings import PRESETS, SIMULATION_SPRINGS, SpringLaw, Springs
+from cavalcade.formation.variants import default_settings
 from cavalcade.scenario import FormationSection, PlannerSection, Scenario, World
 from cavalcade.scenario.task import ConnectionSection
 from cavalcade.world import Shape
@@ -86,7 +87,9 @@ def make_watchdog(scenario: Scenario, world: World) -> Watchdog:
 
 def settings_of(section: PlannerSection) -> FormationSettings:
     """The preset's or the default parameters, with those that the scenario names over them."""
-    base = FormationSettings() if section.preset is None else PRESETS[section.preset][0]
+    base = (
+        default_settings(section.variant) if section.preset is None else PRESETS[section.preset][0]
+    )
     return base.with_values(**{key: getattr(section, key) for key in _SETTINGS})
 
 
