@@ -213,6 +213,16 @@ def test_check_clean_violated_and_unreadable(
     assert main(["check", "runs/a", "--json"]) == 1
     assert json.loads(capsys.readouterr().out)["violations"][0]["robots"] == [0, 2]
 
+    wall = Violation("robot-obstacle", 3.0, (1,), "robot 1 is too near", 0.0, 0.0, "event at 2 s")
+    _fake_check(monkeypatch, Report((wall,), figures))
+    assert main(["check", "runs/a"]) == 1
+    out = capsys.readouterr().out
+    assert out == "runs/a: robot-obstacle at 3.00 s: robot 1 is too near; touched: event at 2 s\n"
+    assert main(["check", "runs/a", "--json"]) == 1
+    said = json.loads(capsys.readouterr().out)
+    assert said["violations"][0]["obstacle"] == "event at 2 s"
+    assert said["figures"]["min_footprint_gap_m"] == 0.212
+
     _fake_check(monkeypatch, RecordingError("there is no such folder", file="runs/a"))
     assert _refused(["check", "runs/a"], capsys) == "cavalcade: runs/a: there is no such folder\n"
 

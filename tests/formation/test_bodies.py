@@ -159,7 +159,12 @@ class TestDistanceAt:
 
     @pytest.mark.parametrize(
         ("point", "gradient"),
-        [((-0.1, 0.7), (1, 0)), ((1.6, 0.7), (-1, 0)), ((0.7, -0.1), (0, 1)), ((0.7, 1.6), (0, -1))],
+        [
+            ((-0.1, 0.7), (1, 0)),
+            ((1.6, 0.7), (-1, 0)),
+            ((0.7, -0.1), (0, 1)),
+            ((0.7, 1.6), (0, -1)),
+        ],
     )
     def test_beyond_the_border_it_is_negative_and_leads_back(self, point, gradient):
         distance = surface_distance(np.zeros((30, 30), dtype=bool), self.CELL)

@@ -20,8 +20,8 @@ SQUARE = Formation.square(1.0).slots
 
 
 def ground_of(*shapes, size=(8.0, 6.0), **values):
-    map = OccupancyMap.empty(size, CELL).with_shapes(shapes)
-    return Ground(map.occupied, CELL, FormationSettings(**values))
+    world = OccupancyMap.empty(size, CELL).with_shapes(shapes)
+    return Ground(world.occupied, CELL, FormationSettings(**values))
 
 
 class TestPartialGoals:
@@ -100,7 +100,7 @@ class TestPlan:
         for dx in steps:
             for dy in steps:
                 if math.hypot(dx, dy) < plan.moved - CELL:
-                    assert (CLUTTER.speed_at(wanted + (dx, dy)) == 0.0).any()
+                    assert (CLUTTER.speed_at(wanted + np.array([dx, dy])) == 0.0).any()
 
     def test_a_goal_far_out_of_reach_of_any_placement_cuts_everyone_off(self):
         plan = GoalPlan(CLUTTER, np.array([30.0, 3.0, 0.0]), SQUARE, self.START)

@@ -17,6 +17,7 @@ ROOM = OccupancyMap.empty((8.0, 5.0), 0.05)
 PILLAR = ROOM.with_shapes([Circle((4.0, 2.55), 0.3)])
 START, GOAL = (1.5, 2.5, 0.0), (6.4, 2.6, 0.5)
 
+PLANNER = {"map": ROOM, "formation": Formation.square()}
 ADAPTIVE = sorted(set(VARIANTS) - {"virtual-structure", "behaviour-based"})
 
 
@@ -76,8 +77,8 @@ class TestArrival:
     def test_one_robot_alone(self, tools, variant):
         alone = Formation.column(1)
         # Straight behind a pillar behaviours without a plan end in a local minimum.
-        map = ROOM if variant == "behaviour-based" else PILLAR
-        planner = FormationPlanner(map, alone, variant=variant)
+        world = ROOM if variant == "behaviour-based" else PILLAR
+        planner = FormationPlanner(world, alone, variant=variant)
         planner.set_goal((6.4, 2.6, -2.0))
         drive = tools.drive(planner, np.array([[1.0, 2.4, 1.0]]), 60.0)
         check_arrived(drive, alone, (6.4, 2.6, -2.0))
@@ -270,8 +271,6 @@ class TestHardStarts:
 
 
 class TestInput:
-    PLANNER = {"map": ROOM, "formation": Formation.square()}
-
     @pytest.mark.parametrize(
         ("values", "message"),
         [
@@ -287,7 +286,7 @@ class TestInput:
     )
     def test_malformed_arguments(self, values, message):
         with pytest.raises(InputError, match=message):
-            FormationPlanner(**self.PLANNER | values)
+            FormationPlanner(**PLANNER | values)
 
     @pytest.mark.parametrize(
         "poses",
@@ -300,21 +299,21 @@ class TestInput:
         ],
     )
     def test_malformed_poses(self, poses):
-        planner = FormationPlanner(**self.PLANNER)
+        planner = FormationPlanner(**PLANNER)
         with pytest.raises(InputError, match="poses: expected"):
             planner.step(poses, 0.0)
 
     @pytest.mark.parametrize("time", [math.nan, math.inf])
     def test_malformed_time(self, time):
         with pytest.raises(InputError, match="time"):
-            FormationPlanner(**self.PLANNER).step(np.zeros((4, 3)), time)
+            FormationPlanner(**PLANNER).step(np.zeros((4, 3)), time)
 
     @pytest.mark.parametrize(
         "goal", [(1.0, 2.0), (1.0, 2.0, np.nan), (1.0, 2.0, 3.0, 4.0), (np.inf, 0.0, 0.0)]
     )
     def test_malformed_goals(self, goal):
         with pytest.raises(InputError, match="goal: expected"):
-            FormationPlanner(**self.PLANNER).set_goal(goal)
+            FormationPlanner(**PLANNER).set_goal(goal)
 
     def test_a_refused_goal_leaves_the_planner_as_it_was(self, tools):
         square = Formation.square()
@@ -326,8 +325,8 @@ class TestInput:
         assert planner.status.goal == pytest.approx(GOAL)
 
     def test_a_preset_by_its_name(self):
-        assert FormationPlanner(**self.PLANNER, settings="laboratory").settings.lookahead == 2.5
-        planner = FormationPlanner(**self.PLANNER, settings="laboratory", lookahead=4.0)
+        assert FormationPlanner(**PLANNER, settings="laboratory").settings.lookahead == 2.5
+        planner = FormationPlanner(**PLANNER, settings="laboratory", lookahead=4.0)
         assert planner.settings.lookahead == 4.0
 
     def test_a_model_of_ones_own(self, tools):

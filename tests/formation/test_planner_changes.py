@@ -66,6 +66,15 @@ class TestGoals:
         # Arriving at one on the way is not the end.
         assert not any(s.arrived for s in drive.status if s.waypoint < 2)
 
+    def test_a_team_that_stands_at_the_first_waypoint_has_not_arrived(self, tools):
+        planner = planner_for()
+        planner.set_goals([START, GOAL])
+        poses = tools.placed(SQUARE, START)
+        for cycle in range(4):
+            planner.step(poses, cycle * 0.05)
+            assert not planner.status.arrived
+        assert planner.status.waypoint == 1
+
     def test_cancelled_the_team_brakes_and_stays(self, tools):
         hook = at(60, lambda planner: planner.cancel())
         drive = tools.drive(planner_for(), tools.placed(SQUARE, START), 6.0, hook)

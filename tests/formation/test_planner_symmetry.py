@@ -55,7 +55,9 @@ def test_the_mirrored_world_has_mirrored_commands(tools, variant, seed):
     flip = np.array([1.0, -1.0, -1.0])
     shift = np.array([0.0, SIZE[1], 0.0])
     here, status = commands(ROOM, GOAL, poses, variant, 2)
-    there, other = commands(tools.mirrored(ROOM), GOAL * flip + shift, poses * flip + shift, variant, 2)
+    there, other = commands(
+        tools.mirrored(ROOM), GOAL * flip + shift, poses * flip + shift, variant, 2
+    )
     np.testing.assert_allclose(there, here * flip, atol=1e-5)
     assert other.leader == status.leader
     np.testing.assert_allclose(other.goals, status.goals * (1, -1) + (0, SIZE[1]), atol=1e-5)
@@ -84,7 +86,7 @@ def test_the_clocks_zero_makes_no_difference():
 
 def test_turning_a_robot_round_once_makes_no_difference():
     poses = start(6)
-    turned = poses + (0.0, 0.0, 2.0 * np.pi)
+    turned = poses + np.array([0.0, 0.0, 2.0 * np.pi])
     np.testing.assert_allclose(
         commands(ROOM, GOAL, turned, "cavalcade")[0],
         commands(ROOM, GOAL, poses, "cavalcade")[0],

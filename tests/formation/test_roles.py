@@ -175,7 +175,9 @@ def test_the_least_sum_of_squares_wins():
         active = np.array([0, 2, 3, 4])
         roles = assign_goals(points, goals, active)
         cost = {
-            slots: sum(((points[k] - goals[s]) ** 2).sum() for k, s in zip(active, slots, strict=True))
+            slots: sum(
+                ((points[k] - goals[s]) ** 2).sum() for k, s in zip(active, slots, strict=True)
+            )
             for slots in permutations(range(4))
         }
         assert cost[tuple(roles[active])] == pytest.approx(min(cost.values()))

@@ -68,7 +68,7 @@ class Closest:
     def __init__(self, tools, scene):
         self.tools, self.scene = tools, scene
         count = len(scene.poses)
-        self.pairs = {pair: math.inf for pair in combinations(range(count), 2)}
+        self.pairs = dict.fromkeys(combinations(range(count), 2), math.inf)
         self.map = [math.inf] * count
 
     def __call__(self, poses):
@@ -260,11 +260,12 @@ def test_a_robot_that_cannot_be_commanded_is_driven_around_not_through(tools):
     assert tools.sampled_gap(*scene.poses, SIZE, SIZE) > 0.02
 
 
-def test_it_does_not_turn_into_a_wall(tools):
+@pytest.mark.parametrize("radius", [0.21, 0.30])
+def test_it_does_not_turn_into_a_wall(tools, radius):
     """Beside a wall there is room along the body but not across it."""
     occupied = np.zeros((80, 80), dtype=bool)
     occupied[:20] = True
-    scene = Scene([[2.0, 1.0 + 0.24, 0.0]], occupied, radius=0.21)
+    scene = Scene([[2.0, 1.0 + 0.24, 0.0]], occupied, radius=radius)
     for _ in range(60):
         commands, _ = scene.commands([[0.0, -0.1, 1.2]])
         scene.advance(commands)
@@ -305,11 +306,11 @@ def test_all_rolled_out_commands_end_at_rest():
 def test_any_rate_stops_in_time(tools, rate):
     occupied = np.zeros((80, 120), dtype=bool)
     occupied[:, 100:] = True
-    filter = SafetyFilter(GO1, 1.0 / rate)
+    guard = SafetyFilter(GO1, 1.0 / rate)
     distance = surface_distance(occupied, CELL)
     state = (3.0, 2.0, 0.0, 0.0, 0.0, 0.0)
     for _ in range(round(8.0 * rate)):
-        commands, _ = filter.apply(
+        commands, _ = guard.apply(
             np.array([state[:3]]), np.array([state[3:]]), np.array([[0.5, 0.0, 0.0]]),
             np.zeros(1, np.int64), np.zeros(1, bool), distance, CELL, RADIUS, *NO_MOVERS,
         )  # fmt: skip

@@ -73,5 +73,5 @@ def test_zero_makes_no_sense_for_these(key):
 
 
 def test_w_min_avoid_must_leave_room_below_one():
-    with pytest.raises(InputError, match="^w_min_avoid: expected a number below 1"):
+    with pytest.raises(InputError, match=r"^w_min_avoid: expected a number below 1"):
         FormationSettings(w_min_avoid=1.0)

@@ -21,19 +21,17 @@ def slots_of(formation: FormationSection, robots: int) -> Array:
     if formation.shape == "triangle":
         return _ring(3, _size(formation.side) / np.sqrt(3.0))
     if formation.shape == "circle":
-        return _ring(robots, _size(formation.radius))
+        return _ring(robots, _size(formation.radius) if robots > 1 else 0.0)
     spacing = _size(formation.spacing)
     middle = (robots - 1) / 2.0
     if formation.shape == "line":
         return np.column_stack((np.zeros(robots), (middle - steps) * spacing))
     if formation.shape == "column":
         return np.column_stack(((middle - steps) * spacing, np.zeros(robots)))
-    # A wedge: two arms at right angles, the tip in front.
+    # A wedge: two arms at right angles, the tip in front and on the axis, however long the arms.
     arm = np.ceil(steps / 2.0) * spacing / np.sqrt(2.0)
     side = np.where(steps % 2 == 1, 1.0, -1.0)
-    points = np.column_stack((-arm, side * arm))
-    centred: Array = points - points.mean(axis=0)
-    return centred
+    return np.column_stack((arm.mean() - arm, side * arm))
 
 
 def _ring(count: int, radius: float) -> Array:

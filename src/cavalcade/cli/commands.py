@@ -14,7 +14,7 @@ import typer
 from cavalcade.cli import options
 
 if TYPE_CHECKING:
-    from cavalcade.checking import Report
+    from cavalcade.checking import Report, Violation
 
 app = typer.Typer(
     name="cavalcade",
@@ -78,7 +78,7 @@ def check(
     elif report.violations:
         first, more = report.violations[0], len(report.violations) - 1
         rest = f" (and {more} more)" if more else ""
-        print(f"{directory}: {first.kind} at {first.time:.2f} s: {first.message}{rest}")
+        print(f"{directory}: {first.kind} at {first.time:.2f} s: {_told(first)}{rest}")
     elif not quiet:
         print(f"{directory}: clean{_measured(report)}")
     if not report.ok:
@@ -152,6 +152,12 @@ _later("studio", "the studio")
 
 def _print_json(value: Any) -> None:
     print(json.dumps(value, indent=2, allow_nan=False, ensure_ascii=False))
+
+
+def _told(violation: Violation) -> str:
+    """The message, with what was touched unless the message says so itself."""
+    said, touched = violation.message, violation.obstacle
+    return said if touched in said else f"{said}; touched: {touched}"
 
 
 def _measured(report: Report) -> str:

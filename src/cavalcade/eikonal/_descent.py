@@ -240,7 +240,8 @@ def local_path(start, goal, delay, rows, cols, stride, times, visited, work, wid
     goal_u, goal_v = goal
     row, col = int(math.floor(start_v + 0.5)), int(math.floor(start_u + 0.5))
     first = (row + 1) * stride + col + 1
-    count = seed_point(goal_u, goal_v, 3.0, delay, rows, cols, stride, times, visited, 0)
+    none = np.int64(0)  # a literal would be compiled a second time
+    count = seed_point(goal_u, goal_v, 3.0, delay, rows, cols, stride, times, visited, none)
     straight = line_time(start_u, start_v, goal_u, goal_v, delay, stride)
     bound = 1.1 * straight + 4.0 * delay[first]
     focus = np.array([start_v + 1.0, start_u + 1.0, least])

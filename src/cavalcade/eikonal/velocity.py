@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 from cavalcade.eikonal._distance import square_distance
 from cavalcade.geometry import Array
 
+_LEAST_ROOM = 1e-3  # m; the same for every safe distance, so that all maps block the same cells
+
 
 def surface_distance(occupied: NDArray[np.bool_], cell: float, border: bool = True) -> Array:
     """Distance from each cell's centre to the nearest occupied cell's surface.
@@ -38,9 +40,10 @@ def velocity_map(distance: Array, radius: float, safe_distance: float) -> Array:
             speed (the paper's d_safe), m.
 
     Returns:
-        `(rows, cols)`; 0 in the inflated obstacles. Speeds below one thousandth are 0 too: such
+        `(rows, cols)`; 0 in the inflated obstacles and less than a millimetre beside them, where
         a cell would take longer than any way around it.
     """
-    speed = np.clip((distance - radius) / safe_distance, 0.0, 1.0)
-    speed[speed < 1e-3] = 0.0
+    room = distance - radius
+    speed = np.clip(room / safe_distance, 0.0, 1.0)
+    speed[room < _LEAST_ROOM] = 0.0
     return speed

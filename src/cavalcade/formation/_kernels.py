@@ -31,19 +31,19 @@ def add_springs(velocity, points, pairs, rest, laws, previous, period):
         if a < 0 or b < 0:
             continue
         dx, dy = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1]
-        l = math.hypot(dx, dy)
-        length[k] = l
-        if l < 1e-9:
+        apart = math.hypot(dx, dy)
+        length[k] = apart
+        if apart < 1e-9:
             continue
-        stretch = l - rest[k]
+        stretch = apart - rest[k]
         if stretch < 0.0:
             force = -laws[k, 0] * stretch * stretch
         else:
             force = min(laws[k, 1] * stretch * stretch, laws[k, 2])
         if not math.isnan(previous[k]):
-            rate = (l - previous[k]) / period
+            rate = (apart - previous[k]) / period
             force += (laws[k, 3] if rate < 0.0 else laws[k, 4]) * rate
-        ux, uy = dx / l * force, dy / l * force
+        ux, uy = dx / apart * force, dy / apart * force
         velocity[a, 0] += ux
         velocity[a, 1] += uy
         velocity[b, 0] -= ux

@@ -190,6 +190,7 @@ def roll_out(pose, velocity, command, limits, period, substeps, out):
 def map_slack(path, discs, disc_radius, keep, hard, distance, cell):
     """Least slack over poses `(T, 3)`: clearance of discs and centre beyond what is needed; m."""
     least = np.inf
+    body = np.inf
     for t in range(path.shape[0]):
         x, y, yaw = path[t, 0], path[t, 1], path[t, 2]
         if keep > 0.0:
@@ -198,21 +199,22 @@ def map_slack(path, discs, disc_radius, keep, hard, distance, cell):
         c, s = math.cos(yaw), math.sin(yaw)
         for i in range(discs.shape[0]):
             d, _, _ = distance_at(distance, cell, x + c * discs[i], y + s * discs[i])
-            least = min(least, d - disc_radius - hard)
-    return least
+            body = min(body, d - disc_radius - hard)
+    return min(least, body) if body >= 0.0 else body - 1e3
 
 
 @njit(cache=True)
 def pair_slack(path_a, size_a, path_b, size_b, hard, centres):
     """Least slack of footprint gap and centre distance over poses of the same times; m."""
     least = np.inf
+    body = np.inf
     for t in range(path_a.shape[0]):
         away = math.hypot(path_a[t, 0] - path_b[t, 0], path_a[t, 1] - path_b[t, 1])
         least = min(least, away - centres)
         if away < size_a[0] + size_a[1] + size_b[0] + size_b[1] + hard:
             gap = rectangle_gap(path_a[t], size_a[0], size_a[1], path_b[t], size_b[0], size_b[1])[0]
-            least = min(least, gap - hard)
-    return least
+            body = min(body, gap - hard)
+    return min(least, body) if body >= 0.0 else body - 1e3
 
 
 @njit(cache=True)

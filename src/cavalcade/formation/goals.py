@@ -12,7 +12,30 @@ from cavalcade.formation.ground import Ground
 from cavalcade.geometry import Array, rotation, transform_points
 
 _SHIFT_REACH = 3.0  # m: how far a goal whose slots do not fit is moved at most
+_ESCAPE = 1.5  # m: how far free ground is looked for from within the inflated zone
+_W_ESCAPE = 0.1  # velocity-map value assumed on the way out of it
+_ROOM = (0.06, 0.02)  # m around the bodies in their slots
 _SHIFT_STEP = 0.05  # m: step in which partial goals are moved to free ground
+
+
+@dataclass(frozen=True)
+class BodyCover:
+    """Discs that cover a robot's footprint.
+
+    Attributes:
+        offsets: `(K,)` their centres along the body's x axis, m.
+        radius: m.
+    """
+
+    offsets: Array
+    radius: float
+
+    @classmethod
+    def of(cls, length: float, width: float, discs: int = 4) -> BodyCover:
+        """The least discs of one size, side by side, that cover a rectangle."""
+        step = length / discs
+        offsets: Array = (np.arange(discs) - (discs - 1) / 2.0) * step
+        return cls(offsets, float(np.hypot(step / 2.0, width / 2.0)))
 
 
 class GoalPlan:
@@ -26,7 +49,9 @@ class GoalPlan:
         cut_off: Robots that cannot reach it; the goal is infeasible if there are any.
     """
 
-    def __init__(self, ground: Ground, goal: Array, slots: Array, points: Array) -> None:
+    def __init__(
+        self, ground: Ground, goal: Array, slots: Array, points: Array, cover: BodyCover
+    ) -> None:
         """Plan for robots at `points` `(S, 2)`, the ones that take part."""
         self.ground = ground
         self.moved = 0.0
@@ -37,7 +62,11 @@ class GoalPlan:
         shift = None
         if len(names) > 0:
             common = int(names[np.argmax(counts)])
-            shift = ground.placement(wanted, {common}, _SHIFT_REACH)
+            body = np.outer(cover.offsets, [np.cos(goal[2]), np.sin(goal[2])])
+            for room in _ROOM:  # with room to turn there if it can be had
+                shift = ground.placement(wanted, common, _SHIFT_REACH, body, cover.radius + room)
+                if shift is not None:
+                    break
             self.cut_off = np.nonzero(regions != common)[0]
         if shift is None:
             self.cut_off = np.arange(len(points))
@@ -89,24 +118,23 @@ class Descent:
         return point, float(np.arctan2(tangent[1], tangent[0]))
 
 
-def descend_from(field: ArrivalField, point: Array, w_floor: float = 0.1) -> Descent:
+def descend_from(field: ArrivalField, point: Array) -> Descent:
     """The way from any point; one in the inflated zone first makes for free ground.
 
     Args:
         field: Where to.
         point: `(2,)` m.
-        w_floor: Assumed velocity-map value on the way out of the inflated zone.
     """
     points, times = field.path(point)
     if len(points) > 1:
         return Descent(points, times)
     if len(points) == 1:
         return Descent(np.vstack([points, points]), np.append(times, times))
-    exit_ = field.nearest_reached(point, reach=1.5)
+    exit_ = field.nearest_reached(point, reach=_ESCAPE)
     if exit_ is None:
         return Descent(np.empty((0, 2)), np.empty(0))
     points, times = field.path(exit_)
-    out = float(np.hypot(*(exit_ - point))) / w_floor
+    out = float(np.hypot(*(exit_ - point))) / _W_ESCAPE
     return Descent(np.vstack([point, points]), np.append(times[0] + out, times))
 
 
@@ -140,3 +168,34 @@ def partial_goals(
     first = np.argmax(good, axis=1)
     goals[pending] = tried[np.arange(len(pending)), first]
     return goals
+
+
+def eta_from(field: ArrivalField, point: Array) -> float:
+    """Arrival time from any point, s; from the inflated zone by its nearest free ground."""
+    eta = field.eta(point)
+    if np.isfinite(eta):
+        return eta
+    near = field.nearest_reached(point, reach=_ESCAPE)
+    if near is None:
+        return np.inf
+    return field.eta(near) + float(np.hypot(*(near - point))) / _W_ESCAPE
+
+
+def local_way(ground: Ground, start: Array, goal: Array) -> Array:
+    """The local path on W_B; from the inflated zone first to the nearest free ground.
+
+    Args:
+        ground: The map.
+        start, goal: `(2,)` m.
+
+    Returns:
+        Points `(K, 2)`; empty where there is no way.
+    """
+    grid = ground.follower
+    if grid.is_free(start):
+        return grid.local_path(start, goal)[0]
+    out = grid.nearest_free(start, reach=_ESCAPE)
+    if out is None:
+        return np.empty((0, 2))
+    rest, _ = grid.local_path(out, goal)
+    return np.vstack([start, out]) if len(rest) == 0 else np.vstack([start, rest])

@@ -11,7 +11,7 @@ from scipy import ndimage
 
 from cavalcade.eikonal import TravelGrid, surface_distance, velocity_map
 from cavalcade.formation.settings import FormationSettings
-from cavalcade.geometry import Array
+from cavalcade.geometry import Array, transform_points
 
 
 class Ground:
@@ -49,7 +49,9 @@ class Ground:
 
     def tightened(self, radius: float) -> Ground:
         """The same world for robots inflated by another radius."""
-        return Ground(self.occupied, self.cell, self.settings, radius, self.distance)
+        # Distances that were renewed piecewise are cut off where the maps saturate.
+        known = self.distance if radius <= self.radius else None
+        return Ground(self.occupied, self.cell, self.settings, radius, known)
 
     def changed(self, occupied: NDArray[np.bool_]) -> Ground:
         """The ground after some cells changed; distances are renewed only near the change."""
@@ -57,7 +59,8 @@ class Ground:
         if len(rows) == 0:
             return self
         # Beyond this distance from a change, the saturated maps stay as they are.
-        reach = int(np.ceil((self.radius + self.settings.d_safe_a) / self.cell)) + 2
+        safe = max(self.settings.d_safe_a, self.settings.d_safe_b)
+        reach = int(np.ceil((self.radius + safe) / self.cell)) + 2
         height, width = occupied.shape
         top, left = max(rows.min() - reach, 0), max(cols.min() - reach, 0)
         bottom, right = min(rows.max() + reach + 1, height), min(cols.max() + reach + 1, width)
@@ -108,46 +111,72 @@ class Ground:
                 here = int(labels[rows[0], cols[0]])
         return here
 
-    def placement(self, slots: Array, regions: set[int], reach: float) -> Array | None:
-        """The smallest shift `(2,)` that puts all slots onto free ground of one region.
+    def with_bodies(self, poses: Array, length: float, width: float) -> Ground:
+        """The ground with standing robots as obstacles to go around.
+
+        Args:
+            poses: `(K, 3)` x, y, yaw.
+            length, width: Of their footprints, m.
+        """
+        occupied = self.occupied.copy()
+        step = 0.5 * self.cell
+        along = np.arange(-length / 2, length / 2 + step, step)
+        across = np.arange(-width / 2, width / 2 + step, step)
+        body = np.stack(np.meshgrid(along, across), axis=-1).reshape(-1, 2)
+        for pose in poses:
+            index = np.floor(transform_points(pose, body) / self.cell).astype(int)
+            inside = ((index >= 0) & (index < (occupied.shape[1], occupied.shape[0]))).all(axis=1)
+            occupied[index[inside, 1], index[inside, 0]] = True
+        return self.changed(occupied)
+
+    def placement(
+        self, slots: Array, region: int, reach: float, body: Array, needed: float
+    ) -> Array | None:
+        """The smallest shift `(2,)` with which every slot takes a robot, in one free region.
 
         Args:
             slots: `(N, 2)` wanted places, m.
-            regions: Acceptable regions.
+            region: Number of the region.
             reach: Largest shift, m.
+            body: `(K, 2)` centres of discs that cover a robot, from its centre, turned to the
+                goal's heading, m.
+            needed: Clearance of these centres, m.
 
         Returns:
             The shift in m, zero if the slots fit as they are, or None if none fits.
         """
         labels = self._regions()
-        rows, cols = labels.shape
         span = int(np.ceil(reach / self.cell))
-        steps = np.arange(-span, span + 1)
-        base = np.floor(slots / self.cell).astype(int)
-        best: Array | None = None
-        best_length = np.inf
-        for region in sorted(regions):
-            free = labels == region
-            fits = np.ones((len(steps), len(steps)), dtype=bool)
-            for col, row in base:
-                r, c = row + steps, col + steps
-                inside_r, inside_c = (r >= 0) & (r < rows), (c >= 0) & (c < cols)
-                view = free[np.clip(r, 0, rows - 1)][:, np.clip(c, 0, cols - 1)]
-                fits &= view & inside_r[:, None] & inside_c[None, :]
-            if not fits.any():
-                continue
-            r, c = np.nonzero(fits)
-            shifts = np.column_stack([steps[c], steps[r]]) * self.cell
-            length = np.hypot(shifts[:, 0], shifts[:, 1])
-            k = int(np.argmin(length))
-            if length[k] < best_length:
-                best, best_length = shifts[k], float(length[k])
-        return best
+        steps = np.arange(-span, span + 1) * self.cell
+        shifts = np.stack(np.meshgrid(steps, steps), axis=-1)
+        length = np.hypot(shifts[..., 0], shifts[..., 1])
+        fits = length <= reach
+        for slot in slots:
+            rows, cols, inside = self._lookup(slot + shifts)
+            fits &= inside & (labels[rows, cols] == region)
+            for offset in body:
+                rows, cols, inside = self._lookup(slot + offset + shifts)
+                fits &= inside & (self.distance[rows, cols] >= needed)
+        if not fits.any():
+            return None
+        best = np.unravel_index(np.argmin(np.where(fits, length, np.inf)), length.shape)
+        shift: Array = shifts[best]
+        return shift
 
     def _regions(self) -> NDArray[np.int32]:
         if self._labels is None:
             self._labels = ndimage.label(self.speed_b > 0.0)[0]
         return self._labels
+
+    def _lookup(
+        self, points: Array
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
+        """Cells of points `(..., 2)`, clipped into the map, and which are inside."""
+        index = np.floor(points / self.cell).astype(np.int64)
+        height, width = self.occupied.shape
+        col, row = index[..., 0], index[..., 1]
+        inside = (col >= 0) & (row >= 0) & (col < width) & (row < height)
+        return np.clip(row, 0, height - 1), np.clip(col, 0, width - 1), inside
 
     def _cells(self, points: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         index = np.floor(np.asarray(points) / self.cell).astype(np.int64)

@@ -7,7 +7,6 @@ Cluttered Environments", with stand-off resolution and a last filter of our own 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,7 +22,13 @@ from cavalcade.formation.status import PlannerStatus
 from cavalcade.formation.team import Team
 from cavalcade.formation.tracking import VelocityTracker
 from cavalcade.formation.variants import default_settings, variant_named
-from cavalcade.geometry import Array, inverse_transform_points, transform_points, wrap_angle
+from cavalcade.geometry import (
+    Array,
+    inverse_transform_points,
+    rotation,
+    transform_points,
+    wrap_angle,
+)
 from cavalcade.robots import RobotModel, robot_model
 from cavalcade.world import OccupancyMap
 
@@ -88,7 +93,8 @@ class FormationPlanner:
             self.variant, self.settings, self.model, 1.0 / self.rate, np.random.default_rng(seed)
         )
         self._paused = False
-        self._status = self._make_status(np.zeros((robots, 3)), None)
+        self._bodies: tuple[Ground, Array, Ground] | None = None
+        self._status = self._make_status(np.zeros((robots, 3)))
 
     @property
     def status(self) -> PlannerStatus:
@@ -102,11 +108,11 @@ class FormationPlanner:
     def set_goals(self, goals: Sequence[Sequence[float]] | ArrayLike) -> None:
         """Drive through poses `(G, 3)` in their order; they replace all earlier goals."""
         poses = np.array(goals, dtype=float)
-        if poses.ndim != 2 or poses.shape[1:] != (3,) or not np.isfinite(poses).all():
-            raise InputError("expected finite poses (x, y, yaw)", key="goal")
-        if len(poses) == 0:
+        if poses.size == 0:
             self.cancel()
             return
+        if poses.ndim != 2 or poses.shape[1:] != (3,) or not np.isfinite(poses).all():
+            raise InputError("expected finite poses (x, y, yaw)", key="goal")
         origin = np.asarray(self._map.origin, dtype=float)
         local = np.column_stack(
             [inverse_transform_points(origin, poses[:, :2]), wrap_angle(poses[:, 2] - origin[2])]
@@ -120,11 +126,11 @@ class FormationPlanner:
     def pause(self) -> None:
         """Stop until `resume`; the goals stay."""
         self._paused = True
+        self._tracker.commanded(np.zeros((self._team.size, 3)))
 
     def resume(self) -> None:
         """Go on after `pause`."""
         self._paused = False
-        self._tracker.reset()
         self._mode.refresh()
 
     def set_formation(self, formation: Formation) -> None:
@@ -166,7 +172,6 @@ class FormationPlanner:
                 self._mode.set_goals(
                     np.column_stack([inverse_transform_points(new, there), yaw]), keep=True
                 )
-            self._tracker.reset()
         self._map = map
         self._mode.refresh()
 
@@ -200,18 +205,32 @@ class FormationPlanner:
             local = np.column_stack(
                 [inverse_transform_points(origin, poses[:, :2]), poses[:, 2] - origin[2]]
             )
-        velocities = self._tracker.update(local, float(time))
+        velocities = self._tracker.update(poses, float(time))
+        if origin[2]:
+            velocities[:, :2] = velocities[:, :2] @ rotation(origin[2])
         movers, speeds = mover_arrays(self._movers, origin)
         if self._paused:
             wanted = np.zeros_like(local)
         else:
             wanted = self._mode.step(
-                self._ground, self._team, local, velocities, float(time), movers, speeds
+                self._routes(local), self._team, local, float(time), movers, speeds
             )
         commands = self._commands(local, velocities, wanted, movers, speeds)
         self._tracker.commanded(commands)
-        self._status = self._make_status(poses, local)
+        self._status = self._make_status(poses)
         return commands
+
+    def _routes(self, local: Array) -> Ground:
+        """The ground to find ways on: lost robots are obstacles there."""
+        bodies = local[~self._team.present]
+        if len(bodies) == 0:
+            return self._ground
+        known = self._bodies
+        same = known is not None and known[0] is self._ground and len(known[1]) == len(bodies)
+        if known is None or not same or np.abs(known[1] - bodies).max() > _SETTLED:
+            ground = self._ground.with_bodies(bodies, self.model.length, self.model.width)
+            self._bodies = known = (self._ground, bodies.copy(), ground)
+        return known[2]
 
     def _commands(
         self, local: Array, velocities: Array, wanted: Array, movers: Array, speeds: Array
@@ -227,9 +246,9 @@ class FormationPlanner:
             commands[frozen] = 0.0
         return commands
 
-    def _make_status(self, poses: Array, local: Array | None) -> PlannerStatus:
+    def _make_status(self, poses: Array) -> PlannerStatus:
         origin = np.asarray(self._map.origin, dtype=float)
-        view: Any = self._mode.view(self._team, local)
+        view = self._mode.view(self._team)
         goal = None
         if view.goal is not None:
             centre = transform_points(origin, view.goal[None, :2])[0]
@@ -257,4 +276,5 @@ class FormationPlanner:
         )
 
 
+_SETTLED = 0.05  # m and rad that a lost robot may move before ways are planned anew
 _NO_PAIRS: NDArray[np.int64] = np.empty((0, 2), np.int64)

@@ -9,7 +9,7 @@ from scipy.optimize import linear_sum_assignment
 from cavalcade.geometry import Array, wrap_angle
 
 _SAME_ANGLE = 0.1  # rad between two slots, seen from the leader, below which order is ambiguous
-_SAME_RING = 0.1  # relative difference of distances within one group
+_SAME_RING = 0.1  # of the shape's spacing: difference of distances within one group
 
 
 def choose_leader(eta: Array, leader: int, lead: float) -> int:
@@ -46,10 +46,13 @@ def follower_rings(slots: Array) -> list[NDArray[np.int64]]:
     if gaps.min() >= _SAME_ANGLE:
         return [followers]
     distance = np.hypot(offset[:, 0], offset[:, 1])
+    spacing = float(
+        np.hypot(*(slots[:, None] - slots[None]).T)[np.triu_indices(len(slots), 1)].min()
+    )
     order = np.argsort(distance, kind="stable")
     rings: list[list[int]] = []
     for k in order:
-        if rings and distance[k] <= distance[rings[-1][0] - 1] * (1.0 + _SAME_RING):
+        if rings and distance[k] <= distance[rings[-1][0] - 1] + _SAME_RING * spacing:
             rings[-1].append(int(k) + 1)
         else:
             rings.append([int(k) + 1])

@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.formation._safety import certify, least_change, to_body
+from cavalcade.formation.goals import BodyCover
 from cavalcade.geometry import Array
 from cavalcade.robots import RobotModel
 from cavalcade.robots.motion import limits_of
 
-_DISCS = 4
 _PRECEDENCE = 4.0  # how much dearer a robot's change is than that of the next in rank
 _WEIGHTS = 1000.0  # largest ratio of such weights in one team
 
@@ -49,9 +49,8 @@ class SafetyFilter:
         self._period = period
         self._limits = limits_of(model)
         self._half = np.array([model.length, model.width]) / 2.0
-        reach = model.length / _DISCS
-        self._discs = (np.arange(_DISCS) - (_DISCS - 1) / 2.0) * reach
-        self._disc_radius = float(np.hypot(reach / 2.0, model.width / 2.0))
+        cover = BodyCover.of(model.length, model.width)
+        self._discs, self._disc_radius = cover.offsets, cover.radius
         self._braking = 0.6 * model.max_acceleration
         self._substeps = max(1, int(np.ceil(period / 0.025 - 1e-9)))
         stop = max(

@@ -81,7 +81,15 @@ class FormationSettings:
             value = getattr(self, field.name)
             if not (isinstance(value, int | float) and math.isfinite(value) and value >= 0.0):
                 raise InputError(f"expected a number of at least 0, got {value!r}", key=field.name)
-        for name in ("r_max", "d_safe_a", "d_safe_b", "v_max_x", "v_max_y", "d_slowdown"):
+        for name in (
+            "r_max",
+            "d_safe_a",
+            "d_safe_b",
+            "lookahead",
+            "v_max_x",
+            "v_max_y",
+            "d_slowdown",
+        ):
             if getattr(self, name) == 0.0:
                 raise InputError("expected a number above 0", key=name)
         if self.w_min_avoid >= 1.0:

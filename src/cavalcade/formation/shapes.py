@@ -166,7 +166,7 @@ class Formation:
             return Formation.circle(robots, gap / (2.0 * math.sin(math.pi / robots)), springs)
         if self.name in ("line", "wedge"):
             return getattr(Formation, self.name)(robots, gap, springs)
-        if self.name == "custom" and robots > 2:
+        if self.name == "custom" and 2 < robots < self.size:
             kept = self.slots[:robots]
             return Formation._of("custom", kept - kept.mean(axis=0), springs)
         return Formation.column(robots, gap, springs)

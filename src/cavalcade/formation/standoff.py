@@ -6,17 +6,24 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
 
-from cavalcade.formation.goals import Descent, GoalPlan, descend_from
+from cavalcade.formation.cycle import EMPTY_PATH, Cycle, direction, order_of
+from cavalcade.formation.goals import GoalPlan, descend_from, eta_from
 from cavalcade.geometry import Array
 
 PATIENCE = 3.0
 """s without progress after which a stand-off is assumed."""
 _STEP = 0.10  # s of ETA, or m of distance, that count as progress
+_ATTEMPTS = 6  # at resolving before a team is reported as stuck
+_OVER = 8.0  # s of median ETA gained, after which a stand-off is past
+_SETTLED = 0.08  # m from all slots: nothing left to gain
+_MAKE_ROOM = 2.0  # s for which robots step back in a repeated attempt
+_NEIGHBOUR = 1.3  # m between robots that may be in each other's way
 
 
 class ProgressMonitor:
-    """Watches numbers that should fall while the team gets on.
+    """Watches a number that should fall while the team gets on.
 
     Args:
         patience: Seconds without a new low after which the team counts as standing off.
@@ -24,13 +31,12 @@ class ProgressMonitor:
 
     def __init__(self, patience: float = PATIENCE) -> None:
         self.patience = patience
-        self._best = np.inf
-        self._since: float | None = None
+        self.reset()
 
     def reset(self) -> None:
         """Start anew: another goal, map or mode."""
         self._best = np.inf
-        self._since = None
+        self._since: float | None = None
 
     def stalled(self, measure: float, time: float) -> bool:
         """Whether `measure` has not fallen for too long.
@@ -46,88 +52,173 @@ class ProgressMonitor:
 
 
 @dataclass(frozen=True)
-class SinglePlan:
+class SingleFile:
     """What resolving asks of the team in one cycle.
 
     Attributes:
         roles: `(N,)` final slots.
-        ways: Per robot, its way to its slot.
-        rank: `(N,)` precedence: who is ahead goes first.
+        rank: `(N,)` precedence.
+        paths: Per robot, its way to its slot.
+        courses: `(N, 2)` wanted velocities as shares of the top speed.
     """
 
     roles: NDArray[np.int64]
-    ways: tuple[Descent, ...]
     rank: NDArray[np.int64]
+    paths: tuple[Array, ...]
+    courses: Array
 
 
-class Resolver:
-    """Brings robots to their final slots one by one, each along its own arrival-time field.
-
-    Robots are not unique, so two in each other's way need not pass: they exchange slots, as in
-    the target swapping of Okumura and Défago (2022). The robot that is ahead goes first; those behind give
-    way.
+class StandoffWatch:
+    """Decides when the team resolves a stand-off, how, and when it is over.
 
     Args:
-        roles: `(N,)` slots to begin with, -1 for robots that take no part.
+        lookahead: The paper's D_lookahead, s.
+        rng: Of the precedence in repeated attempts.
     """
 
-    def __init__(self, roles: NDArray[np.int64]) -> None:
-        self._roles = roles.copy()
-        self._last_swap = np.full((len(roles), len(roles)), -np.inf)
+    def __init__(self, lookahead: float, rng: np.random.Generator) -> None:
+        self._lookahead = lookahead
+        self._rng = rng
+        self._monitor = ProgressMonitor()
+        self.restart()
 
-    def plan(
-        self,
-        goal: GoalPlan,
-        points: Array,
-        active: NDArray[np.int64],
-        eta: Array,
-        time: float,
-    ) -> SinglePlan:
-        """Ways and precedence now.
+    def restart(self) -> None:
+        """Another goal, shape or team."""
+        self.late: tuple[int, ...] = ()
+        self._slots: SlotExchange | None = None
+        self._attempts = 0
+        self._begun = 0.0
+        self._begun_eta = np.inf
+        self._order: NDArray[np.int64] | None = None
+        self._monitor.reset()
+
+    def refresh(self) -> None:
+        """Another map or state: progress is measured anew."""
+        self._monitor.reset()
+
+    def next_state(self, state: str, cycle: Cycle, roles: NDArray[np.int64]) -> str:
+        """The state to go on in: `partial`, `final`, `resolving` or `stuck`."""
+        eta = np.minimum(cycle.eta[cycle.active], 1e3)
+        gained = self._begun_eta - float(np.median(eta))
+        if gained > _OVER and state == "partial":
+            self._attempts, self._begun_eta = 0, np.inf
+        measure = float(eta.mean())
+        if state == "final" or (state == "resolving" and eta.min() < 1.0):
+            away = cycle.plan_distances(roles)
+            if away.max() < _SETTLED:
+                self._monitor.reset()
+                return state
+            measure = float(away.sum())
+        over = gained > 2.0 * (1 + self._attempts) and eta.min() > self._lookahead
+        if state == "resolving" and over:
+            self._slots = None
+            self._monitor.reset()
+            return "partial"
+        if not self._monitor.stalled(measure, cycle.time):
+            return state
+        self._monitor.reset()
+        self._attempts += 1
+        if self._attempts > _ATTEMPTS:
+            away = cycle.plan_distances(roles)
+            self.late = tuple(int(k) for k in cycle.active[away > 0.1])
+            self._attempts = 0
+            return "stuck"
+        self._slots = None
+        self._begun, self._begun_eta = cycle.time, float(np.median(eta))
+        # The first try goes by who is ahead; if that did not help, by lot.
+        repeated = self._attempts > 1
+        self._order = self._rng.permutation(len(cycle.points)) if repeated else None
+        return "resolving"
+
+    def single_file(self, cycle: Cycle) -> SingleFile:
+        """Ways, precedence and courses while resolving.
+
+        Robots are not unique, so two in each other's way need not pass: they exchange slots. The
+        robot that is ahead goes first; those behind give way. In a repeated attempt those who are
+        in the way of an earlier one first step back from it.
+        """
+        points, active = cycle.points, cycle.active
+        if self._slots is None:
+            self._slots = SlotExchange(len(points))
+        roles = self._slots.assign(cycle.plan, points, active, cycle.time)
+        paths = [EMPTY_PATH] * len(points)
+        courses = np.zeros((len(points), 2))
+        rank = order_of(cycle.eta) if self._order is None else self._order
+        for k in active:
+            paths[k] = descend_from(cycle.plan.slot_field(int(roles[k])), points[k]).points
+            courses[k] = direction(paths[k])
+        if self._order is not None and cycle.time - self._begun < _MAKE_ROOM:
+            _step_back(courses, points, active, rank)
+        return SingleFile(roles, rank, tuple(paths), courses)
+
+
+def _step_back(
+    courses: Array, points: Array, active: NDArray[np.int64], rank: NDArray[np.int64]
+) -> None:
+    """Turn robots near one of earlier precedence away from it, in place."""
+    for k in active:
+        for j in active:
+            offset = points[k] - points[j]
+            gap = float(np.hypot(*offset))
+            if rank[j] < rank[k] and 1e-9 < gap < _NEIGHBOUR:
+                courses[k] = 0.6 * offset / gap
+
+
+class SlotExchange:
+    """Final slots in a stand-off: exchanged wherever two robots stand in each other's way.
+
+    After the target swapping of Okumura and Défago (2022). Each pair rests for a while after an
+    exchange, so that it cannot go back and forth.
+
+    Args:
+        robots: Number of robots.
+    """
+
+    def __init__(self, robots: int) -> None:
+        self._roles: NDArray[np.int64] | None = None
+        self._last = np.full((robots, robots), -np.inf)
+
+    def assign(
+        self, goal: GoalPlan, points: Array, active: NDArray[np.int64], time: float
+    ) -> NDArray[np.int64]:
+        """Slots `(N,)` now, -1 for robots that take no part.
 
         Args:
             goal: Where to.
             points: `(N, 2)` robots, m.
             active: Robots that take part.
-            eta: `(N,)` times to the formation's goal, s: who is ahead.
             time: Now, s.
         """
-        self._swap(goal, points, active, time)
-        ways = [Descent(np.empty((0, 2)), np.empty(0)) for _ in range(len(points))]
+        eta = np.full((len(points), len(goal.places)), np.inf)
         for k in active:
-            ways[k] = descend_from(goal.slot_field(int(self._roles[k])), points[k])
-        rank = np.empty(len(points), dtype=np.int64)
-        rank[np.argsort(eta, kind="stable")] = np.arange(len(points))
-        return SinglePlan(self._roles.copy(), tuple(ways), rank)
-
-    def _swap(self, goal: GoalPlan, points: Array, active: NDArray[np.int64], time: float) -> None:
-        """Exchange slots wherever that shortens the longer of two ways, or a robot is in the way.
-
-        Each pair rests for a while after an exchange, so that it cannot go back and forth.
-        """
-        eta = {
-            (int(k), int(slot)): self._eta(goal, int(slot), points[k])
-            for k in active
-            for slot in self._roles[active]
-        }
+            for slot in range(len(goal.places)):
+                eta[k, slot] = eta_from(goal.slot_field(slot), points[k])
+        if self._roles is None:
+            self._roles = _by_time(eta, active)
         for i in active:
             for j in active:
-                if i >= j or time - self._last_swap[i, j] < PATIENCE:
-                    continue
-                a, b = int(self._roles[i]), int(self._roles[j])
-                straight = (eta[int(i), a], eta[int(j), b])
-                crossed = (eta[int(i), b], eta[int(j), a])
-                near = float(np.hypot(*(points[i] - points[j]))) < 1.5
-                shorter = max(crossed) < max(straight) - 0.2
-                equal = max(crossed) <= max(straight) + 0.2 and sum(crossed) < sum(straight) - 0.2
-                if shorter or (near and equal):
-                    self._roles[i], self._roles[j] = b, a
-                    self._last_swap[i, j] = time
+                if i < j and time - self._last[i, j] >= PATIENCE:
+                    self._consider(int(i), int(j), eta, points, time)
+        return self._roles.copy()
 
-    def _eta(self, goal: GoalPlan, slot: int, point: Array) -> float:
-        field = goal.slot_field(slot)
-        eta = field.eta(point)
-        if np.isfinite(eta):
-            return eta
-        near = field.nearest_reached(point, reach=1.5)
-        return np.inf if near is None else field.eta(near)
+    def _consider(self, i: int, j: int, eta: Array, points: Array, time: float) -> None:
+        """Exchange the slots of two robots if the longer way gets shorter by it."""
+        roles = self._roles
+        if roles is None:
+            return
+        a, b = roles[i], roles[j]
+        straight, crossed = (eta[i, a], eta[j, b]), (eta[i, b], eta[j, a])
+        near = float(np.hypot(*(points[i] - points[j]))) < 1.5
+        shorter = max(crossed) < max(straight) - 0.2
+        equal = max(crossed) <= max(straight) + 0.2 and sum(crossed) < sum(straight) - 0.2
+        if shorter or (near and equal):
+            roles[i], roles[j] = b, a
+            self._last[i, j] = time
+
+
+def _by_time(eta: Array, active: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The bijection with the least sum of squared times."""
+    roles = np.full(len(eta), -1, dtype=np.int64)
+    robots, slots = linear_sum_assignment(np.minimum(eta[active], 1e3) ** 2)
+    roles[active[robots]] = slots
+    return roles

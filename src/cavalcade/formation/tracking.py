@@ -8,6 +8,7 @@ from cavalcade.geometry import Array, wrap_angle
 from cavalcade.robots import RobotModel
 from cavalcade.robots.motion import advance, limits_of
 
+_CORRECTION = 0.3  # share of the residual taken as velocity
 _TRUSTED = 0.02  # m and rad: a prediction this good confirms the predicted velocity
 
 
@@ -54,8 +55,9 @@ class VelocityTracker:
                 off = poses[k] - state[:3]
                 off[2] = wrap_angle(off[2])
                 good = np.abs(off).max() < _TRUSTED
-                velocities[k] = state[3:] if good else moved / elapsed
-        self._poses, self._velocities, self._time = poses.copy(), velocities, time
+                guess = np.array(state[3:]) + _CORRECTION / elapsed * off
+                velocities[k] = guess if good else moved / elapsed
+        self._poses, self._velocities, self._time = poses.copy(), velocities.copy(), time
         return velocities
 
     def commanded(self, commands: Array) -> None:

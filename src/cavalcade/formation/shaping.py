@@ -1,0 +1,117 @@
+"""From desired to wanted velocities: springs, avoidance, limits, yaw (steps 9 to 12)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cavalcade.formation import _kernels
+from cavalcade.formation.cycle import Cycle, path_heading
+from cavalcade.formation.settings import FormationSettings
+from cavalcade.formation.variants import Variant
+from cavalcade.geometry import Array, wrap_angle
+from cavalcade.robots import RobotModel
+
+_TURN_GAIN = 2.5  # rad/s of yaw rate per rad of heading error
+_NEAR = 0.30  # m from its slot at which a robot turns to the goal's heading
+_NARROW = 0.30  # W_B below which a robot turns to the way ahead
+_BRISK = 0.6  # of d_slowdown: where our variant slows down before its slots
+_HELD_BACK = 0.5  # of the top speed: what springs may take from a robot on its way
+_DOCKING = 0.60  # m from its final slot at which a robot goes straight for it
+
+
+class Shaper:
+    """Applies springs, the avoidance layer and the limits, and remembers what dampers need.
+
+    Args:
+        variant: Which of them act.
+        settings: The paper's parameters.
+        model: The robots.
+        period: Seconds per cycle.
+    """
+
+    def __init__(
+        self, variant: Variant, settings: FormationSettings, model: RobotModel, period: float
+    ) -> None:
+        self._variant = variant
+        self._settings = settings
+        self._period = period
+        self.top = min(settings.v_max_x, model.max_speed_x)
+        slowdown = settings.d_slowdown * (_BRISK if variant.improved else 1.0)
+        across = min(settings.v_max_y, model.max_speed_y)
+        self._limits = np.array([self.top, across, settings.v_min, slowdown])
+        self._turn = model.max_yaw_rate
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the springs' lengths."""
+        self._lengths: Array = np.empty(0)
+        self._joined: NDArray[np.int64] = np.empty((0, 2), np.int64)
+
+    def shape(self, cycle: Cycle, desired: Array, springs: bool) -> None:
+        """Set the cycle's velocity.
+
+        Args:
+            cycle: With roles and `away` set.
+            desired: `(N, 2)` desired velocities, m/s.
+            springs: Whether springs act, if the variant has any.
+        """
+        settings, ground, points = self._settings, cycle.plan.ground, cycle.points
+        velocity = desired.copy()
+        if springs and self._variant.springs and len(cycle.team.rest):
+            self._add_springs(cycle, velocity)
+            if self._variant.improved:
+                _spare_pace(velocity, desired, _HELD_BACK * self.top)
+        if self._variant.avoidance:
+            _kernels.avoid_obstacles(
+                velocity, points, ground.speed_b, ground.cell, settings.d_safe_b,
+                settings.w_min_avoid,
+            )  # fmt: skip
+            if self._variant.improved:
+                # A slot may lie close to an obstacle; there the last filter is enough.
+                docking = cycle.away < _DOCKING
+                velocity[docking] = desired[docking]
+        yaw = np.ascontiguousarray(cycle.poses[:, 2])
+        _kernels.limit_speeds(velocity, yaw, ground.speed_at(points), cycle.away, self._limits)
+        velocity[~cycle.team.present] = 0.0
+        cycle.velocity = velocity
+
+    def yaw_rates(self, cycle: Cycle) -> Array:
+        """Turn `(N,)` rad/s to the direction of motion; near a final slot, to the goal's heading.
+
+        In narrow ground our variant turns to the way ahead instead: what springs and avoidance
+        make of the velocity would turn a body across it.
+        """
+        aim = cycle.headings()
+        if self._variant.improved:
+            room = cycle.plan.ground.speed_at(cycle.points)
+            for k in cycle.active[room[cycle.active] < _NARROW]:
+                ahead = path_heading(cycle.paths[k])
+                if ahead is not None:
+                    aim[k] = ahead
+        if cycle.final:
+            aim = np.where(cycle.away < _NEAR, cycle.plan.pose[2], aim)
+        rate = _TURN_GAIN * wrap_angle(aim - cycle.poses[:, 2])
+        rate[~cycle.team.present] = 0.0
+        return np.clip(rate, -self._turn, self._turn)
+
+    def _add_springs(self, cycle: Cycle, velocity: Array) -> None:
+        team = cycle.team
+        pairs = team.pairs(cycle.roles)
+        previous = self._lengths
+        if pairs.shape != self._joined.shape:
+            previous = np.full(len(pairs), np.nan)
+        elif (pairs != self._joined).any():
+            previous = np.where((pairs == self._joined).all(axis=1), previous, np.nan)
+        self._lengths = _kernels.add_springs(
+            velocity, cycle.points, pairs, team.rest, team.laws, previous, self._period
+        )
+        self._joined = pairs
+
+
+def _spare_pace(velocity: Array, desired: Array, most: float) -> None:
+    """Let springs slow a robot on its way by `most` m/s at the utmost; what turns it stays."""
+    pace = np.hypot(desired[:, 0], desired[:, 1])
+    course = desired / np.maximum(pace, 1e-9)[:, None]
+    back = -((velocity - desired) * course).sum(axis=1)
+    velocity += np.maximum(back - most, 0.0)[:, None] * course
