@@ -60,7 +60,9 @@ def run_once(scenario: str, cache: Path) -> Start:
             text=True,
             check=True,
         )
-    marks = dict(line.split() for line in done.stderr.splitlines() if line[:5] in ("MOVES", "ENDS "))
+    marks = dict(
+        line.split() for line in done.stderr.splitlines() if line[:5] in ("MOVES", "ENDS ")
+    )
     return Start(
         float(marks["MOVES"]) - began, float(marks["ENDS"]) - began, done.stdout.splitlines()[0]
     )

@@ -142,7 +142,8 @@ def descend(u, v, goals, times, delay, stride, step, points, stamps):
     while count < size:
         goal = straight_goal(u, v, 1.5, goals, delay, stride)
         if goal >= 0:
-            points[count], stamps[count] = goals[goal], 0.0
+            points[count, 0], points[count, 1] = goals[goal, 0], goals[goal, 1]
+            stamps[count] = 0.0
             return count + 1, True
         row, col = int(math.floor(v + 0.5)), int(math.floor(u + 0.5))
         here = (row + 1) * stride + col + 1
@@ -187,7 +188,8 @@ def descend(u, v, goals, times, delay, stride, step, points, stamps):
                     goal = straight_goal(u, v, np.inf, goals, delay, stride)
                     if goal < 0:
                         return count, False
-                    points[count], stamps[count] = goals[goal], 0.0
+                    points[count, 0], points[count, 1] = goals[goal, 0], goals[goal, 1]
+                    stamps[count] = 0.0
                     return count + 1, True
                 u, v = float(col), float(row)
             else:
@@ -250,7 +252,8 @@ def local_path(start, goal, delay, rows, cols, stride, times, visited, work, wid
     length, reached, eta = 0, False, np.inf
     if times[first] < np.inf:
         eta = time_at(start_u, start_v, times, stride)
-        goals = np.array([[goal_u, goal_v]])
+        goals = np.empty((1, 2))
+        goals[0, 0], goals[0, 1] = goal_u, goal_v
         length, reached = descend(
             start_u, start_v, goals, times, delay, stride, step, points, stamps
         )

@@ -92,3 +92,38 @@ def rectangle_gap(a, la, wa, b, lb, wb):
     if best > 1e-9:
         nx, ny = (px - qx) / best, (py - qy) / best
     return best, nx, ny, px, py, qx, qy
+
+
+@njit(cache=True)
+def contact_centres(a, la, wa, b, lb, wb, slop):
+    """Centres of the parts of two rectangles that lie within `slop` of their gap.
+
+    Between parallel faces the nearest points jump from corner to corner with the slightest turn;
+    these do not.
+
+    Args:
+        a, b: Poses (x, y, yaw).
+        la, wa, lb, wb: Half lengths and half widths, m.
+        slop: m.
+
+    Returns:
+        The point on a (2) and the point on b (2).
+    """
+    gap, _, _, px, py, qx, qy = rectangle_gap(a, la, wa, b, lb, wb)
+    if gap <= 0.0:
+        return px, py, qx, qy
+    ca, sa, cb, sb = math.cos(a[2]), math.sin(a[2]), math.cos(b[2]), math.sin(b[2])
+    total, ax, ay, bx, by = 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(4):
+        i, j = (1.0 if k < 2 else -1.0), (1.0 if k % 2 == 0 else -1.0)
+        vx, vy = a[0] + ca * i * la - sa * j * wa, a[1] + sa * i * la + ca * j * wa
+        d, rx, ry = point_rectangle(vx, vy, b[0], b[1], cb, sb, lb, wb)
+        weight = max(0.0, 1.0 - (d - gap) / slop)
+        total += weight
+        ax, ay, bx, by = ax + weight * vx, ay + weight * vy, bx + weight * rx, by + weight * ry
+        vx, vy = b[0] + cb * i * lb - sb * j * wb, b[1] + sb * i * lb + cb * j * wb
+        d, rx, ry = point_rectangle(vx, vy, a[0], a[1], ca, sa, la, wa)
+        weight = max(0.0, 1.0 - (d - gap) / slop)
+        total += weight
+        ax, ay, bx, by = ax + weight * rx, ay + weight * ry, bx + weight * vx, by + weight * vy
+    return ax / total, ay / total, bx / total, by / total

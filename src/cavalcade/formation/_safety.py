@@ -7,11 +7,15 @@ import math
 import numpy as np
 from numba import njit
 
-from cavalcade.formation._bodies import distance_at, rectangle_gap
+from cavalcade.formation._bodies import contact_centres, distance_at, rectangle_gap
 from cavalcade.robots.motion import advance, ellipse_scale
 
 ARM = 0.25
 """m; weighs turning against moving: u = (vx, vy, ARM * yaw rate)."""
+NEAR_GAP = 0.3
+"""m: nearer than this, the lever arms of a pair are taken at the centre of its contact."""
+SLOP = 0.03
+"""m of distance that still counts as part of that contact."""
 SWEEPS = 40
 LEVELS = 5
 """Candidates per robot: filtered command, half of it, without its turn, its turn alone, stop."""
@@ -137,6 +141,10 @@ def least_change(poses, wanted, weights, sizes, movers, mover_speeds, discs, dis
             gap, nx, ny, px, py, qx, qy = rectangle_gap(
                 poses[i], sizes[i, 0], sizes[i, 1], poses[j], sizes[j, 0], sizes[j, 1]
             )
+            if gap < NEAR_GAP:
+                px, py, qx, qy = contact_centres(
+                    poses[i], sizes[i, 0], sizes[i, 1], poses[j], sizes[j, 0], sizes[j, 1], SLOP
+                )
             rows[count, 0], rows[count, 1] = nx, ny
             rows[count, 2] = (-nx * (py - poses[i, 1]) + ny * (px - poses[i, 0])) / ARM
             rows[count, 3], rows[count, 4] = -nx, -ny

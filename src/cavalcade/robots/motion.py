@@ -98,3 +98,30 @@ def advance(x, y, yaw, vx, vy, wz, cx, cy, cw, dt, limits):
         new_vy,
         new_w,
     )
+
+
+@njit(cache=True)
+def predict_team(poses, velocities, commands, dt, steps, limits):
+    """States of a team after held commands.
+
+    Args:
+        poses, velocities: `(N, 3)` in the map frame.
+        commands: `(N, 3)` in the body frame.
+        dt: Length of each step, s.
+        steps: Number of steps.
+        limits: As `limits_of` gives them.
+
+    Returns:
+        `(N, 6)` x, y, yaw, vx, vy, yaw rate.
+    """
+    out = np.empty((poses.shape[0], 6))
+    for k in range(poses.shape[0]):
+        x, y, yaw = poses[k, 0], poses[k, 1], poses[k, 2]
+        vx, vy, wz = velocities[k, 0], velocities[k, 1], velocities[k, 2]
+        for _ in range(steps):
+            x, y, yaw, vx, vy, wz = advance(
+                x, y, yaw, vx, vy, wz, commands[k, 0], commands[k, 1], commands[k, 2], dt, limits
+            )
+        out[k, 0], out[k, 1], out[k, 2] = x, y, yaw
+        out[k, 3], out[k, 4], out[k, 5] = vx, vy, wz
+    return out

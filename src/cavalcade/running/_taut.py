@@ -66,26 +66,32 @@ def descend(times: Array, row: int, col: int) -> NDArray[np.int64]:
                 if drop > best:
                     best, best_row, best_col = drop, r, c
         if best <= 0.0 or count == rows * cols:
-            return cells[:count].copy()
+            return cells[:count]
         row, col = best_row, best_col
+
+
+@njit(cache=True)
+def _put(there: Array, k: int, here: Array, n: int) -> None:
+    """One point. Written out, for `there[k] = here[n]` takes seconds to compile."""
+    there[k, 0], there[k, 1] = here[n, 0], here[n, 1]
 
 
 @njit(cache=True)
 def _shortcut(free: Mask, cell: float, way: Array) -> Array:
     """The way with every point left out that the one before can do without seeing."""
     kept = np.empty_like(way)
-    kept[0] = way[0]
+    _put(kept, 0, way, 0)
     count = 1
     anchor = 0
     for k in range(1, way.shape[0] - 1):
         if not line_is_free(
             free, cell, way[anchor, 0], way[anchor, 1], way[k + 1, 0], way[k + 1, 1]
         ):
-            kept[count] = way[k]
+            _put(kept, count, way, k)
             count += 1
             anchor = k
-    kept[count] = way[-1]
-    return kept[: count + 1].copy()
+    _put(kept, count, way, way.shape[0] - 1)
+    return kept[: count + 1]
 
 
 @njit(cache=True)
@@ -100,9 +106,11 @@ def _dense(way: Array, spacing: float) -> Array:
         gap = math.hypot(way[k + 1, 0] - way[k, 0], way[k + 1, 1] - way[k, 1])
         parts = max(int(math.ceil(gap / spacing)), 1)
         for part in range(parts):
-            dense[count] = way[k] + (way[k + 1] - way[k]) * (part / parts)
+            along = part / parts
+            dense[count, 0] = way[k, 0] + (way[k + 1, 0] - way[k, 0]) * along
+            dense[count, 1] = way[k, 1] + (way[k + 1, 1] - way[k, 1]) * along
             count += 1
-    dense[count] = way[-1]
+    _put(dense, count, way, way.shape[0] - 1)
     return dense
 
 
@@ -115,15 +123,23 @@ def _length(way: Array) -> float:
 
 
 @njit(cache=True)
+def _reversed(way: Array) -> Array:
+    turned = np.empty_like(way)
+    for k in range(way.shape[0]):
+        _put(turned, k, way, way.shape[0] - 1 - k)
+    return turned
+
+
+@njit(cache=True)
 def pull_taut(free: Mask, cell: float, way: Array) -> float:
     """Length of a way `(K, 2)` after shortening it, from both ends in turn, while that helps."""
     length = _length(way)
     for _ in range(60):
-        way = _shortcut(free, cell, _dense(way, 0.5 * cell))[::-1].copy()
+        way = _reversed(_shortcut(free, cell, _dense(way, 0.5 * cell)))
         shorter = _length(way)
         # Two rounds, one from each end, without a gain of a tenth of a millimetre: done.
         if length - shorter < 1e-4:
-            way = _shortcut(free, cell, _dense(way, 0.25 * cell))[::-1].copy()
+            way = _reversed(_shortcut(free, cell, _dense(way, 0.25 * cell)))
             shorter = _length(way)
             if length - shorter < 1e-4:
                 return min(length, shorter)
