@@ -85,6 +85,53 @@ def test_bad_input_leaves_nothing(
     assert os.listdir(tmp_path) == ["short.yaml"]
 
 
+@pytest.mark.parametrize(
+    ("picture", "yaml", "message"),
+    [
+        (b"P5 120 80 255\n" + bytes(4000), "", "lab.pgm: the picture is truncated: 4000 of 9600"),
+        (b"P5 10000 10000 255\n", "", "lab.pgm: picture: 10000 x 10000 cells are too many"),
+        (b"P5 120 80 255\n" + bytes(9600), "free_thresh: much", "lab.yaml: free_thresh: "),
+        (b"P5 120 80 255\n" + bytes(9600), "origin: [0, 0]", "lab.yaml: origin: "),
+        (b"P5 120 80 255\n" + bytes(9600), "resolution: .nan", "lab.yaml: resolution: "),
+    ],
+)
+def test_a_bad_map_leaves_nothing(
+    scenario: Path, tmp_path: Path, picture: bytes, yaml: str, message: str
+) -> None:
+    said = {
+        "image": "lab.pgm",
+        "resolution": "0.05",
+        "origin": "[0, 0, 0]",
+        "negate": "0",
+        "occupied_thresh": "0.65",
+        "free_thresh": "0.196",
+    }
+    said.update([yaml.split(": ")] if yaml else [])
+    (tmp_path / "lab.pgm").write_bytes(picture)
+    (tmp_path / "lab.yaml").write_text("".join(f"{k}: {v}\n" for k, v in said.items()))
+    before = sorted(os.listdir(tmp_path))
+    done = _command("run", scenario, "--out", tmp_path / "a", "--set", "world={map: lab.yaml}")
+    assert message in _one_line(done)
+    assert sorted(os.listdir(tmp_path)) == before
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (_SCENARIO.replace("version: 1\n", ""), "short.yaml: version: missing"),
+        (_SCENARIO.replace("[2.5, 2.0, 0.0]", "east"), "short.yaml: task.goals[0]: expected"),
+        (_SCENARIO.replace("robots:", "robot:"), "short.yaml: robot: unknown key"),
+        (_SCENARIO[:-4], "short.yaml: "),
+    ],
+)
+def test_a_bad_scenario_leaves_nothing(
+    scenario: Path, tmp_path: Path, text: str, message: str
+) -> None:
+    scenario.write_text(text, encoding="utf-8")
+    assert message in _one_line(_command("run", scenario, "--out", tmp_path / "a"))
+    assert os.listdir(tmp_path) == ["short.yaml"]
+
+
 def test_an_output_folder_that_cannot_be_made(scenario: Path, tmp_path: Path) -> None:
     done = _command("run", scenario, "--out", scenario / "a")
     assert str(scenario) in _one_line(done)
@@ -117,3 +164,19 @@ def test_ctrl_c_is_130_and_leaves_nothing(scenario: Path, tmp_path: Path) -> Non
     assert process.returncode == 130, error
     assert "Traceback" not in error
     assert os.listdir(tmp_path) == ["short.yaml"]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+def test_ctrl_c_while_dataclasses_are_made(tmp_path: Path) -> None:
+    """It comes up within an `exec` there, after which Python would end by the signal itself."""
+    code = (
+        "import os, signal, sys; from cavalcade.cli import commands, main; "
+        "load = lambda *_: exec('os.kill(os.getpid(), signal.SIGINT)'); "
+        "commands.options.load = load; "
+        f"sys.exit(main(['run', 'cone', '--out', {str(tmp_path / 'a')!r}]))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert (done.returncode, done.stderr) == (130, "cavalcade: interrupted\n")
+    assert os.listdir(tmp_path) == []

@@ -1,5 +1,30 @@
 """The command line: `cavalcade run`, `check`, `scenarios`, `show`, `schema`."""
 
-from cavalcade.cli.main import main
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
 
 __all__ = ["main"]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command.
+
+    Args:
+        arguments: Without the program's name; those of the process if None.
+
+    Returns:
+        The exit code.
+    """
+    try:
+        # Here and not above, so that Ctrl-C may come from the first moment on.
+        from cavalcade.cli.command_line import run_command
+
+        return run_command(arguments)
+    except KeyboardInterrupt:
+        # One that came within an `exec`, as dataclasses use on import, makes Python end by the
+        # signal instead of with our exit code; a further `exec` makes it forget.
+        exec("")
+        print("cavalcade: interrupted", file=sys.stderr)
+        return 130

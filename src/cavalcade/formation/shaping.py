@@ -14,10 +14,10 @@ from cavalcade.robots import RobotModel
 
 _TURN_GAIN = 2.5  # rad/s of yaw rate per rad of heading error
 _NEAR = 0.30  # m from its slot at which a robot turns to the goal's heading
-_NARROW = 0.30  # W_B below which a robot turns to the way ahead
+_NARROW = 0.30  # W_B below which a robot trusts its path and turns to the way ahead
 _BRISK = 0.6  # of d_slowdown: where our variant slows down before its slots
-_HELD_BACK = 0.5  # of the top speed: what springs may take from a robot on its way
 _DOCKING = 0.60  # m from its final slot at which a robot goes straight for it
+_HELD_BACK = 0.5  # of the top speed: what springs may take from a robot on its way
 
 
 class Shaper:
@@ -58,21 +58,25 @@ class Shaper:
         """
         settings, ground, points = self._settings, cycle.plan.ground, cycle.points
         velocity = desired.copy()
+        room = ground.speed_at(points)
         if springs and self._variant.springs and len(cycle.team.rest):
             self._add_springs(cycle, velocity)
             if self._variant.improved:
                 _spare_pace(velocity, desired, _HELD_BACK * self.top)
         if self._variant.avoidance:
+            # The paper filters the whole velocity, also what leads along the path into a narrow
+            # place or to a slot beside an obstacle. There our variant trusts the path and
+            # filters only what springs add to it.
+            trusted = (room < _NARROW) | (cycle.away < _DOCKING)
+            kept = np.where(trusted[:, None] & self._variant.improved, desired, 0.0)
+            velocity -= kept
             _kernels.avoid_obstacles(
                 velocity, points, ground.speed_b, ground.cell, settings.d_safe_b,
                 settings.w_min_avoid,
             )  # fmt: skip
-            if self._variant.improved:
-                # A slot may lie close to an obstacle; there the last filter is enough.
-                docking = cycle.away < _DOCKING
-                velocity[docking] = desired[docking]
+            velocity += kept
         yaw = np.ascontiguousarray(cycle.poses[:, 2])
-        _kernels.limit_speeds(velocity, yaw, ground.speed_at(points), cycle.away, self._limits)
+        _kernels.limit_speeds(velocity, yaw, room, cycle.away, self._limits)
         velocity[~cycle.team.present] = 0.0
         cycle.velocity = velocity
 

@@ -1,4 +1,4 @@
-"""Where the command line begins and how it ends.
+"""From the words of a command to its exit code.
 
 Exit codes: 0 done as asked; 1 not achieved; 2 bad input, one line on stderr; 130 interrupted.
 """
@@ -21,14 +21,11 @@ BAD_INPUT, INTERRUPTED = 2, 130
 _UsageError: type[Exception] = typer.BadParameter.__mro__[2]
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command.
+def run_command(arguments: Sequence[str] | None) -> int:
+    """Run one command and give its exit code.
 
-    Args:
-        arguments: Without the program's name; those of the process if None.
-
-    Returns:
-        The exit code.
+    Raises:
+        KeyboardInterrupt: Ctrl-C.
     """
     with warnings.catch_warnings():
         warnings.showwarning = _show_warning
@@ -39,8 +36,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 standalone_mode=False,
             )
             sys.stdout.flush()
-        except (KeyboardInterrupt, typer.Abort):
-            code = INTERRUPTED
+        except typer.Abort:
+            raise KeyboardInterrupt from None
         except CavalcadeError as error:
             return _refuse(str(error))
         except _UsageError as error:
@@ -51,8 +48,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return 1
         except OSError as error:
             return _refuse(f"{error.filename or 'output'}: {error.strerror or error}")
-    if code == INTERRUPTED:
-        print("cavalcade: interrupted", file=sys.stderr)
+    if code == INTERRUPTED:  # what typer makes of Ctrl-C
+        raise KeyboardInterrupt
     return int(code or 0)
 
 
