@@ -2,7 +2,7 @@
 # make test   the whole suite, in the same environment
 # make venv   only the environment
 # make lint   ruff, mypy and the layers contract
-# make bench  timing against peers (builds scikit-fmm, which needs a C++ compiler)
+# make bench  timing against peers, and the start (scikit-fmm may need a C++ compiler)
 # make evidence  the long suites behind the README's figures
 
 PYTHON ?= python3
@@ -57,6 +57,7 @@ bench: $(VENV)/.stamp-bench
 	@-$(PIP) --only-binary :all: eikonalfm
 	@$(BIN)/python benchmarks/bench_eikonal.py
 	@$(BIN)/python benchmarks/bench_cycle.py
+	@$(BIN)/python benchmarks/bench_startup.py
 
 evidence: $(VENV)/.stamp
 	@$(BIN)/python benchmarks/evidence.py
