@@ -8,7 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from cavalcade.formation import Formation, FormationPlanner
+from cavalcade.formation import Formation, FormationPlanner, FormationSettings
+from cavalcade.formation.cycle import Cycle
+from cavalcade.formation.goals import BodyCover, GoalPlan
+from cavalcade.formation.ground import Ground
+from cavalcade.formation.team import Team
 from cavalcade.geometry import rotation
 from cavalcade.robots.motion import advance, limits_of
 from cavalcade.world import OccupancyMap
@@ -118,10 +122,30 @@ def occupied_gap(pose: np.ndarray, size: tuple, occupied: np.ndarray, cell: floa
     )
 
 
+def cycle_of(
+    map: OccupancyMap,
+    formation: Formation,
+    poses: np.ndarray,
+    goal: tuple[float, float, float],
+    time: float = 0.0,
+    team: Team | None = None,
+) -> Cycle:
+    """The working state of a cycle in which Go1s stand at `poses`, before anything is found out."""
+    poses = np.array(poses, dtype=float)
+    team = Team(len(poses), formation) if team is None else team
+    ground = Ground(map.occupied, map.resolution, FormationSettings())
+    points = np.ascontiguousarray(poses[:, :2])
+    plan = GoalPlan(
+        ground, np.array(goal), team.formation.slots, points[team.active], BodyCover.of(0.65, 0.28)
+    )
+    return Cycle(plan, team, poses, points, team.active, time)
+
+
 @dataclass(frozen=True)
 class Tools:
     """The above, for tests: `tools.drive(...)`."""
 
+    cycle_of = staticmethod(cycle_of)
     drive = staticmethod(drive)
     placed = staticmethod(placed)
     sampled_gap = staticmethod(sampled_gap)

@@ -10,13 +10,23 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cavalcade.formation import Formation, FormationSettings
-from cavalcade.formation.goals import Descent, GoalPlan, descend_from, partial_goals
+from cavalcade.formation.goals import (
+    BodyCover,
+    Descent,
+    GoalPlan,
+    descend_from,
+    eta_from,
+    local_way,
+    partial_goals,
+)
 from cavalcade.formation.ground import Ground
 from cavalcade.world import Box, Circle, OccupancyMap
 
 CELL = 0.05
 W_MIN = 0.70
 SQUARE = Formation.square(1.0).slots
+GO1 = (0.65, 0.28)
+COVER = BodyCover.of(*GO1)
 
 
 def ground_of(*shapes, size=(8.0, 6.0), **values):
@@ -71,6 +81,13 @@ class TestPartialGoals:
         np.testing.assert_array_equal(goals, [[2.0, 2.0]])
 
 
+def gaps(tools, ground, places, yaw):
+    """Of the bodies of Go1s that stand there, to the nearest obstacle."""
+    return [
+        tools.occupied_gap(np.array([*place, yaw]), GO1, ground.occupied, CELL) for place in places
+    ]
+
+
 OPEN = ground_of(size=(12.0, 12.0))
 CLUTTER = ground_of(
     Circle((3.0, 2.0), 0.3), Circle((5.0, 4.0), 0.2), Box((4.2, 3.0), (0.3, 0.5), 0.4)
@@ -81,7 +98,7 @@ class TestPlan:
     START = np.array([[1.0, 3.0], [1.0, 4.0], [1.0, 2.0], [2.0, 3.0]])
 
     def test_a_goal_that_fits_stays(self):
-        plan = GoalPlan(CLUTTER, np.array([6.5, 3.0, 0.5]), SQUARE, self.START)
+        plan = GoalPlan(CLUTTER, np.array([6.5, 3.0, 0.5]), SQUARE, self.START, COVER)
         assert plan.moved == 0.0
         assert plan.pose.tolist() == [6.5, 3.0, 0.5]
         assert len(plan.cut_off) == 0
@@ -89,39 +106,82 @@ class TestPlan:
     @pytest.mark.parametrize(
         "goal", [(7.9, 3.0, 0.0), (5.0, 4.5, 0.3), (6.5, 5.9, 1.0), (3.0, 2.8, 2.0)]
     )
-    def test_one_that_does_not_fit_is_moved_no_further_than_it_must(self, goal):
-        plan = GoalPlan(CLUTTER, np.array(goal), SQUARE, self.START)
+    def test_one_that_does_not_fit_is_moved_no_further_than_it_must(self, tools, goal):
+        plan = GoalPlan(CLUTTER, np.array(goal), SQUARE, self.START, COVER)
         assert 0.0 < plan.moved == pytest.approx(math.dist(plan.pose[:2], goal[:2]))
         assert plan.pose[2] == goal[2]
         assert (CLUTTER.speed_at(plan.places) > 0.0).all()
-        # Nearer placements, tried one by one, put a slot onto an obstacle.
+        assert min(gaps(tools, CLUTTER, plan.places, goal[2])) > 0.02
+        # Nearer placements, tried one by one, put a slot into the inflated zone, or a body so
+        # close to an obstacle that its discs (8 cm longer) in cells (half of one off) have no room.
+        least = 0.06 + 0.081 + CELL * math.sqrt(0.5)
         steps = np.arange(-plan.moved, plan.moved + CELL, CELL)
         wanted = plan.places - (plan.pose[:2] - goal[:2])
         for dx in steps:
             for dy in steps:
                 if math.hypot(dx, dy) < plan.moved - CELL:
-                    assert (CLUTTER.speed_at(wanted + np.array([dx, dy])) == 0.0).any()
+                    places = wanted + np.array([dx, dy])
+                    assert (CLUTTER.speed_at(places) == 0.0).any() or any(
+                        gap < least for gap in gaps(tools, CLUTTER, places, goal[2])
+                    )
+
+    def test_bodies_are_placed_as_the_goal_turns_them(self, tools):
+        """0.35 m from a wall there is room for a robot along it, not for one that faces it."""
+        along, facing = (
+            GoalPlan(OPEN, np.array([11.65, 6.0, yaw]), np.zeros((1, 2)), np.array([[3.0, 6.0]]),
+                     COVER)
+            for yaw in (math.pi / 2, 0.0)
+        )  # fmt: skip
+        assert along.moved == 0.0
+        assert facing.moved == pytest.approx(0.10, abs=CELL)
+        assert facing.pose[0] < 11.65
+        assert min(gaps(tools, OPEN, facing.places, 0.0)) > 0.02
+
+    @settings(max_examples=25, deadline=None)
+    @given(st.integers(0, 2**32 - 1), st.sampled_from([0.30, 0.25, 0.21]))
+    def test_nobody_is_sent_into_an_obstacle(self, tools, seed, radius):
+        rng = np.random.default_rng(seed)
+        world = OccupancyMap.empty((6.0, 5.0), CELL).with_shapes(
+            [Circle(tuple(rng.uniform((3.0, 1.0), (5.0, 4.0))), 0.3) for _ in range(3)]
+        )
+        ground = Ground(world.occupied, CELL, FormationSettings(), radius)
+        goal = np.array([*rng.uniform((2.5, 0.5), (5.5, 4.5)), rng.uniform(-3.0, 3.0)])
+        slots = Formation.triangle(0.8).slots
+        plan = GoalPlan(ground, goal, slots, np.tile((1.0, 2.5), (3, 1)), COVER)
+        if len(plan.cut_off) == 0:
+            assert min(gaps(tools, ground, plan.places, goal[2])) > 0.01
+
+    def test_where_there_is_little_room_the_bodies_fill_it(self):
+        """A dead end just wide enough: room to turn is given up before the place is."""
+        walls = [Box((6.0, 1.25), (3.0, 2.5)), Box((6.0, 4.6), (3.0, 2.8))]  # 0.70 m between them
+        ground = ground_of(*walls)
+        alone, start = np.zeros((1, 2)), np.array([[1.0, 3.0]])
+        along = GoalPlan(ground, np.array([6.0, 2.85, 0.0]), alone, start, COVER)
+        across = GoalPlan(ground, np.array([6.0, 2.85, math.pi / 2]), alone, start, COVER)
+        assert along.moved < CELL
+        assert across.moved > 1.0
+        assert across.places[0, 0] < 4.5
 
     def test_a_goal_far_out_of_reach_of_any_placement_cuts_everyone_off(self):
-        plan = GoalPlan(CLUTTER, np.array([30.0, 3.0, 0.0]), SQUARE, self.START)
+        plan = GoalPlan(CLUTTER, np.array([30.0, 3.0, 0.0]), SQUARE, self.START, COVER)
         assert plan.cut_off.tolist() == [0, 1, 2, 3]
 
     def test_only_who_is_walled_in_is_cut_off(self):
         cell = [Box((1.0, 4.0 + dy), (1.3, 0.1)) for dy in (-0.6, 0.6)]
         cell += [Box((1.0 + dx, 4.0), (0.1, 1.3)) for dx in (-0.6, 0.6)]
-        plan = GoalPlan(ground_of(*cell), np.array([6.0, 3.0, 0.0]), SQUARE, self.START)
+        plan = GoalPlan(ground_of(*cell), np.array([6.0, 3.0, 0.0]), SQUARE, self.START, COVER)
         assert plan.cut_off.tolist() == [1]
 
     def test_a_goal_behind_a_wall_is_moved_to_this_side_of_it(self):
         ground = ground_of(Box((5.0, 3.0), (0.2, 6.0)))
-        plan = GoalPlan(ground, np.array([6.0, 3.0, 0.0]), SQUARE, self.START)
+        plan = GoalPlan(ground, np.array([6.0, 3.0, 0.0]), SQUARE, self.START, COVER)
         assert len(plan.cut_off) == 0
         assert plan.places[:, 0].max() < 4.9 - 0.30
 
     def test_a_shape_around_an_obstacle_keeps_its_centre(self):
         ground = ground_of(Circle((5.0, 3.0), 0.2))
         plan = GoalPlan(ground, np.array([5.0, 3.0, 0.0]), Formation.circle(6, 1.5).slots,
-                        self.START)  # fmt: skip
+                        self.START, COVER)  # fmt: skip
         assert plan.moved == 0.0
         assert np.isfinite([plan.field.eta(point) for point in self.START]).all()
 
@@ -162,3 +222,55 @@ class TestDescent:
         ground = ground_of(Box((6.0, 3.0), (4.0, 6.0)))
         way = descend_from(ground.leader.field(np.array([1.0, 3.0])), np.array([7.0, 3.0]))
         assert way.eta == math.inf
+
+
+class TestCover:
+    @pytest.mark.parametrize("size", [(0.65, 0.28), (0.70, 0.35), (1.0, 0.2), (0.4, 0.4)])
+    @pytest.mark.parametrize("discs", [1, 2, 4, 7])
+    def test_the_discs_cover_the_rectangle_and_no_smaller_ones_would(self, tools, size, discs):
+        cover = BodyCover.of(*size, discs)
+        points = tools.rectangle_points(np.zeros(3), *size, 0.01)
+        away = np.hypot(points[:, :1] - cover.offsets[None], points[:, 1:]).min(axis=1)
+        assert len(cover.offsets) == discs
+        assert away.max() == pytest.approx(cover.radius)
+        np.testing.assert_allclose(cover.offsets, -cover.offsets[::-1], atol=1e-12)
+
+
+class TestWays:
+    INSIDE = np.array([3.0, 2.45])  # in the inflated zone of a circle
+
+    def test_times_are_the_descents(self):
+        field = CLUTTER.leader.field(np.array([6.5, 3.0]))
+        for point in ((1.0, 3.0), (6.5, 3.0), (3.0, 2.45)):
+            way = descend_from(field, np.array(point))
+            assert eta_from(field, np.array(point)) == pytest.approx(way.eta, abs=1e-6)
+
+    def test_the_inflated_zone_costs_time(self):
+        """So that a robot in it does not lead."""
+        field = CLUTTER.leader.field(np.array([6.5, 3.0]))
+        near = field.nearest_reached(self.INSIDE)
+        assert eta_from(field, self.INSIDE) >= field.eta(near) + math.dist(near, self.INSIDE) / 0.5
+
+    def test_no_time_where_there_is_no_free_ground_near(self):
+        field = ground_of(Box((6.0, 3.0), (4.0, 6.0))).leader.field(np.array([1.0, 3.0]))
+        assert eta_from(field, np.array([7.0, 3.0])) == math.inf
+
+    def test_a_local_way_leads_from_start_to_goal(self):
+        way, _ = local_way(CLUTTER, np.array([1.0, 3.0]), np.array([6.5, 3.0]))
+        assert way[0].tolist() == [1.0, 3.0]
+        assert math.dist(way[-1], (6.5, 3.0)) < CELL
+        assert (CLUTTER.speed_at(way) > 0.0).all()
+
+    def test_from_the_inflated_zone_it_first_leads_out(self):
+        way, _ = local_way(CLUTTER, self.INSIDE, np.array([6.5, 3.0]))
+        assert way[0].tolist() == self.INSIDE.tolist()
+        assert (CLUTTER.speed_at(way[1:]) > 0.0).all()
+
+    def test_out_it_leads_even_if_the_goal_is_not_free(self):
+        way, _ = local_way(CLUTTER, self.INSIDE, np.array([5.0, 4.0]))
+        assert len(way) == 2
+        assert CLUTTER.speed_at(way[1:])[0] > 0.0
+
+    def test_none_from_deep_inside(self):
+        ground = ground_of(Box((6.0, 3.0), (4.0, 6.0)))
+        assert len(local_way(ground, np.array([7.0, 3.0]), np.array([1.0, 3.0]))[0]) == 0

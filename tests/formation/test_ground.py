@@ -125,7 +125,86 @@ class TestRegions:
 
     def test_a_placement_is_found_in_the_wanted_region_only(self):
         left = self.GROUND.component(np.array([2.0, 2.0]))
-        shift = self.GROUND.placement(np.array([[5.0, 2.0]]), {left}, 3.0)
+        point, slot = np.zeros((1, 2)), np.array([[5.0, 2.0]])
+        shift = self.GROUND.placement(slot, left, 3.0, point, 0.1)
         assert shift is not None
+        # To 0.30 m from the wall at 3.8 m.
         assert shift[0] == pytest.approx(-1.55, abs=CELL)
-        assert self.GROUND.placement(np.array([[7.5, 2.0]]), {left}, 3.0) is None
+        assert abs(shift[1]) < CELL
+        assert self.GROUND.placement(slot + (2.5, 0.0), left, 3.0, point, 0.1) is None
+
+    def test_a_placement_keeps_the_clearance_of_every_disc(self):
+        """Discs before and behind the slot: the front one must clear the wall."""
+        left = self.GROUND.component(np.array([2.0, 2.0]))
+        slot = np.array([[3.45, 2.0]])  # 0.35 m to the wall
+        for front, needed in ((0.2, 0.1), (0.2, 0.3), (0.4, 0.2)):
+            body = np.array([[-front, 0.0], [front, 0.0]])
+            shift = self.GROUND.placement(slot, left, 3.0, body, needed)
+            assert shift is not None
+            assert shift[0] == pytest.approx(min(0.0, 0.35 - front - needed), abs=CELL)
+            where = slot + shift + body
+            assert (self.GROUND.clearance(where) >= needed).all()
+
+    def test_what_fits_is_not_moved(self):
+        left = self.GROUND.component(np.array([2.0, 2.0]))
+        slots = np.array([[1.0, 1.0], [2.0, 3.0]])
+        body = np.array([[-0.2, 0.0], [0.2, 0.0]])
+        shift = self.GROUND.placement(slots, left, 3.0, body, 0.25)
+        assert shift is not None
+        np.testing.assert_allclose(shift, 0.0, atol=1e-12)
+
+
+class TestBodies:
+    """Robots that stand for good are obstacles to find ways around."""
+
+    GO1 = (0.65, 0.28)
+    FREE = Ground(np.zeros((80, 120), dtype=bool), CELL, SETTINGS)
+
+    @settings(max_examples=40, deadline=None)
+    @given(st.floats(0.5, 5.5), st.floats(0.5, 3.5), st.floats(-4.0, 4.0))
+    def test_cells_under_a_body_are_occupied_and_no_others(self, tools, x, y, yaw):
+        pose = np.array([x, y, yaw])
+        found = self.FREE.with_bodies(pose[None], *self.GO1).occupied
+        under = tools.rectangle_points(pose, *self.GO1, 0.01) / CELL
+        cols, rows = np.floor(under).astype(int).T
+        missed = ~found[rows, cols]
+        # Sampled at half a cell: no more than a cell's corner goes unnoticed.
+        inner = tools.rectangle_points(pose, 0.60, 0.23, 0.02) / CELL
+        assert found[inner[:, 1].astype(int), inner[:, 0].astype(int)].all()
+        assert missed.mean() < 0.1
+        rows, cols = np.nonzero(found)
+        centres = (np.column_stack([cols, rows]) + 0.5) * CELL
+        assert tools.distance_to_rectangle(centres, pose, *self.GO1).max() <= 1.3 * CELL
+
+    def test_the_ground_itself_stays_as_it_is(self):
+        before = self.FREE.occupied.copy()
+        other = self.FREE.with_bodies(np.array([[2.0, 2.0, 0.3]]), *self.GO1)
+        assert other is not self.FREE
+        np.testing.assert_array_equal(self.FREE.occupied, before)
+        assert self.FREE.speed_at(np.array([[2.0, 2.0]]))[0] == 1.0
+        assert other.speed_at(np.array([[2.0, 2.0]]))[0] == 0.0
+
+    def test_it_equals_one_built_with_the_bodies(self):
+        poses = np.array([[2.0, 2.0, 0.3], [4.0, 1.0, -1.2]])
+        other = self.FREE.with_bodies(poses, *self.GO1)
+        assert_same(other, Ground(other.occupied, CELL, SETTINGS))
+
+    @pytest.mark.parametrize("pose", [(-3.0, 2.0, 0.0), (99.0, 99.0, 1.0), (-0.6, -0.6, 0.8)])
+    def test_bodies_off_the_map_are_nothing(self, pose):
+        assert self.FREE.with_bodies(np.array([pose]), *self.GO1) is self.FREE
+
+    def test_one_across_the_border_is_cut_off_there(self):
+        found = self.FREE.with_bodies(np.array([[0.0, 2.0, 0.0]]), *self.GO1).occupied
+        rows, cols = np.nonzero(found)
+        assert cols.max() <= 7
+        assert abs(rows.mean() + 0.5 - 40) < 1.0
+
+    def test_one_in_a_door_divides_the_ground(self):
+        door = np.zeros((80, 120), dtype=bool)
+        door[:, 58:62] = True
+        door[32:48, 58:62] = False  # 0.80 m
+        open_ = Ground(door, CELL, SETTINGS)
+        shut = open_.with_bodies(np.array([[3.0, 2.0, np.pi / 2]]), *self.GO1)
+        left, right = np.array([1.0, 2.0]), np.array([5.0, 2.0])
+        assert open_.component(left) == open_.component(right)
+        assert shut.component(left) != shut.component(right)

@@ -227,12 +227,13 @@ def nearest_reached(u, v, values, rows, cols, stride, reach):
 
 
 @njit(cache=True)
-def local_path(start, goal, delay, rows, cols, stride, times, visited, work, width, least, step,
-               points, stamps):  # fmt: skip
+def local_path(start, goal, guess, delay, rows, cols, stride, times, visited, work, width, least,
+               step, points, stamps):  # fmt: skip
     """March from the goal until the start is settled, then walk back. Leaves `times` at inf.
 
     The march leaves out cells that cannot lie on a way as good as the straight one, if the
-    straight one is free.
+    straight one is free, or as `guess`. If the way turns out longer than guessed, it is marched
+    for again without the guess, so that the result does not depend on it.
 
     Returns:
         Number of points, whether they reach the goal, and the time from the start, inf if there
@@ -243,12 +244,20 @@ def local_path(start, goal, delay, rows, cols, stride, times, visited, work, wid
     row, col = int(math.floor(start_v + 0.5)), int(math.floor(start_u + 0.5))
     first = (row + 1) * stride + col + 1
     none = np.int64(0)  # a literal would be compiled a second time
-    count = seed_point(goal_u, goal_v, 3.0, delay, rows, cols, stride, times, visited, none)
     straight = line_time(start_u, start_v, goal_u, goal_v, delay, stride)
-    bound = 1.1 * straight + 4.0 * delay[first]
+    slack = 4.0 * delay[first]
+    sure = 1.1 * straight + slack
+    bound = min(sure, guess + slack)
     focus = np.array([start_v + 1.0, start_u + 1.0, least])
     targets = np.array([first])
-    count = march(delay, stride, times, visited, count, work, width, targets, bound, focus)
+    while True:
+        count = seed_point(goal_u, goal_v, 3.0, delay, rows, cols, stride, times, visited, none)
+        count = march(delay, stride, times, visited, count, work, width, targets, bound, focus)
+        if bound == sure or times[first] + slack <= bound:
+            break
+        for k in range(count):
+            times[visited[k]] = np.inf
+        bound = sure
     length, reached, eta = 0, False, np.inf
     if times[first] < np.inf:
         eta = time_at(start_u, start_v, times, stride)

@@ -181,11 +181,15 @@ class TravelGrid:
             raise InputError(f"expected [row, col] cells inside {self.rows} x {self.cols}", key=key)
         return whole
 
-    def local_path(self, start: ArrayLike, goal: ArrayLike) -> tuple[Array, float]:
+    def local_path(
+        self, start: ArrayLike, goal: ArrayLike, guess: float = np.inf
+    ) -> tuple[Array, float]:
         """The fastest way between two points, marching no farther than it must.
 
         Args:
             start, goal: `(2,)` m.
+            guess: A time that the way will hardly exceed, s. It saves work and never changes the
+                result.
 
         Returns:
             The path `(K, 2)` from start to goal, empty where there is none, and its time in s
@@ -199,8 +203,8 @@ class TravelGrid:
                 self._scratch = np.full(self._delay.size, np.inf)
             try:
                 count, reached, eta = _descent.local_path(
-                    self._place(start), self._place(goal), self._delay, self.rows, self.cols,
-                    self._stride, self._scratch, self._visited, self._work, self._width,
+                    self._place(start), self._place(goal), float(guess), self._delay, self.rows,
+                    self.cols, self._stride, self._scratch, self._visited, self._work, self._width,
                     self._least, _STEP, self._points, self._stamps,
                 )  # fmt: skip
             except MemoryError:

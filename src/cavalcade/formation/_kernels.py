@@ -70,6 +70,17 @@ def sobel(speed, row, col):
 
 
 @njit(cache=True)
+def values_at(grid, points, cell):
+    """Values `(N,)` of a grid in the cells of points `(N, 2)`; 0 off the grid."""
+    out = np.zeros(points.shape[0])
+    for k in range(points.shape[0]):
+        row, col = int(math.floor(points[k, 1] / cell)), int(math.floor(points[k, 0] / cell))
+        if 0 <= row < grid.shape[0] and 0 <= col < grid.shape[1]:
+            out[k] = grid[row, col]
+    return out
+
+
+@njit(cache=True)
 def avoid_obstacles(velocity, points, speed, cell, safe, w_min):
     """Remove motion towards near obstacles (Norén et al., Algorithm 1).
 

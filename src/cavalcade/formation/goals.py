@@ -34,7 +34,7 @@ class BodyCover:
     def of(cls, length: float, width: float, discs: int = 4) -> BodyCover:
         """The least discs of one size, side by side, that cover a rectangle."""
         step = length / discs
-        offsets: Array = (np.arange(discs) - (discs - 1) / 2.0) * step
+        offsets = np.asarray((np.arange(discs) - (discs - 1) / 2.0) * step, dtype=np.float64)
         return cls(offsets, float(np.hypot(step / 2.0, width / 2.0)))
 
 
@@ -77,11 +77,24 @@ class GoalPlan:
         self.field = self._centre_field(ground)
         self._slot_fields: dict[int, ArrivalField] = {}
 
-    def slot_field(self, slot: int) -> ArrivalField:
-        """Arrival times on W_B from a slot's final place; computed once."""
-        if slot not in self._slot_fields:
-            self._slot_fields[slot] = self.ground.follower.field(self.places[slot])
-        return self._slot_fields[slot]
+    def slot_field(self, slot: int, points: Array) -> ArrivalField:
+        """Arrival times on W_B from a slot's final place, at least as far as some points.
+
+        Computed once, and again should a point lie outside what was settled then.
+
+        Args:
+            slot: Its index.
+            points: `(K, 2)` robots that need it, m.
+        """
+        known = self._slot_fields.get(slot)
+        if known is not None and all(np.isfinite(eta_from(known, point)) for point in points):
+            return known
+        grid = self.ground.follower
+        near = [grid.nearest_free(point, reach=_ESCAPE) for point in points]
+        cells = [grid.cell_of(point) for point in near if point is not None]
+        field = grid.field(self.places[slot], targets=cells or None)
+        self._slot_fields[slot] = field
+        return field
 
     def _centre_field(self, ground: Ground) -> ArrivalField:
         centre = self.pose[:2]
@@ -181,21 +194,24 @@ def eta_from(field: ArrivalField, point: Array) -> float:
     return field.eta(near) + float(np.hypot(*(near - point))) / _W_ESCAPE
 
 
-def local_way(ground: Ground, start: Array, goal: Array) -> Array:
+def local_way(
+    ground: Ground, start: Array, goal: Array, guess: float = np.inf
+) -> tuple[Array, float]:
     """The local path on W_B; from the inflated zone first to the nearest free ground.
 
     Args:
         ground: The map.
         start, goal: `(2,)` m.
+        guess: A time that the way will hardly exceed, s; it only saves work.
 
     Returns:
-        Points `(K, 2)`; empty where there is no way.
+        Points `(K, 2)`, empty where there is no way, and the time, inf where there is none.
     """
     grid = ground.follower
     if grid.is_free(start):
-        return grid.local_path(start, goal)[0]
+        return grid.local_path(start, goal, guess)
     out = grid.nearest_free(start, reach=_ESCAPE)
     if out is None:
-        return np.empty((0, 2))
-    rest, _ = grid.local_path(out, goal)
-    return np.vstack([start, out]) if len(rest) == 0 else np.vstack([start, rest])
+        return np.empty((0, 2)), np.inf
+    rest, eta = grid.local_path(out, goal, guess)
+    return np.vstack([start, out if len(rest) == 0 else rest]), eta

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from cavalcade.eikonal import TravelGrid, surface_distance, velocity_map
+from cavalcade.formation._kernels import values_at
 from cavalcade.formation.settings import FormationSettings
 from cavalcade.geometry import Array, transform_points
 
@@ -94,10 +95,7 @@ class Ground:
 
     def speed_at(self, points: Array) -> Array:
         """W_B `(N,)` in the cells of points `(N, 2)`; 0 off the map."""
-        index = np.floor(np.asarray(points) / self.cell).astype(int)
-        inside = ((index >= 0) & (index < (self.occupied.shape[1], self.occupied.shape[0]))).all(1)
-        rows, cols = self._cells(points)
-        return np.where(inside, self.speed_b[rows, cols], 0.0)
+        return values_at(self.speed_b, np.ascontiguousarray(points), self.cell)
 
     def component(self, point: Array) -> int:
         """Number of the connected free region a point stands in or next to; 0 if in none."""

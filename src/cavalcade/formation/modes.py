@@ -37,6 +37,7 @@ from cavalcade.formation.variants import Variant
 from cavalcade.geometry import Array
 from cavalcade.robots import RobotModel
 
+_LONGER, _LATER = 1.1, 0.3  # how much longer than last cycle's, in share and s, a way may get
 _PASSED = 0.25  # m from all slots at which a waypoint counts as reached
 _TIGHTER = (0.25, 0.21)  # m: inflation radii tried where r_max leaves no way
 
@@ -75,6 +76,7 @@ class Navigator:
         self._leader = -1
         self._roles: NDArray[np.int64] = np.empty(0, np.int64)
         self._rank: NDArray[np.int64] | None = None
+        self._times: dict[int, float] = {}
         self._view = View(state=self._state)
         self._shaper.reset()
         self._watch.restart()
@@ -122,6 +124,8 @@ class Navigator:
         points = np.ascontiguousarray(poses[:, :2])
         plan = self._planned_for(ground, team, points, active)
         cycle = Cycle(plan, team, poses, points, active, time)
+        if self._state == "infeasible":
+            self._state = "partial"  # for the way may be free again
         message = ""
         involved: tuple[int, ...] = ()
         if len(plan.cut_off) > 0:
@@ -234,7 +238,17 @@ class Navigator:
         desired = np.zeros((len(points), 2))
         for k in cycle.active:
             path = known.get(int(k))
-            paths[k] = local_way(ground, points[k], targets[k]) if path is None else path
+            if path is None and cycle.final:
+                field = cycle.plan.slot_field(int(self._roles[k]), points[cycle.active])
+                path = descend_from(field, points[k]).points
+            elif path is None:
+                path, self._times[int(k)] = local_way(
+                    ground,
+                    points[k],
+                    targets[k],
+                    _LONGER * self._times.get(int(k), np.inf) + _LATER,
+                )
+            paths[k] = path
             desired[k] = self._shaper.top * direction(paths[k])
         cycle.paths = tuple(paths)
         self._shaper.shape(cycle, desired, springs=True)

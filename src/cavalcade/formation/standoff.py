@@ -145,7 +145,9 @@ class StandoffWatch:
         courses = np.zeros((len(points), 2))
         rank = order_of(cycle.eta) if self._order is None else self._order
         for k in active:
-            paths[k] = descend_from(cycle.plan.slot_field(int(roles[k])), points[k]).points
+            paths[k] = descend_from(
+                cycle.plan.slot_field(int(roles[k]), points[active]), points[k]
+            ).points
             courses[k] = direction(paths[k])
         if self._order is not None and cycle.time - self._begun < _MAKE_ROOM:
             _step_back(courses, points, active, rank)
@@ -192,7 +194,7 @@ class SlotExchange:
         eta = np.full((len(points), len(goal.places)), np.inf)
         for k in active:
             for slot in range(len(goal.places)):
-                eta[k, slot] = eta_from(goal.slot_field(slot), points[k])
+                eta[k, slot] = eta_from(goal.slot_field(slot, points[active]), points[k])
         if self._roles is None:
             self._roles = _by_time(eta, active)
         for i in active:
