@@ -143,7 +143,10 @@ class TestView:
 class TestPaths:
     @settings(max_examples=60, deadline=None)
     @given(
-        st.floats(-3.1, 3.1), st.integers(2, 60), st.floats(0.005, 0.1), st.sampled_from([0.15, 0.4])
+        st.floats(-3.1, 3.1),
+        st.integers(2, 60),
+        st.floats(0.005, 0.1),
+        st.sampled_from([0.15, 0.4]),
     )
     def test_a_straight_one_has_one_direction(self, angle, count, spacing, reach):
         course = np.array([math.cos(angle), math.sin(angle)])

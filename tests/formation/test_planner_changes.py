@@ -15,9 +15,6 @@ START, GOAL = (1.6, 3.0, 0.0), (7.2, 3.0, 0.0)
 SQUARE = Formation.square(1.0)
 GO1 = (0.65, 0.28)
 RIGID_OR_NO_PLAN = ("virtual-structure", "behaviour-based")
-BODY_LEAVES = pytest.mark.xfail(
-    strict=True, reason="the state stays infeasible when a lost robot leaves the only way"
-)
 
 
 def planner_for(formation=SQUARE, map=ROOM, goal=GOAL, **values):
@@ -315,11 +312,8 @@ class TestDoor:
 
     @pytest.mark.parametrize(
         "variant",
-        [
-            pytest.param(name, marks=BODY_LEAVES if name not in RIGID_OR_NO_PLAN else ())
-            for name in VARIANTS
-            if name != "virtual-structure"  # three in a line do not fit through
-        ],
+        # Three in a line do not fit through as one rigid body.
+        [name for name in VARIANTS if name != "virtual-structure"],
     )
     def test_a_lost_robot_carried_away_frees_the_way(self, variant):
         planner = planner_for(self.LINE, self.WORLD, self.GOAL, variant=variant)

@@ -1,4 +1,7 @@
-"""Ways over a grid, pulled taut; compiled. Points are x, y in the grid's own frame, m."""
+"""Ways over a grid, pulled taut; compiled. Points are x, y in the grid's own frame, m.
+
+Coordinates are copied one by one: numba takes seconds to compile `there[k] = here[n]`.
+"""
 
 from __future__ import annotations
 
@@ -71,26 +74,20 @@ def descend(times: Array, row: int, col: int) -> NDArray[np.int64]:
 
 
 @njit(cache=True)
-def _put(there: Array, k: int, here: Array, n: int) -> None:
-    """One point. Written out, for `there[k] = here[n]` takes seconds to compile."""
-    there[k, 0], there[k, 1] = here[n, 0], here[n, 1]
-
-
-@njit(cache=True)
 def _shortcut(free: Mask, cell: float, way: Array) -> Array:
     """The way with every point left out that the one before can do without seeing."""
     kept = np.empty_like(way)
-    _put(kept, 0, way, 0)
+    kept[0, 0], kept[0, 1] = way[0, 0], way[0, 1]
     count = 1
     anchor = 0
     for k in range(1, way.shape[0] - 1):
         if not line_is_free(
             free, cell, way[anchor, 0], way[anchor, 1], way[k + 1, 0], way[k + 1, 1]
         ):
-            _put(kept, count, way, k)
+            kept[count, 0], kept[count, 1] = way[k, 0], way[k, 1]
             count += 1
             anchor = k
-    _put(kept, count, way, way.shape[0] - 1)
+    kept[count, 0], kept[count, 1] = way[-1, 0], way[-1, 1]
     return kept[: count + 1]
 
 
@@ -110,7 +107,7 @@ def _dense(way: Array, spacing: float) -> Array:
             dense[count, 0] = way[k, 0] + (way[k + 1, 0] - way[k, 0]) * along
             dense[count, 1] = way[k, 1] + (way[k + 1, 1] - way[k, 1]) * along
             count += 1
-    _put(dense, count, way, way.shape[0] - 1)
+    dense[count, 0], dense[count, 1] = way[-1, 0], way[-1, 1]
     return dense
 
 
@@ -126,7 +123,7 @@ def _length(way: Array) -> float:
 def _reversed(way: Array) -> Array:
     turned = np.empty_like(way)
     for k in range(way.shape[0]):
-        _put(turned, k, way, way.shape[0] - 1 - k)
+        turned[k, 0], turned[k, 1] = way[-1 - k, 0], way[-1 - k, 1]
     return turned
 
 
