@@ -274,3 +274,61 @@ class TestWays:
     def test_none_from_deep_inside(self):
         ground = ground_of(Box((6.0, 3.0), (4.0, 6.0)))
         assert len(local_way(ground, np.array([7.0, 3.0]), np.array([1.0, 3.0]))[0]) == 0
+
+
+class TestSlotFields:
+    """Marched only as far as the robots that ask need."""
+
+    WALL = Box((4.0, 1.9), (0.2, 3.8))  # from y = 0 to 3.8
+
+    def plan(self):
+        ground = ground_of(self.WALL)
+        return GoalPlan(
+            ground, np.array([6.5, 2.0, 0.0]), np.zeros((1, 2)), np.array([[1.0, 3.0]]), COVER
+        )
+
+    @staticmethod
+    def full(plan):
+        return plan.ground.follower.field(plan.places[0])
+
+    def test_for_those_that_asked_it_is_the_whole_field(self):
+        plan = self.plan()
+        points = np.array([[1.0, 3.0], [5.0, 5.0], [2.5, 1.0]])
+        field, full = plan.slot_field(0, points), self.full(plan)
+        for point in points:
+            assert eta_from(field, point) == pytest.approx(eta_from(full, point), rel=0.01)
+
+    def test_it_is_kept_as_long_as_it_serves(self):
+        plan = self.plan()
+        far, near = np.array([[1.0, 3.0]]), np.array([[5.0, 5.0]])
+        field = plan.slot_field(0, far)
+        assert plan.slot_field(0, near) is field
+        assert plan.slot_field(0, far) is field
+
+    def test_for_one_far_beyond_it_is_marched_anew(self):
+        plan = self.plan()
+        near, far = np.array([[5.5, 3.0]]), np.array([[1.0, 1.0]])
+        field = plan.slot_field(0, near)
+        assert plan.slot_field(0, far) is not field
+        assert eta_from(plan.slot_field(0, far), far[0]) == pytest.approx(
+            eta_from(self.full(plan), far[0]), rel=0.01
+        )
+
+    def test_so_it_is_for_one_a_little_beyond(self):
+        """On the other side of a thin wall; or driven back a step by something that moves."""
+        plan = self.plan()
+        plan.slot_field(0, np.array([[4.7, 1.0]]))
+        behind = np.array([3.3, 1.0])
+        field, full = plan.slot_field(0, behind[None]), self.full(plan)
+        assert eta_from(field, behind) == pytest.approx(eta_from(full, behind), rel=0.01)
+        way = descend_from(field, behind).points
+        assert (plan.ground.speed_at(way) > 0.0).all()
+        steps = np.hypot(*np.diff(way, axis=0).T)
+        assert steps.max() <= 0.1
+
+    def test_one_without_a_way_has_none(self):
+        ground = ground_of(Box((4.0, 3.0), (0.2, 6.0)))
+        plan = GoalPlan(ground, np.array([6.5, 3.0, 0.0]), np.zeros((1, 2)),
+                        np.array([[6.0, 3.0]]), COVER)  # fmt: skip
+        point = np.array([1.0, 3.0])
+        assert eta_from(plan.slot_field(0, point[None]), point) == math.inf

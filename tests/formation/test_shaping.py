@@ -140,6 +140,35 @@ class TestDocking:
             np.testing.assert_allclose(pace, min(0.5 * away / reach, 0.5))
 
 
+class TestNarrow:
+    """Beside a wall, on the way: W_B = 0.2 in the first place and 0.5 in the second."""
+
+    POSES = ((8.0, 2.40, 0.0), (5.0, 2.55, 0.0))
+    DESIRED = ((0.1, -0.1), (0.1, -0.1))
+
+    def test_the_path_into_it_is_trusted(self, tools):
+        velocity = shaped(tools, self.POSES, self.DESIRED, map=WALL)
+        np.testing.assert_allclose(velocity[0], self.DESIRED[0], atol=1e-9)
+        np.testing.assert_allclose(velocity[1], (0.1, 0.0), atol=0.02)
+
+    def test_the_paper_filters_it_too(self, tools):
+        velocity = shaped(tools, self.POSES, self.DESIRED, "published", WALL)
+        np.testing.assert_allclose(velocity, [(0.1, 0.0)] * 2, atol=0.02)
+
+    def test_what_springs_add_is_filtered_all_the_same(self, tools):
+        """A neighbour too near presses the other one to the wall."""
+        poses = [(8.0, 2.40, 0.0), (8.0, 2.95, 0.0)]
+        for variant in ("cavalcade", "published"):
+            pressed = shaped(tools, poses, [(0.1, 0.0)] * 2, variant, WALL, springs=True)
+            assert pressed[0, 1] > -0.01
+            assert pressed[1, 1] > 0.05
+
+    def test_springs_away_from_the_wall_are_left(self, tools):
+        poses = [(8.0, 2.40, 0.0), (8.0, 4.0, 0.0)]
+        velocity = shaped(tools, poses, [(0.0, 0.0)] * 2, map=WALL, springs=True)
+        assert velocity[0, 1] > 0.1
+
+
 def yaw_rates(tools, poses, velocity, variant="cavalcade", map=OPEN, paths=None, **values):
     cycle = tools.cycle_of(map, PAIR, poses, values.pop("goal", GOAL), **values)
     cycle.velocity = np.array(velocity)
@@ -219,3 +248,48 @@ def test_the_slower_of_model_and_settings_counts(tools):
     cycle = tools.cycle_of(OPEN, PAIR, [(7.0, 4.0, 0.0), (5.0, 4.0, math.pi / 2)], GOAL)
     shaper_for(v_max_x=3.0, v_max_y=3.0).shape(cycle, np.full((2, 2), (5.0, 0.0)), False)
     np.testing.assert_allclose(cycle.velocity, [(0.5, 0.0), (0.2, 0.0)], atol=1e-9)
+
+
+class TestRest:
+    """In its slot a robot rests, so that noise on the poses does not keep it busy."""
+
+    def paces(self, tools, distances, variant="cavalcade"):
+        """Of a robot that is told to drive to a slot that far away, one cycle after another."""
+        shaper, found = shaper_for(variant), []
+        for away in distances:
+            cycle = tools.cycle_of(OPEN, PAIR, [(7.0, 4.0, 0.0), (6.0, 4.0, 0.0)], GOAL)
+            cycle.roles, cycle.away = np.arange(2), np.array([away, 3.0])
+            shaper.shape(cycle, np.full((2, 2), (0.4, 0.0)), False)
+            assert cycle.velocity[1, 0] == pytest.approx(0.4)
+            found.append(cycle.velocity[0, 0])
+        return np.array(found)
+
+    def test_from_where_it_is_reached_until_it_is_clearly_left(self, tools):
+        pace = self.paces(tools, [0.3, 0.05, 0.02, 0.01, 0.02, 0.04, 0.01, 0.20, 0.04, 0.01])
+        assert (pace > 0.0).tolist() == [True] * 3 + [False] * 4 + [True, True, False]
+
+    def test_a_slot_anew_is_reached_anew(self, tools):
+        shaper = shaper_for()
+        for away, resting in ((0.01, True), (0.04, True), (None, None), (0.04, False)):
+            if away is None:
+                shaper.reset()
+                continue
+            cycle = tools.cycle_of(OPEN, PAIR, [(7.0, 4.0, 0.0), (6.0, 4.0, 0.0)], GOAL)
+            cycle.roles, cycle.away = np.arange(2), np.full(2, away)
+            shaper.shape(cycle, np.full((2, 2), (0.4, 0.0)), False)
+            assert resting == bool((cycle.velocity == 0.0).all())
+
+    def test_it_is_none_of_the_paper(self, tools):
+        assert (self.paces(tools, [0.01, 0.005, 0.01], "published") > 0.0).all()
+
+    def test_nor_does_it_turn(self, tools):
+        shaper = shaper_for()
+        rates = []
+        for yaw in (0.2, 0.05, 0.02, 0.05, 0.08, 0.3):
+            cycle = tools.cycle_of(OPEN, PAIR, [(7.0, 4.0, yaw), (6.0, 4.0, 0.5)], GOAL)
+            cycle.velocity, cycle.final = np.zeros((2, 2)), True
+            cycle.away = np.array([0.01, 0.01])
+            rates.append(shaper.yaw_rates(cycle))
+        rates = np.array(rates)
+        assert (rates[:, 0] != 0.0).tolist() == [True, True, False, False, False, True]
+        assert (rates[:, 1] < 0.0).all()

@@ -7,11 +7,9 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from cavalcade.formation import Formation
-from cavalcade.formation.standoff import PATIENCE, ProgressMonitor, SlotExchange, StandoffWatch
+from cavalcade.formation.standoff import PATIENCE, ProgressMonitor, StandoffWatch
 from cavalcade.formation.team import Team
 from cavalcade.world import OccupancyMap
 
@@ -20,7 +18,6 @@ LINE = Formation.line(3, 1.0)
 GOAL = (8.0, 3.0, 0.0)
 ROLES = np.arange(3)
 PERIOD = 0.25
-MARGIN = 0.2  # s that an exchange must gain, or may cost
 
 
 class TestMonitor:
@@ -154,14 +151,13 @@ class TestResolving:
 class TestStuck:
     def attempts(self, story, eta=ETA):
         """How many times anything was tried before it was given up."""
-        count, seen = 0, None
+        count = 0
         for _ in range(1000):
-            order = story.watch._attempts
+            before = story.watch._attempts
             story.tell(eta)
             if story.state == "stuck":
                 return count
-            count += story.watch._attempts > order
-            assert story.watch._attempts != seen or seen is None
+            count += story.watch._attempts > before
         raise AssertionError("never stuck")
 
     def test_after_six_attempts_it_says_so(self, tools):
@@ -199,9 +195,9 @@ class TestStuck:
     def test_one_that_got_away_a_little_has_not(self, tools):
         story = Story(tools)
         story.tell((40.0, 40.0, 40.0), 3.5)
-        story.tell((37.0, 37.0, 37.0), PERIOD)
+        story.tell((35.0, 35.0, 35.0), PERIOD)
         assert story.state == "partial"
-        assert self.attempts(story, (37.0, 37.0, 37.0)) == 5
+        assert self.attempts(story, (35.0, 35.0, 35.0)) == 5
 
     def test_another_goal_forgets_all(self, tools):
         story = Story(tools)
@@ -318,151 +314,3 @@ class TestSingleFile:
         assert single.roles[1] == -1
         assert len(single.paths[1]) == 0
         assert (single.courses[1] == 0.0).all()
-
-
-class Times:
-    """A goal to which the times `(N, S)` of each robot to each slot are given outright."""
-
-    def __init__(self, eta, points):
-        self.eta, self.points = np.asarray(eta, dtype=float), points
-        self.places = np.zeros((self.eta.shape[1], 2))
-
-    def slot_field(self, slot):
-        times, points = self.eta[:, slot], self.points
-
-        class Field:
-            def eta(self, point):
-                return float(times[np.flatnonzero((points == point).all(axis=1))[0]])
-
-            def nearest_reached(self, point, reach):
-                return None
-
-        return Field()
-
-
-def row_of(robots):
-    """Points 1 m apart: neighbours are near each other, others are not."""
-    return np.column_stack([np.arange(robots, dtype=float), np.zeros(robots)])
-
-
-def exchanged(eta, roles, rounds=1, points=None):
-    """Roles after each round, from the given ones on; robots stand still."""
-    eta = np.asarray(eta, dtype=float)
-    points = row_of(len(eta)) if points is None else np.array(points)
-    goal, active = Times(eta, points), np.arange(len(eta))
-    exchange = SlotExchange(len(eta))
-    exchange.assign(goal, points, active, 0.0)
-    exchange._roles = np.array(roles)
-    exchange._last[:] = -math.inf
-    times = (k * (PATIENCE + 0.1) for k in range(rounds))
-    return [exchange.assign(goal, points, active, time).tolist() for time in times]
-
-
-@st.composite
-def pairs(draw):
-    time = st.floats(0.0, 20.0)
-    return [[draw(time), draw(time)], [draw(time), draw(time)]]
-
-
-class TestExchange:
-    def test_it_begins_with_the_least_sum_of_squares(self):
-        rng = np.random.default_rng(4)
-        for robots in (1, 2, 3, 5):
-            eta = rng.uniform(0.0, 9.0, (robots, robots))
-            points = row_of(robots)
-            roles = SlotExchange(robots).assign(Times(eta, points), points, np.arange(robots), 0.0)
-            best = min(
-                sum(eta[k, slot] ** 2 for k, slot in enumerate(order))
-                for order in itertools.permutations(range(robots))
-            )
-            longest = max(eta[k, slot] for k, slot in enumerate(roles))
-            found = sum(eta[k, slot] ** 2 for k, slot in enumerate(roles))
-            # The first round may have exchanged already, for a shorter longest way.
-            assert found == pytest.approx(best) or longest**2 < best
-            assert sorted(roles) == list(range(robots))
-
-    @settings(max_examples=200, deadline=None)
-    @given(pairs(), st.booleans())
-    def test_the_longer_way_never_gets_longer(self, eta, near):
-        """By more than the margin, and by that only if both together get shorter."""
-        (a, b), (c, d) = eta
-        points = [(0.0, 0.0), (1.0 if near else 3.0, 0.0)]
-        (roles,) = exchanged(eta, [0, 1], points=points)
-        straight, crossed = (a, d), (b, c)
-        if roles == [1, 0]:
-            assert max(crossed) <= max(straight) + MARGIN
-            assert max(crossed) < max(straight) - MARGIN or (
-                near and sum(crossed) < sum(straight) - MARGIN
-            )
-        else:
-            assert roles == [0, 1]
-            assert max(crossed) >= max(straight) - MARGIN - 1e-9
-
-    @settings(max_examples=200, deadline=None)
-    @given(pairs(), st.booleans())
-    def test_a_pair_exchanges_once_and_for_all(self, eta, near):
-        points = [(0.0, 0.0), (1.0 if near else 3.0, 0.0)]
-        says = exchanged(eta, [0, 1], 5, points)
-        assert all(roles == says[0] for roles in says)
-
-    @settings(max_examples=60, deadline=None)
-    @given(st.integers(0, 2**32 - 1), st.integers(3, 6))
-    def test_of_a_team_neither(self, seed, robots):
-        rng = np.random.default_rng(seed)
-        eta = rng.uniform(0.0, 15.0, (robots, robots))
-        before = list(rng.permutation(robots))
-        for roles in exchanged(eta, before, 8):
-            assert sorted(roles) == list(range(robots))
-            longest = [max(eta[k, slot] for k, slot in enumerate(r)) for r in (before, roles)]
-            pairs_of_robots = robots * (robots - 1) // 2
-            assert longest[1] <= longest[0] + MARGIN * pairs_of_robots
-            before = roles
-
-    @pytest.mark.xfail(
-        strict=True, reason="the two rules of an exchange, chained over three robots, run in a ring"
-    )
-    def test_a_team_that_stands_settles(self):
-        points = np.array([[1.6, 1.5], [1.8, 0.3], [1.8, 1.0]])
-        slots = np.array([[2.4, 1.0], [2.1, 0.0], [0.2, 0.5]])
-        eta = 2.0 * np.hypot(*(points[:, None] - slots[None]).transpose(2, 0, 1))
-        says = exchanged(eta, [0, 1, 2], 40, points)
-        assert says[-1] == says[-2] == says[-3]
-
-    def test_two_nose_to_nose_exchange(self):
-        """Each stands on the other's way: neither need pass."""
-        eta = [[2.0, 6.0], [6.0, 2.0]]
-        assert exchanged(eta, [1, 0]) == [[0, 1]]
-        assert exchanged(eta, [0, 1]) == [[0, 1]]
-
-    def test_far_from_each_other_only_for_the_longer_ways_sake(self):
-        eta = [[5.0, 3.0], [4.0, 5.0]]
-        far = [(0.0, 0.0), (5.0, 0.0)]
-        assert exchanged([[5.0, 5.0], [3.0, 5.0]], [0, 1], points=far) == [[0, 1]]
-        assert exchanged(eta, [0, 1], points=far) == [[1, 0]]
-        assert exchanged([[5.0, 5.0], [3.0, 5.0]], [0, 1]) == [[1, 0]]
-
-    def test_a_way_is_better_than_none(self):
-        assert exchanged([[math.inf, 3.0], [4.0, 5.0]], [0, 1]) == [[1, 0]]
-        assert exchanged([[math.inf] * 2] * 2, [0, 1]) == [[0, 1]]
-
-    def test_a_pair_rests_after_an_exchange(self):
-        """Even if the ways turn round at once."""
-        points, active = row_of(2), np.arange(2)
-        there, back = (Times(eta, points) for eta in ([[2, 6], [6, 2]], [[6, 2], [2, 6]]))
-        exchange = SlotExchange(2)
-        exchange.assign(there, points, active, 0.0)
-        assert exchange.assign(back, points, active, 1.0).tolist() == [1, 0]
-        assert exchange.assign(there, points, active, 1.5).tolist() == [1, 0]
-        assert exchange.assign(there, points, active, 1.0 + PATIENCE - 0.1).tolist() == [1, 0]
-        assert exchange.assign(there, points, active, 1.0 + PATIENCE).tolist() == [0, 1]
-
-    def test_those_that_take_no_part_have_no_slot(self):
-        points, active = row_of(3), np.array([0, 2])
-        goal = Times([[1.0, 5.0], [0.0, 0.0], [5.0, 1.0]], points)
-        assert SlotExchange(3).assign(goal, points, active, 0.0).tolist() == [0, -1, 1]
-
-    def test_what_it_returns_is_the_callers(self):
-        points, active = row_of(2), np.arange(2)
-        goal, exchange = Times([[2, 6], [6, 2]], points), SlotExchange(2)
-        exchange.assign(goal, points, active, 0.0)[:] = -1
-        assert exchange.assign(goal, points, active, 0.1).tolist() == [0, 1]

@@ -87,11 +87,15 @@ class GoalPlan:
             points: `(K, 2)` robots that need it, m.
         """
         known = self._slot_fields.get(slot)
-        if known is not None and all(np.isfinite(eta_from(known, point)) for point in points):
-            return known
         grid = self.ground.follower
-        near = [grid.nearest_free(point, reach=_ESCAPE) for point in points]
-        cells = [grid.cell_of(point) for point in near if point is not None]
+        near = [
+            point if grid.is_free(point) else grid.nearest_free(point, reach=_ESCAPE)
+            for point in points
+        ]
+        entries = [point for point in near if point is not None]
+        if known is not None and all(np.isfinite(known.eta(point)) for point in entries):
+            return known
+        cells = [grid.cell_of(point) for point in entries]
         field = grid.field(self.places[slot], targets=cells or None)
         self._slot_fields[slot] = field
         return field

@@ -17,6 +17,8 @@ _NEAR = 0.30  # m from its slot at which a robot turns to the goal's heading
 _NARROW = 0.30  # W_B below which a robot trusts its path and turns to the way ahead
 _BRISK = 0.6  # of d_slowdown: where our variant slows down before its slots
 _DOCKING = 0.60  # m from its final slot at which a robot goes straight for it
+_REST = (0.015, 0.085)  # m: a robot this near to its slot rests, and until it is this far off
+_REST_TURN = (0.03, 0.12)  # rad: the same for the goal's heading
 _HELD_BACK = 0.5  # of the top speed: what springs may take from a robot on its way
 
 
@@ -47,6 +49,8 @@ class Shaper:
         """Forget the springs' lengths."""
         self._lengths: Array = np.empty(0)
         self._joined: NDArray[np.int64] = np.empty((0, 2), np.int64)
+        self._resting: NDArray[np.bool_] | None = None
+        self._turned: NDArray[np.bool_] | None = None
 
     def shape(self, cycle: Cycle, desired: Array, springs: bool) -> None:
         """Set the cycle's velocity.
@@ -78,6 +82,10 @@ class Shaper:
         yaw = np.ascontiguousarray(cycle.poses[:, 2])
         _kernels.limit_speeds(velocity, yaw, room, cycle.away, self._limits)
         velocity[~cycle.team.present] = 0.0
+        if self._variant.improved:
+            # Noise on the poses must not keep a robot in its slot busy.
+            self._resting = _held(self._resting, cycle.away, _REST)
+            velocity[self._resting] = 0.0
         cycle.velocity = velocity
 
     def yaw_rates(self, cycle: Cycle) -> Array:
@@ -97,6 +105,12 @@ class Shaper:
             aim = np.where(cycle.away < _NEAR, cycle.plan.pose[2], aim)
         rate = _TURN_GAIN * wrap_angle(aim - cycle.poses[:, 2])
         rate[~cycle.team.present] = 0.0
+        if self._variant.improved and cycle.final:
+            off = np.abs(wrap_angle(cycle.plan.pose[2] - cycle.poses[:, 2]))
+            self._turned = _held(
+                self._turned, np.where(cycle.away < _NEAR, off, np.inf), _REST_TURN
+            )
+            rate[self._turned] = 0.0
         return np.clip(rate, -self._turn, self._turn)
 
     def _add_springs(self, cycle: Cycle, velocity: Array) -> None:
@@ -111,6 +125,15 @@ class Shaper:
             velocity, cycle.points, pairs, team.rest, team.laws, previous, self._period
         )
         self._joined = pairs
+
+
+def _held(
+    before: NDArray[np.bool_] | None, error: Array, bounds: tuple[float, float]
+) -> NDArray[np.bool_]:
+    """Hysteresis `(N,)`: true from an error below the first bound until one above the second."""
+    if before is None or len(before) != len(error):
+        return error < bounds[0]
+    return (error < bounds[0]) | (before & (error < bounds[1]))
 
 
 def _spare_pace(velocity: Array, desired: Array, most: float) -> None:
