@@ -101,10 +101,10 @@ class TestView:
 
     def test_one_that_is_away_is_enough_not_to_have(self, tools):
         cycle = standing(tools)
-        cycle.away[2] = 0.06
+        cycle.away[2] = 0.095
         assert not cycle.view("final", -1, 0).arrived
 
-    @pytest.mark.parametrize("turn", [0.12, -0.12, math.pi])
+    @pytest.mark.parametrize("turn", [0.14, -0.14, math.pi])
     def test_so_is_one_that_looks_elsewhere(self, tools, turn):
         cycle = standing(tools)
         cycle.poses[1, 2] += turn

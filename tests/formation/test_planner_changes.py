@@ -299,9 +299,6 @@ def test_velocities_survive_another_maps_frame():
         assert (speed[:, 0] > 0.1).all()
 
 
-@pytest.mark.xfail(
-    strict=True, reason="robots rest up to 0.085 m and 0.12 rad off, but arrive at 0.05 m and 0.10"
-)
 @pytest.mark.parametrize("push", [(0.06, 0.0, 0.0), (0.0, -0.075, 0.0), (0.0, 0.0, 0.11)])
 def test_a_robot_that_is_pushed_out_of_its_slot_returns(tools, push):
     """However little; what rests must also count as arrived."""

@@ -78,20 +78,18 @@ class TestExchange:
 
     @settings(max_examples=200, deadline=None)
     @given(pairs(), st.booleans())
-    def test_the_longer_way_never_gets_longer(self, eta, near):
-        """By more than the margin, and by that only if both together get shorter."""
+    def test_an_exchange_lowers_the_sum_of_squared_times(self, eta, near):
+        """Wherever the two stand; so the longer way never gets longer for nothing."""
         (a, b), (c, d) = eta
         points = [(0.0, 0.0), (1.0 if near else 3.0, 0.0)]
         (roles,) = exchanged(eta, [0, 1], points=points)
-        straight, crossed = (a, d), (b, c)
+        straight, crossed = a**2 + d**2, b**2 + c**2
         if roles == [1, 0]:
-            assert max(crossed) <= max(straight) + MARGIN
-            assert max(crossed) < max(straight) - MARGIN or (
-                near and sum(crossed) < sum(straight) - MARGIN
-            )
+            assert crossed < straight
+            assert min(crossed, straight) < straight - 0.05
         else:
             assert roles == [0, 1]
-            assert max(crossed) >= max(straight) - MARGIN - 1e-9
+            assert crossed > 0.95 * straight - 0.11
 
     @settings(max_examples=200, deadline=None)
     @given(pairs(), st.booleans())
@@ -113,9 +111,6 @@ class TestExchange:
             assert longest[1] <= longest[0] + MARGIN * pairs_of_robots
             before = roles
 
-    @pytest.mark.xfail(
-        strict=True, reason="the two rules of an exchange, chained over three robots, run in a ring"
-    )
     def test_a_team_that_stands_settles(self):
         points = np.array([[1.6, 1.5], [1.8, 0.3], [1.8, 1.0]])
         slots = np.array([[2.4, 1.0], [2.1, 0.0], [0.2, 0.5]])
@@ -128,13 +123,6 @@ class TestExchange:
         eta = [[2.0, 6.0], [6.0, 2.0]]
         assert exchanged(eta, [1, 0]) == [[0, 1]]
         assert exchanged(eta, [0, 1]) == [[0, 1]]
-
-    def test_far_from_each_other_only_for_the_longer_ways_sake(self):
-        eta = [[5.0, 3.0], [4.0, 5.0]]
-        far = [(0.0, 0.0), (5.0, 0.0)]
-        assert exchanged([[5.0, 5.0], [3.0, 5.0]], [0, 1], points=far) == [[0, 1]]
-        assert exchanged(eta, [0, 1], points=far) == [[1, 0]]
-        assert exchanged([[5.0, 5.0], [3.0, 5.0]], [0, 1]) == [[1, 0]]
 
     def test_a_way_is_better_than_none(self):
         assert exchanged([[math.inf, 3.0], [4.0, 5.0]], [0, 1]) == [[1, 0]]

@@ -228,10 +228,6 @@ class TestAtTheGoal:
             story.tell((2.0, 2.0, 2.0))
         assert set(story.says) == {"final"}
 
-    @pytest.mark.xfail(
-        strict=True,
-        reason="times in s and distances in m share one low mark when resolving comes near",
-    )
     def test_a_team_that_gets_on_is_left_alone_where_the_measure_changes(self, tools):
         """Resolving, the first robot near: from now on distances count, the sum of all."""
         poses = np.array([[7.0, 2.0, 0.0], [2.0, 3.0, 0.0], [2.0, 4.0, 0.0]])

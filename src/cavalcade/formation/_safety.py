@@ -126,7 +126,7 @@ def least_change(poses, wanted, weights, sizes, movers, mover_speeds, discs, dis
     most = n * (discs.shape[0] + 1) + n * (n - 1) + n * m
     rows, bounds = np.zeros((most, 6)), np.zeros(most)
     owners = np.full((most, 2), -1)
-    count = 0
+    count = np.int64(0)
     for k in range(n):
         if weights[k] < 1e6:
             count = obstacle_rows(k, poses[k], sizes[k], discs, disc_radius, keep[k], margins[0],
@@ -172,9 +172,11 @@ def least_change(poses, wanted, weights, sizes, movers, mover_speeds, discs, dis
             owners[count, 0], owners[count, 1] = i, -1
             count += 1
     u = wanted.copy()
-    u[:, 2] *= ARM
+    for i in range(n):
+        u[i, 2] *= ARM
     u = project(u, weights, rows, bounds, owners, count)
-    u[:, 2] /= ARM
+    for i in range(n):
+        u[i, 2] /= ARM
     return u
 
 
@@ -255,10 +257,13 @@ def certify(poses, velocities, commands, rank, frozen, limits, period, substeps,
     for i in range(n):
         if frozen[i]:
             level[i] = LEVELS - 1
-        options[i, 0] = commands[i]
-        options[i, 1] = 0.5 * commands[i]
-        options[i, 2, :2] = commands[i, :2]
-        options[i, 3, 2] = commands[i, 2]
+        for k in range(3):  # written out: assigning whole rows costs seconds of compilation
+            options[i, 0, k] = commands[i, k]
+            options[i, 1, k] = 0.5 * commands[i, k]
+            if k < 2:
+                options[i, 2, k] = commands[i, k]
+            else:
+                options[i, 3, k] = commands[i, k]
         for k in range(LEVELS):
             roll_out(poses[i], velocities[i], options[i, k], limits, period, substeps, paths[i, k])
             slack[i, k] = map_slack(paths[i, k], discs, disc_radius, keep[i], hard[0], distance,
@@ -331,7 +336,8 @@ def certify(poses, velocities, commands, rank, frozen, limits, period, substeps,
                 break
     out = np.empty((n, 3))
     for i in range(n):
-        out[i] = options[i, level[i]]
+        for a in range(3):
+            out[i, a] = options[i, level[i], a]
     return out, level
 
 

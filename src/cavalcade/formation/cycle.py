@@ -11,8 +11,8 @@ from cavalcade.formation.goals import GoalPlan
 from cavalcade.formation.team import Team
 from cavalcade.geometry import Array, wrap_angle
 
-_THERE = 0.05  # m and
-_TURNED = 0.10  # rad from its final pose within which a robot has arrived
+_THERE = 0.09  # m and
+_TURNED = 0.13  # rad from its final pose within which a robot has arrived
 _FIRST = 0.15  # m of a path that give its initial direction
 _AHEAD = 0.40  # m of a path that give the heading to take up
 EMPTY_PATH: Array = np.empty((0, 2))

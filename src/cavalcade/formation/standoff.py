@@ -17,8 +17,10 @@ PATIENCE = 3.0
 _STEP = 0.10  # s of ETA, or m of distance, that count as progress
 _ATTEMPTS = 6  # at resolving before a team is reported as stuck
 _OVER = 8.0  # s of median ETA gained, after which a stand-off is past
-_SETTLED = 0.08  # m from all slots: nothing left to gain
+_SETTLED = 0.09  # m from all slots: nothing left to gain
 _MAKE_ROOM = 2.0  # s for which robots step back in a repeated attempt
+_HOPELESS = 1e3  # s that stand for no way at all
+_GAIN = 0.95  # share of the squared times to which an exchange must bring them
 _NEIGHBOUR = 1.3  # m between robots that may be in each other's way
 
 
@@ -90,6 +92,7 @@ class StandoffWatch:
         self._begun = 0.0
         self._begun_eta = np.inf
         self._order: NDArray[np.int64] | None = None
+        self._near = False
         self._monitor.reset()
 
     def refresh(self) -> None:
@@ -103,7 +106,11 @@ class StandoffWatch:
         if gained > _OVER and state == "partial":
             self._attempts, self._begun_eta = 0, np.inf
         measure = float(eta.mean())
-        if state == "final" or (state == "resolving" and eta.min() < 1.0):
+        near = state == "final" or (state == "resolving" and eta.min() < 1.0)
+        if near != self._near:
+            self._near = near
+            self._monitor.reset()  # what is measured changes: metres there, seconds here
+        if near:
             away = cycle.plan_distances(roles)
             if away.max() < _SETTLED:
                 self._monitor.reset()
@@ -200,20 +207,22 @@ class SlotExchange:
         for i in active:
             for j in active:
                 if i < j and time - self._last[i, j] >= PATIENCE:
-                    self._consider(int(i), int(j), eta, points, time)
+                    self._consider(int(i), int(j), eta, time)
         return self._roles.copy()
 
-    def _consider(self, i: int, j: int, eta: Array, points: Array, time: float) -> None:
-        """Exchange the slots of two robots if the longer way gets shorter by it."""
+    def _consider(self, i: int, j: int, eta: Array, time: float) -> None:
+        """Exchange the slots of two robots if the sum of their squared times falls by it.
+
+        That sum over the team falls with every exchange, so that a team that stands settles.
+        """
         roles = self._roles
         if roles is None:
             return
         a, b = roles[i], roles[j]
-        straight, crossed = (eta[i, a], eta[j, b]), (eta[i, b], eta[j, a])
-        near = float(np.hypot(*(points[i] - points[j]))) < 1.5
-        shorter = max(crossed) < max(straight) - 0.2
-        equal = max(crossed) <= max(straight) + 0.2 and sum(crossed) < sum(straight) - 0.2
-        if shorter or (near and equal):
+        times = np.minimum(eta, _HOPELESS)
+        straight = times[i, a] ** 2 + times[j, b] ** 2
+        crossed = times[i, b] ** 2 + times[j, a] ** 2
+        if crossed < _GAIN * straight - _STEP:
             roles[i], roles[j] = b, a
             self._last[i, j] = time
 
@@ -221,6 +230,6 @@ class SlotExchange:
 def _by_time(eta: Array, active: NDArray[np.int64]) -> NDArray[np.int64]:
     """The bijection with the least sum of squared times."""
     roles = np.full(len(eta), -1, dtype=np.int64)
-    robots, slots = linear_sum_assignment(np.minimum(eta[active], 1e3) ** 2)
+    robots, slots = linear_sum_assignment(np.minimum(eta[active], _HOPELESS) ** 2)
     roles[active[robots]] = slots
     return roles
