@@ -27,9 +27,11 @@ def shaper_for(variant="cavalcade", **values):
     return Shaper(variant_named(variant), FormationSettings(**values), GO1, 0.05)
 
 
-def shaped(tools, poses, desired, variant="cavalcade", map=OPEN, springs=False, away=np.inf):
+def shaped(
+    tools, poses, desired, variant="cavalcade", map=OPEN, springs=False, away=np.inf, spacing=1.0
+):
     """The velocity of a pair in its slots' order."""
-    cycle = tools.cycle_of(map, PAIR, poses, GOAL)
+    cycle = tools.cycle_of(map, Formation.column(2, spacing), poses, GOAL)
     cycle.roles = np.arange(2)
     cycle.away = np.full(2, away)
     shaper_for(variant).shape(cycle, np.array(desired), springs)
@@ -112,7 +114,9 @@ class TestDocking:
 
     def test_on_the_way_motion_towards_the_wall_is_taken_away(self, tools):
         for away in (0.61, np.inf):
-            velocity = shaped(tools, self.POSES, self.DESIRED, map=WALL, away=away)
+            velocity = shaped(
+                tools, self.POSES, self.DESIRED, map=WALL, away=away, springs=True, spacing=3.0
+            )
             np.testing.assert_allclose(velocity, [(0.1, 0.0)] * 2, atol=0.01)
 
     def test_close_to_the_slot_it_stays(self, tools):
@@ -124,7 +128,10 @@ class TestDocking:
         np.testing.assert_allclose(velocity[:, 1], 0.0, atol=0.01)
 
     def test_each_robot_for_itself(self, tools):
-        velocity = shaped(tools, self.POSES, self.DESIRED, map=WALL, away=np.array([0.3, 2.0]))
+        away = np.array([0.3, 2.0])
+        velocity = shaped(
+            tools, self.POSES, self.DESIRED, map=WALL, away=away, springs=True, spacing=3.0
+        )
         assert velocity[0, 1] == pytest.approx(-0.1)
         assert velocity[1, 1] == pytest.approx(0.0, abs=0.01)
 
@@ -135,6 +142,10 @@ class TestDocking:
             pace = shaped(tools, poses, [(0.5, 0.0)] * 2, variant, away=away)[:, 0]
             np.testing.assert_allclose(pace, min(0.5 * away / reach, 0.5))
 
+    def test_without_springs_the_path_is_trusted_everywhere(self, tools):
+        velocity = shaped(tools, self.POSES, self.DESIRED, map=WALL)
+        np.testing.assert_allclose(velocity, self.DESIRED, atol=1e-9)
+
 
 class TestNarrow:
     """Beside a wall, on the way: W_B = 0.2 in the first place and 0.5 in the second."""
@@ -143,7 +154,8 @@ class TestNarrow:
     DESIRED = ((0.1, -0.1), (0.1, -0.1))
 
     def test_the_path_into_it_is_trusted(self, tools):
-        velocity = shaped(tools, self.POSES, self.DESIRED, map=WALL)
+        rest = float(np.hypot(3.0, 0.15))  # springs at rest change nothing
+        velocity = shaped(tools, self.POSES, self.DESIRED, map=WALL, springs=True, spacing=rest)
         np.testing.assert_allclose(velocity[0], self.DESIRED[0], atol=1e-9)
         np.testing.assert_allclose(velocity[1], (0.1, 0.0), atol=0.02)
 

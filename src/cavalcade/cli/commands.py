@@ -59,7 +59,9 @@ def run(
     if as_json:
         _print_json(result.summary)
     if not result.success:
-        print(f"cavalcade: {loaded.name}: not achieved: {result.reason}", file=sys.stderr)
+        detail = result.summary.get("detail")
+        why = f"{result.reason} ({detail})" if detail else result.reason
+        print(f"cavalcade: {loaded.name}: not achieved: {why}", file=sys.stderr)
         raise typer.Exit(1)
 
 

@@ -136,7 +136,8 @@ def least_change(poses, wanted, weights, sizes, movers, mover_speeds, discs, dis
         for j in range(i + 1, n):
             dx, dy = poses[i, 0] - poses[j, 0], poses[i, 1] - poses[j, 1]
             away = math.hypot(dx, dy)
-            if away > 2.0 or away < 1e-9:
+            reach = math.hypot(sizes[i, 0], sizes[i, 1]) + math.hypot(sizes[j, 0], sizes[j, 1])
+            if away > reach + 1.3 or away < 1e-9:
                 continue
             gap, nx, ny, px, py, qx, qy = rectangle_gap(
                 poses[i], sizes[i, 0], sizes[i, 1], poses[j], sizes[j, 0], sizes[j, 1]
@@ -286,7 +287,9 @@ def certify(poses, velocities, commands, rank, frozen, limits, period, substeps,
     stopped = np.zeros((n, n))
     for i in range(n):
         for j in range(i + 1, n):
-            near[i, j] = math.hypot(poses[i, 0] - poses[j, 0], poses[i, 1] - poses[j, 1]) < 2.0
+            away = math.hypot(poses[i, 0] - poses[j, 0], poses[i, 1] - poses[j, 1])
+            reach = math.hypot(sizes[i, 0], sizes[i, 1]) + math.hypot(sizes[j, 0], sizes[j, 1])
+            near[i, j] = away < reach + 1.3
             near[j, i] = near[i, j]
             if near[i, j]:
                 stopped[i, j] = min(0.0, pair_slack(

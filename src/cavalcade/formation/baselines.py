@@ -48,14 +48,19 @@ def _virtual_structure(
 ) -> tuple[Array, Array, tuple[Array, ...], bool]:
     """One reference pose for the shape moves down the field; robots hold their places on it."""
     active = team.active
+    middle = team.formation.slots.mean(axis=0)
     centre = points[active].mean(axis=0)
     way = descend_from(plan.field, centre)
+    if not np.isfinite(way.eta):
+        paths = (np.empty((0, 2)),) * len(points)
+        return np.zeros_like(points), points.copy(), paths, False
     final = way.eta < settings.lookahead
     if final:
         heading, ahead = float(plan.pose[2]), plan.pose[:2]
     else:
         ahead, heading = way.ahead(0.5)
-    places = team.formation.slots @ rotation(heading).T + (ahead if final else centre)
+    slots = team.formation.slots if final else team.formation.slots - middle
+    places = slots @ rotation(heading).T + (ahead if final else centre)
     targets = np.vstack([places, [np.nan, np.nan]])[roles]
     error = np.nan_to_num(targets - points)
     lag = np.hypot(error[:, 0], error[:, 1])
@@ -78,8 +83,8 @@ def _behaviours(
 ) -> tuple[Array, Array, tuple[Array, ...], bool]:
     """Weighted goal seeking and neighbour spacing; obstacles are left to the avoidance layer.
 
-    No common plan: every robot heads straight for its own place at the goal, is drawn to where
-    its neighbours want it and pushed off by those too near.
+    No common plan: every robot heads straight for its own place at the goal and is pushed off by
+    neighbours and obstacles that are too near.
     """
     targets = np.vstack([plan.places, [np.nan, np.nan]])[roles]
     error = np.nan_to_num(targets - points)

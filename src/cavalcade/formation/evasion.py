@@ -20,6 +20,7 @@ def evade(
     speeds: Array,
     ground: Ground,
     top: float,
+    turn_rate: float = 1.2,
 ) -> None:
     """Replace the wanted velocities of robots that a moving obstacle is going to meet.
 
@@ -34,6 +35,7 @@ def evade(
         speeds: `(M, 2)` m/s.
         ground: The map.
         top: Robots' top speed, m/s.
+        turn_rate: Their top yaw rate, rad/s.
     """
     for box, speed in zip(movers, speeds, strict=True):
         pace = float(np.hypot(*speed))
@@ -63,7 +65,7 @@ def evade(
             turn = np.arctan2(out[1], out[0]) - poses[k, 2]
             # Forwards or backwards is all the same: a body steps fastest along its own axis.
             turn = (turn + np.pi / 2.0) % np.pi - np.pi / 2.0
-            wanted[k, 2] = np.clip(3.0 * turn, -1.2, 1.2)
+            wanted[k, 2] = np.clip(3.0 * turn, -turn_rate, turn_rate)
 
 
 def _better_side(

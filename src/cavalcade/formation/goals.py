@@ -67,6 +67,8 @@ class GoalPlan:
                 shift = ground.placement(wanted, common, _SHIFT_REACH, body, cover.radius + room)
                 if shift is not None:
                     break
+                if ground.placement(wanted, None, 0.0, body, cover.radius + room) is not None:
+                    break  # the slots fit where they are, but there is no way to them
             self.cut_off = np.nonzero(regions != common)[0]
         if shift is None:
             self.cut_off = np.arange(len(points))

@@ -128,13 +128,13 @@ class Ground:
         return self.changed(occupied)
 
     def placement(
-        self, slots: Array, region: int, reach: float, body: Array, needed: float
+        self, slots: Array, region: int | None, reach: float, body: Array, needed: float
     ) -> Array | None:
         """The smallest shift `(2,)` with which every slot takes a robot, in one free region.
 
         Args:
             slots: `(N, 2)` wanted places, m.
-            region: Number of the region.
+            region: Number of the region; None for any.
             reach: Largest shift, m.
             body: `(K, 2)` centres of discs that cover a robot, from its centre, turned to the
                 goal's heading, m.
@@ -151,7 +151,8 @@ class Ground:
         fits = length <= reach
         for slot in slots:
             rows, cols, inside = self._lookup(slot + shifts)
-            fits &= inside & (labels[rows, cols] == region)
+            here = labels[rows, cols]
+            fits &= inside & (here > 0 if region is None else here == region)
             for offset in body:
                 rows, cols, inside = self._lookup(slot + offset + shifts)
                 fits &= inside & (self.distance[rows, cols] >= needed)

@@ -90,6 +90,11 @@ class Navigator:
         if self._state in ("stuck", "infeasible"):
             self._state = "partial"
 
+    def go_on(self) -> None:
+        """Time has passed without cycles."""
+        self._shaper.forget_springs()
+        self.refresh()
+
     def rank(self, robots: int) -> NDArray[np.int64]:
         """Precedence of the robots, 0 first."""
         return np.arange(robots) if self._rank is None else self._rank
@@ -134,7 +139,7 @@ class Navigator:
             message = f"no way to the goal for {named(involved)}"
         elif self._state == "stuck":
             message, involved = self._view.message, self._view.involved
-            cycle.roles = self._roles
+            cycle.roles = self._roles if len(self._roles) else cycle.roles
         elif self._variant.rigid or not self._variant.common_plan:
             self._follow_baseline(cycle)
         else:
@@ -143,7 +148,10 @@ class Navigator:
             wanted[:, :2] = cycle.velocity
             wanted[:, 2] = self._shaper.yaw_rates(cycle)
         if self._variant.improved and len(movers):
-            evade(wanted, poses, active, movers, mover_speeds, ground, self._shaper.top)
+            evade(
+                wanted, poses, active, movers, mover_speeds, ground, self._shaper.top,
+                self._shaper.turn,
+            )  # fmt: skip
         self._view = cycle.view(self._state, self._leader, self._waypoint, message, involved)
         self._advance_waypoint(cycle)
         return wanted
@@ -181,7 +189,7 @@ class Navigator:
         if self._variant.improved:
             self._state = self._watch.next_state(self._state, cycle, self._roles)
         if self._state == "stuck":
-            cycle.roles = self._roles
+            cycle.roles = self._roles if len(self._roles) else cycle.roles
             late = self._watch.late
             return f"stand-off of {named(late)}", late
         if self._state == "resolving":
@@ -196,6 +204,9 @@ class Navigator:
         """Steps 3 to 8: the leader follows its path, the others their partial goals."""
         plan, points, slots = cycle.plan, cycle.points, cycle.team.formation.slots
         way = descend_from(plan.field, points[self._leader])
+        if len(way.points) == 0:
+            cycle.roles = self._roles if len(self._roles) else cycle.roles
+            return  # no free ground within reach: the team stands
         course = direction(way.points)
         heading = float(np.arctan2(course[1], course[0]))
         if self._variant.adaptive_roles or len(self._roles) == 0:

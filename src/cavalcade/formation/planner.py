@@ -86,7 +86,7 @@ class FormationPlanner:
         self._map = map
         self._ground = Ground(map.occupied, map.resolution, self.settings)
         self._team = Team(robots, formation)
-        self._tracker = VelocityTracker(self.model)
+        self._tracker = VelocityTracker(self.model, 1.0 / self.rate)
         self._filter = SafetyFilter(self.model, 1.0 / self.rate)
         self._movers: tuple[MovingObstacle, ...] = ()
         self._mode = modes.Navigator(
@@ -131,7 +131,7 @@ class FormationPlanner:
     def resume(self) -> None:
         """Go on after `pause`."""
         self._paused = False
-        self._mode.refresh()
+        self._mode.go_on()
 
     def set_formation(self, formation: Formation) -> None:
         """Change the shape while standing or moving.

@@ -42,15 +42,19 @@ class Shaper:
         slowdown = settings.d_slowdown * (_BRISK if variant.improved else 1.0)
         across = min(settings.v_max_y, model.max_speed_y)
         self._limits = np.array([self.top, across, settings.v_min, slowdown])
-        self._turn = model.max_yaw_rate
+        self.turn = model.max_yaw_rate
         self.reset()
 
     def reset(self) -> None:
-        """Forget the springs' lengths."""
-        self._lengths: Array = np.empty(0)
-        self._joined: NDArray[np.int64] = np.empty((0, 2), np.int64)
+        """Forget what is remembered from cycle to cycle."""
+        self.forget_springs()
         self._resting: NDArray[np.bool_] | None = None
         self._turned: NDArray[np.bool_] | None = None
+
+    def forget_springs(self) -> None:
+        """Forget the springs' lengths: the next cycle does not follow the last one."""
+        self._lengths: Array = np.empty(0)
+        self._joined: NDArray[np.int64] = np.empty((0, 2), np.int64)
 
     def shape(self, cycle: Cycle, desired: Array, springs: bool) -> None:
         """Set the cycle's velocity.
@@ -67,11 +71,14 @@ class Shaper:
             self._add_springs(cycle, velocity)
             if self._variant.improved:
                 _spare_pace(velocity, desired, _HELD_BACK * self.top)
+        else:
+            self.forget_springs()
         if self._variant.avoidance:
             # The paper filters the whole velocity, also what leads along the path into a narrow
             # place or to a slot beside an obstacle. There our variant trusts the path and
             # filters only what springs add to it.
-            trusted = (room < _NARROW) | (cycle.away < _DOCKING)
+            alone = not springs or len(cycle.team.rest) == 0
+            trusted = (room < _NARROW) | (cycle.away < _DOCKING) | alone
             kept = np.where(trusted[:, None] & self._variant.improved, desired, 0.0)
             velocity -= kept
             _kernels.avoid_obstacles(
@@ -111,7 +118,7 @@ class Shaper:
                 self._turned, np.where(cycle.away < _NEAR, off, np.inf), _REST_TURN
             )
             rate[self._turned] = 0.0
-        return np.clip(rate, -self._turn, self._turn)
+        return np.clip(rate, -self.turn, self.turn)
 
     def _add_springs(self, cycle: Cycle, velocity: Array) -> None:
         team = cycle.team

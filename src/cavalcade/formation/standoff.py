@@ -127,7 +127,7 @@ class StandoffWatch:
         self._attempts += 1
         if self._attempts > _ATTEMPTS:
             away = cycle.plan_distances(roles)
-            self.late = tuple(int(k) for k in cycle.active[away > 0.1])
+            self.late = tuple(int(k) for k in cycle.active[away > _SETTLED])
             self._attempts = 0
             return "stuck"
         self._slots = None

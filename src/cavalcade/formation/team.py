@@ -42,7 +42,7 @@ class Team:
                 key="formation",
             )
         self._full = formation
-        self._use(formation.smaller(count))
+        self._reshape()
 
     def lose(self, robot: int) -> None:
         """Take a robot out; the others get a smaller shape."""

@@ -25,9 +25,11 @@ class VelocityTracker:
 
     Args:
         model: The robots'.
+        period: Seconds between updates.
     """
 
-    def __init__(self, model: RobotModel) -> None:
+    def __init__(self, model: RobotModel, period: float = 0.05) -> None:
+        self._longest = max(_LONGEST, 2.5 * period)
         self._limits = limits_of(model)
         self._poses: Array | None = None
         self._velocities: Array = np.empty((0, 3))
@@ -44,7 +46,11 @@ class VelocityTracker:
             time: Now, s.
         """
         elapsed = time - self._time
-        if self._poses is None or len(self._poses) != len(poses) or not 0.0 < elapsed < _LONGEST:
+        if (
+            self._poses is None
+            or len(self._poses) != len(poses)
+            or not 0.0 < elapsed < self._longest
+        ):
             velocities = np.zeros_like(poses)
             self._history.clear()
         else:

@@ -128,7 +128,11 @@ class _Obstacles:
         self._shapes = [shape_from_mapping(span.obstacle.words) for span in self.spans]
         # Fixed ones are rasterised once; the others are added to that map as they stand.
         self._still: OccupancyMap | None = None
-        self._drawn = self._places(0.0)
+        # The first map shows the world's own obstacles; what events bring is still to be drawn.
+        self._drawn: list[tuple[float, float] | None] = [
+            place if span.start == 0.0 else None
+            for span, place in zip(self.spans, self._places(0.0), strict=True)
+        ]
 
     def update(self, time: float) -> OccupancyMap | None:
         """The new map if it has to be drawn anew, otherwise None."""

@@ -135,7 +135,9 @@ def _loaded(
         raise InputError(f"backend {backend!r} is not there yet", key="backend", choices=BACKENDS)
     if seed is None or seed == scenario.execution.seed:
         return scenario
-    execution = scenario.execution.model_copy(update={"seed": int(seed)})
+    if not isinstance(seed, int) or seed < 0:
+        raise InputError(f"expected a whole number from 0 on, got {seed!r}", key="seed")
+    execution = scenario.execution.model_copy(update={"seed": seed})
     return scenario.model_copy(update={"execution": execution})
 
 

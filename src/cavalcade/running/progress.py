@@ -94,12 +94,13 @@ class Reporter:
             return
         from rich import box
         from rich.table import Table
+        from rich.text import Text
 
         table = Table(box=box.SIMPLE, show_header=False, pad_edge=False)
         table.add_column(justify="left")
         table.add_column(justify="left")
         for key, value in result_rows(summary):
-            table.add_row(key, value)
+            table.add_row(key, Text(value))
         self._console.print(table)
         for file in files:
             self.say(str(file))
@@ -110,9 +111,9 @@ class Reporter:
             from rich.progress import Progress as Bar
 
             self._bar = Bar(
-                TextColumn("{task.description}"),
+                TextColumn("{task.description}", markup=False),
                 BarColumn(),
-                TextColumn("{task.completed:.1f} s simulated, {task.fields[state]}"),
+                TextColumn("{task.completed:.1f} s simulated, {task.fields[state]}", markup=False),
                 TimeElapsedColumn(),
                 console=self._console,
                 transient=True,

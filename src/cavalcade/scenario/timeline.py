@@ -71,6 +71,10 @@ class ObstacleSpan:
         return self.obstacle.moved(self.offset_at(time))
 
 
+_EARLIEST = 1e-9
+"""s; an obstacle that an event brings at 0 s comes after those of the world, which are fixed."""
+
+
 @dataclass
 class _Track:
     obstacle: Obstacle
@@ -103,7 +107,8 @@ def obstacle_spans(
     ]
     for index, event in enumerate(scenario.execution.events):
         if event.add is not None:
-            tracks.append(_Track(event.add, event.at, time=[event.at], offset=[(0.0, 0.0)]))
+            start = max(event.at, _EARLIEST)
+            tracks.append(_Track(event.add, start, time=[start], offset=[(0.0, 0.0)]))
         elif event.remove is not None:
             track = _find(tracks, event.remove, event.at)
             if track is None:
@@ -121,7 +126,8 @@ def obstacle_spans(
 def _move(tracks: list[_Track], event: Event, move: Move) -> None:
     track = _find(tracks, move.obstacle, event.at)
     if track is None:
-        track = _Track(move.obstacle, event.at, time=[event.at], offset=[(0.0, 0.0)])
+        start = max(event.at, _EARLIEST)
+        track = _Track(move.obstacle, start, time=[event.at], offset=[(0.0, 0.0)])
         tracks.append(track)
     here = track.span().offset_at(event.at)
     keep = [k for k, time in enumerate(track.time) if time < event.at]
