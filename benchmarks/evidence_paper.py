@@ -26,8 +26,16 @@ _HALF_WIDTH = 0.5
 _AROUND_MIDDLE = 0.5
 """How far along the corridor from its middle robots are looked at, m."""
 
-EXPLAINED: Mapping[tuple[str, str], str] = MappingProxyType({})
-"""(variant, scenario) to the reason why the published rule fails there: its bars are waived."""
+EXPLAINED: Mapping[tuple[str, str], str] = MappingProxyType(
+    {
+        ("published", "square-clutter"): "the published rule keeps centres 0.60 m apart, as the "
+        "other bars show, but bodies of 0.65 m touch nose to tail at that distance"
+    }
+)
+"""(variant, scenario) to the reason why the published rule fails there by oriented footprints."""
+
+_BY_FOOTPRINT = ("success", "footprint gap")
+"""Bars that such a reason covers; all others hold whatever the reason."""
 
 SIDE = 1.15
 """Of the triangle, m."""
@@ -113,7 +121,8 @@ def bars(outcomes: Sequence[Outcome]) -> list[Bar]:
     for outcome in outcomes:
         why = EXPLAINED.get((outcome.trial.variant, outcome.trial.name))
         for bar in _bars(outcome):
-            waived = why is not None and not bar.met
+            covered = any(f": {text}" in bar.text for text in _BY_FOOTPRINT)
+            waived = why is not None and not bar.met and covered
             found.append(Bar(bar.text, f"{bar.found} ({why})", True) if waived else bar)
     return found
 
