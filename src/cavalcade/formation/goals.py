@@ -214,8 +214,9 @@ def local_way(
         Points `(K, 2)`, empty where there is no way, and the time, inf where there is none.
     """
     grid = ground.follower
-    if grid.is_free(start):
-        return grid.local_path(start, goal, guess)
+    path, eta = grid.local_path(start, goal, guess)
+    if len(path) or grid.is_free(start):
+        return path, eta
     out = grid.nearest_free(start, reach=_ESCAPE)
     if out is None:
         return np.empty((0, 2)), np.inf

@@ -265,7 +265,9 @@ class FormationPlanner:
             slots=np.array(self._team.formation.slots),
             goals=goals,
             goal=goal,
-            paths=tuple(transform_points(origin, path) for path in view.paths),
+            paths=tuple(transform_points(origin, path) for path in view.paths)
+            if origin.any()
+            else view.paths,
             connections=self._team.joined(roles) if self.variant.springs else _NO_PAIRS,
             eta=view.eta,
             arrived=view.arrived,
