@@ -31,7 +31,7 @@ def approach_speed(gap, braking, period):
 
 
 @njit(cache=True)
-def obstacle_rows(k, pose, body, discs, disc_radius, keep, margin, braking, period, distance,
+def obstacle_rows(k, pose, discs, disc_radius, keep, margin, braking, period, distance,
                   cell, rows, bounds, owners, count):  # fmt: skip
     """Constraints of robot `k` against the map: its discs and its centre's clearance."""
     c, s = math.cos(pose[2]), math.sin(pose[2])
@@ -129,7 +129,7 @@ def least_change(poses, wanted, weights, sizes, movers, mover_speeds, discs, dis
     count = np.int64(0)
     for k in range(n):
         if weights[k] < 1e6:
-            count = obstacle_rows(k, poses[k], sizes[k], discs, disc_radius, keep[k], margins[0],
+            count = obstacle_rows(k, poses[k], discs, disc_radius, keep[k], margins[0],
                                   braking, period, distance, cell, rows, bounds, owners,
                                   count)  # fmt: skip
     for i in range(n):
