@@ -11,6 +11,7 @@ from cavalcade.formation import VARIANTS, Variant
 from cavalcade.formation.variants import variant_named
 
 PUBLISHED = Variant("published")
+OURS = {"improved", "standoffs", "filter"}
 
 
 def differences(name):
@@ -25,7 +26,13 @@ def differences(name):
 @pytest.mark.parametrize(
     ("name", "parts"),
     [
-        ("cavalcade", {"improved"}),
+        ("cavalcade", OURS),
+        ("cavalcade-fixed-roles", OURS | {"adaptive_roles"}),
+        ("cavalcade-no-lookahead", OURS | {"lookahead"}),
+        ("cavalcade-no-springs", OURS | {"springs"}),
+        ("cavalcade-no-avoidance", OURS | {"avoidance"}),
+        ("cavalcade-no-standoffs", OURS - {"standoffs"}),
+        ("cavalcade-no-filter", OURS - {"filter"}),
         ("published", set()),
         ("fixed-roles", {"adaptive_roles"}),
         ("no-lookahead", {"lookahead"}),

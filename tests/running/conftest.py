@@ -48,7 +48,7 @@ class StraightPlanner:
         self.goals = [np.array(goal, dtype=float) for goal in goals]
         self.waypoint = 0
 
-    def step(self, poses: np.ndarray, time: float) -> np.ndarray:
+    def step(self, poses: np.ndarray, time: float, stamps: np.ndarray | None = None) -> np.ndarray:
         self.steps += 1
         goal = self.goals[self.waypoint]
         targets = transform_points(goal, self.slots)

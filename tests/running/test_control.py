@@ -157,7 +157,7 @@ def test_the_planner_never_sees_nonsense_of_a_lost_robot(bench: Bench) -> None:
     seen: list[np.ndarray] = []
     step = bench.planner.step
 
-    def watched(poses: np.ndarray, time: float) -> np.ndarray:
+    def watched(poses: np.ndarray, time: float, stamps: np.ndarray) -> np.ndarray:
         seen.append(poses)
         return step(poses, time)
 

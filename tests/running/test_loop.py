@@ -122,7 +122,7 @@ def test_a_planner_that_gives_up(go: Callable[..., Any], state: str) -> None:
     def change(planner: Any) -> None:
         step = planner.step
 
-        def giving_up(poses: Any, time: float) -> Any:
+        def giving_up(poses: Any, time: float, stamps: Any) -> Any:
             commands = step(poses, time)
             if time >= 1.0:
                 planner.status = replace(
@@ -145,7 +145,7 @@ def test_a_task_that_cannot_be_done_at_all(go: Callable[..., Any], tmp_path: Pat
         planner.status = replace(
             planner.status, state="infeasible", roles=np.full(4, -1), message="no way"
         )
-        planner.step = lambda poses, time: np.zeros((4, 3))
+        planner.step = lambda poses, time, stamps: np.zeros((4, 3))
 
     summary = go(tmp_path / "r", change=change).summary
     assert (summary["reason"], summary["success"]) == ("infeasible", False)
@@ -161,7 +161,7 @@ def test_giving_up_waits_for_what_may_still_change(go: Callable[..., Any]) -> No
     def change(planner: Any) -> None:
         step = planner.step
 
-        def until_changed(poses: Any, time: float) -> Any:
+        def until_changed(poses: Any, time: float, stamps: Any) -> Any:
             commands = step(poses, time)
             if not planner.called("update_map"):
                 planner.status = replace(planner.status, state="stuck")

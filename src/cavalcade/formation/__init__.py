@@ -1,5 +1,6 @@
 """Formation planning: shapes, roles, goals, springs, avoidance, limits and the last filter."""
 
+from cavalcade.formation.estimation import Imperfections
 from cavalcade.formation.obstacles import MovingObstacle
 from cavalcade.formation.planner import FormationPlanner
 from cavalcade.formation.settings import (
@@ -29,6 +30,7 @@ __all__ = [
     "Formation",
     "FormationPlanner",
     "FormationSettings",
+    "Imperfections",
     "MovingObstacle",
     "PlannerStatus",
     "SpringLaw",

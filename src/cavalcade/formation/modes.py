@@ -186,7 +186,7 @@ class Navigator:
             if self._leader >= 0 and cycle.eta[self._leader] < self._settings.lookahead:
                 self._state = "final"
                 self._watch.refresh()
-        if self._variant.improved:
+        if self._variant.standoffs:
             self._state = self._watch.next_state(self._state, cycle, self._roles)
         if self._state == "stuck":
             cycle.roles = self._roles if len(self._roles) else cycle.roles

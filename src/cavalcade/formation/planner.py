@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.errors import InputError
 from cavalcade.formation import modes
+from cavalcade.formation.estimation import Imperfections, StateEstimator
 from cavalcade.formation.ground import Ground
 from cavalcade.formation.obstacles import MovingObstacle, mover_arrays
 from cavalcade.formation.safety import SafetyFilter
@@ -49,6 +50,9 @@ class FormationPlanner:
         rate: Cycles per second.
         seed: Of the choices that break a repeated stand-off.
         lookahead: Over the settings' look-ahead, s.
+        expected: How well the robots are located and reached; None for perfectly. Variants
+            with the last filter plan for the moment when their commands arrive, and keep wider
+            gaps.
 
     Raises:
         InputError: Malformed arguments, or slots and robots that differ in number.
@@ -65,6 +69,7 @@ class FormationPlanner:
         rate: float = 20.0,
         seed: int = 0,
         lookahead: float | None = None,
+        expected: Imperfections | None = None,
     ) -> None:
         robots = formation.size if robots is None else robots
         if robots != formation.size:
@@ -86,11 +91,15 @@ class FormationPlanner:
         self._map = map
         self._ground = Ground(map.occupied, map.resolution, self.settings)
         self._team = Team(robots, formation)
-        self._tracker = VelocityTracker(self.model, 1.0 / self.rate)
-        self._filter = SafetyFilter(self.model, 1.0 / self.rate)
+        period = 1.0 / self.rate
+        self._expected = expected or Imperfections()
+        self._tracker: VelocityTracker | StateEstimator = VelocityTracker(self.model, period)
+        if self.variant.filter and not self._expected.none:
+            self._tracker = StateEstimator(self.model, period, self._expected)
+        self._filter = SafetyFilter(self.model, period, self._expected)
         self._movers: tuple[MovingObstacle, ...] = ()
         self._mode = modes.Navigator(
-            self.variant, self.settings, self.model, 1.0 / self.rate, np.random.default_rng(seed)
+            self.variant, self.settings, self.model, period, np.random.default_rng(seed)
         )
         self._paused = False
         self._bodies: tuple[Ground, Array, Ground] | None = None
@@ -179,12 +188,13 @@ class FormationPlanner:
         """Say what moves now and how fast; an empty list when nothing moves any more."""
         self._movers = tuple(obstacles)
 
-    def step(self, poses: ArrayLike, time: float) -> Array:
+    def step(self, poses: ArrayLike, time: float, stamps: ArrayLike | None = None) -> Array:
         """One cycle.
 
         Args:
-            poses: `(N, 3)` x, y in m and yaw in rad of all robots.
+            poses: `(N, 3)` x, y in m and yaw in rad of all robots, as last reported.
             time: Now, s; any clock that advances.
+            stamps: `(N,)` when each of them was measured, s; None for now.
 
         Returns:
             `(N, 3)` body-frame velocities: m/s, m/s, rad/s.
@@ -200,15 +210,16 @@ class FormationPlanner:
         if not (np.isfinite(poses).all() and np.isfinite(time)):
             raise InputError("expected finite poses and time", key="poses")
         origin = self._map.origin
+        poses, velocities, late = self._located(poses, float(time), stamps)
         local = poses
         if any(origin):
             local = np.column_stack(
                 [inverse_transform_points(origin, poses[:, :2]), poses[:, 2] - origin[2]]
             )
-        velocities = self._tracker.update(poses, float(time))
         if origin[2]:
             velocities[:, :2] = velocities[:, :2] @ rotation(origin[2])
         movers, speeds = mover_arrays(self._movers, origin)
+        movers[:, :2] += late * speeds
         if self._paused:
             wanted = np.zeros_like(local)
         else:
@@ -219,6 +230,18 @@ class FormationPlanner:
         self._tracker.commanded(commands)
         self._status = self._make_status(poses)
         return commands
+
+    def _located(
+        self, poses: Array, time: float, stamps: ArrayLike | None
+    ) -> tuple[Array, Array, float]:
+        """Poses and velocities `(N, 3)` when this cycle's commands arrive, and in how many s."""
+        if isinstance(self._tracker, VelocityTracker):
+            return poses, self._tracker.update(poses, time), 0.0
+        if stamps is not None:
+            stamps = np.array(stamps, dtype=float)
+            if stamps.shape != (len(poses),) or not np.isfinite(stamps).all():
+                raise InputError(f"expected ({len(poses)},) finite times", key="stamps")
+        return *self._tracker.update(poses, time, stamps), self._expected.delay
 
     def _routes(self, local: Array) -> Ground:
         """The ground to find ways on: lost robots are obstacles there."""
@@ -236,7 +259,7 @@ class FormationPlanner:
         self, local: Array, velocities: Array, wanted: Array, movers: Array, speeds: Array
     ) -> Array:
         frozen = ~self._team.present
-        if self.variant.improved:
+        if self.variant.filter:
             commands, _ = self._filter.apply(
                 local, velocities, wanted, self._mode.rank(self._team.size), frozen,
                 self._ground.distance, self._ground.cell, self._mode.radius, movers, speeds,

@@ -8,12 +8,14 @@ clear, so that stopping stays possible in every cycle.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.formation._safety import certify, least_change, to_body
+from cavalcade.formation.estimation import Imperfections
 from cavalcade.formation.goals import BodyCover
 from cavalcade.geometry import Array
 from cavalcade.robots import RobotModel
@@ -34,6 +36,18 @@ class Margins:
     hard_footprint: float = 0.02
     hard_centres: float = 0.605
 
+    def widened(self, error: float) -> Margins:
+        """For robots whose places are known to `error` m each."""
+        pair = math.sqrt(2.0) * error
+        return Margins(
+            self.obstacle + error,
+            self.footprint + pair,
+            self.centres + pair,
+            self.hard_obstacle + error,
+            self.hard_footprint + pair,
+            self.hard_centres + pair,
+        )
+
 
 class SafetyFilter:
     """Filters the commands of one team.
@@ -41,11 +55,16 @@ class SafetyFilter:
     Args:
         model: The robots' size and limits.
         period: Seconds per cycle.
-        margins: Gaps to keep.
+        expected: Of localisation and radio; the less they can be relied on, the wider the gaps.
     """
 
-    def __init__(self, model: RobotModel, period: float, margins: Margins | None = None) -> None:
-        self._margins = margins or Margins()
+    def __init__(
+        self, model: RobotModel, period: float, expected: Imperfections | None = None
+    ) -> None:
+        expected = expected or Imperfections()
+        self._margins = Margins().widened(expected.error(period))
+        # A command stays in effect until the next one arrives.
+        period *= expected.held(period)
         self._period = period
         self._limits = limits_of(model)
         self._half = np.array([model.length, model.width]) / 2.0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from cavalcade.errors import InputError
 from cavalcade.formation.settings import IMPROVED, FormationSettings
@@ -20,7 +20,9 @@ class Variant:
         avoidance: The obstacle avoidance layer acts (eq. 6).
         common_plan: There is a plan for the team; else each robot follows weighted behaviours.
         rigid: The shape is planned through the map as one rigid body.
-        improved: Our additions: pacing, stand-off resolution and the last filter.
+        improved: Our additions: pacing, tighter ways where the usual ones are barred, evasion.
+        standoffs: Stand-offs are found and resolved.
+        filter: The last filter keeps footprints apart.
     """
 
     name: str
@@ -31,12 +33,22 @@ class Variant:
     common_plan: bool = True
     rigid: bool = False
     improved: bool = False
+    standoffs: bool = False
+    filter: bool = False
 
+
+_OURS = Variant("cavalcade", improved=True, standoffs=True, filter=True)
 
 VARIANTS: dict[str, Variant] = {
     variant.name: variant
     for variant in (
-        Variant("cavalcade", improved=True),
+        _OURS,
+        replace(_OURS, name="cavalcade-fixed-roles", adaptive_roles=False),
+        replace(_OURS, name="cavalcade-no-lookahead", lookahead=False),
+        replace(_OURS, name="cavalcade-no-springs", springs=False),
+        replace(_OURS, name="cavalcade-no-avoidance", avoidance=False),
+        replace(_OURS, name="cavalcade-no-standoffs", standoffs=False),
+        replace(_OURS, name="cavalcade-no-filter", filter=False),
         Variant("published"),
         Variant("fixed-roles", adaptive_roles=False),
         Variant("no-lookahead", lookahead=False),

@@ -23,8 +23,8 @@ class Planner(Protocol):
     def status(self) -> PlannerStatus:
         """Of the last cycle."""
 
-    def step(self, poses: Array, time: float) -> Array:
-        """Poses `(N, 3)` in, body-frame velocities `(N, 3)` out."""
+    def step(self, poses: Array, time: float, stamps: Array) -> Array:
+        """Poses `(N, 3)` and their times `(N,)` in, body-frame velocities `(N, 3)` out."""
 
     def set_goals(self, goals: Sequence[Sequence[float]]) -> None:
         """Replace the goals by these poses of the formation's centre."""
@@ -114,7 +114,8 @@ class ControlLoop:
                 self._paused = False
             poses = self._usable(observation.poses)
             start = time.perf_counter()
-            commands = np.array(self.planner.step(poses, observation.time), dtype=float)
+            wanted = self.planner.step(poses, observation.time, observation.stamps)
+            commands = np.array(wanted, dtype=float)
             planning = time.perf_counter() - start
             commands[self._lost] = 0.0
         elif not self._paused:

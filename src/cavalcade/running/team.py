@@ -13,6 +13,7 @@ from cavalcade.formation import (
     Formation,
     FormationPlanner,
     FormationSettings,
+    Imperfections,
     MovingObstacle,
 )
 from cavalcade.formation.settings import PRESETS, SIMULATION_SPRINGS, SpringLaw, Springs
@@ -54,6 +55,7 @@ def make_planner(scenario: Scenario, world: World) -> FormationPlanner:
             rate=scenario.execution.rate,
             seed=scenario.seed,
             lookahead=section.lookahead,
+            expected=expected_of(scenario),
         )
         planner.set_goals(scenario.task.goals)
     except ScenarioError:
@@ -91,6 +93,14 @@ def settings_of(section: PlannerSection) -> FormationSettings:
         default_settings(section.variant) if section.preset is None else PRESETS[section.preset][0]
     )
     return base.with_values(**{key: getattr(section, key) for key in _SETTINGS})
+
+
+def expected_of(scenario: Scenario) -> Imperfections:
+    """What the planner expects of its robots: what it is told, else what is the case."""
+    said, execution = scenario.planner.expect, scenario.execution
+    noise = execution.noise if said.noise is None else said.noise
+    delay = execution.delay if said.delay is None else said.delay
+    return Imperfections(noise.position, noise.heading, delay.mean, delay.jitter, delay.drop)
 
 
 def formation_of(section: FormationSection, robots: int, planner: PlannerSection) -> Formation:

@@ -22,6 +22,12 @@ from cavalcade.scenario.fields import (
 
 Variant = Literal[
     "cavalcade",
+    "cavalcade-fixed-roles",
+    "cavalcade-no-lookahead",
+    "cavalcade-no-springs",
+    "cavalcade-no-avoidance",
+    "cavalcade-no-standoffs",
+    "cavalcade-no-filter",
     "published",
     "fixed-roles",
     "no-lookahead",
@@ -38,6 +44,28 @@ class Budget(Section):
 
     iterations: Annotated[int, Strict(), Field(gt=0)] | None = None
     seconds: Positive | None = None
+
+
+class Noise(Section):
+    """Standard deviations of the localisation: m and rad."""
+
+    position: Annotated[Number, Field(ge=0, le=100)] = 0.0
+    heading: Annotated[Number, Field(ge=0, le=100)] = 0.0
+
+
+class Delay(Section):
+    """Of each command: mean delay and its standard deviation in s, fraction that is lost."""
+
+    mean: Annotated[Number, Field(ge=0, le=60)] = 0.0
+    jitter: Annotated[Number, Field(ge=0, le=60)] = 0.0
+    drop: Fraction = 0.0
+
+
+class Expectations(Section):
+    """What the planner is told of localisation and radio; null is what `execution` says."""
+
+    noise: Noise | None = None
+    delay: Delay | None = None
 
 
 class PlannerSection(Section):
@@ -62,6 +90,7 @@ class PlannerSection(Section):
     v_max_y: Speed | None = None
     v_min: NotNegative | None = None
     d_slowdown: Length | None = None
+    expect: Expectations = Expectations()
 
     @field_validator("method", mode="before")
     @classmethod
@@ -69,21 +98,6 @@ class PlannerSection(Section):
         if value in _BODY_METHODS:
             raise expected(f"method {value} arrives with body planning; expected formation")
         return value
-
-
-class Noise(Section):
-    """Standard deviations of the localisation: m and rad."""
-
-    position: Annotated[Number, Field(ge=0, le=100)] = 0.0
-    heading: Annotated[Number, Field(ge=0, le=100)] = 0.0
-
-
-class Delay(Section):
-    """Of each command: mean delay and its standard deviation in s, fraction that is lost."""
-
-    mean: Annotated[Number, Field(ge=0, le=60)] = 0.0
-    jitter: Annotated[Number, Field(ge=0, le=60)] = 0.0
-    drop: Fraction = 0.0
 
 
 class ExecutionSection(Section):

@@ -1,0 +1,186 @@
+"""The team's state at the moment when the next command takes effect.
+
+Poses arrive noisy, and now and then not at all; commands take effect late, and now and then not
+at all. The motion model, driven by the commands that are in effect by then, bridges both: it
+carries the estimate from report to report, and on from now to the moment that a command sent now
+reaches the robot (a Smith predictor). Reports correct it with the gain of a steady Kalman filter
+whose state drifts at random.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cavalcade.errors import InputError
+from cavalcade.geometry import Array, wrap_angle
+from cavalcade.robots import RobotModel
+from cavalcade.robots.motion import limits_of, predict_team
+
+_DRIFT = 0.08  # m/s and rad/s that a robot departs from the model at random
+_STEADY = 0.2  # largest share of a cycle's surprise that is put down to the velocity
+_STEP = 0.0125  # s: step of the prediction
+_LONGEST = 0.5  # s without a cycle after which the team counts as standing
+_ELSEWHERE = 0.5  # m or rad from the prediction where the robot must have been moved
+_SIGMAS = 3.0  # standard deviations of the estimate that count as its error
+
+
+@dataclass(frozen=True)
+class Imperfections:
+    """What a planner expects of the localisation and of the radio.
+
+    Attributes:
+        position, heading: Standard deviations of the reported poses, m and rad.
+        delay, jitter: Mean and standard deviation of the time from a command's being sent to its
+            taking effect, s.
+        drop: Fraction of the messages that are lost.
+    """
+
+    position: float = 0.0
+    heading: float = 0.0
+    delay: float = 0.0
+    jitter: float = 0.0
+    drop: float = 0.0
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if not (math.isfinite(value) and value >= 0.0):
+                raise InputError(f"expected a number of at least 0, got {value!r}", key=field.name)
+        if self.drop > 1.0:
+            raise InputError(f"expected at most 1, got {self.drop!r}", key="drop")
+
+    @property
+    def none(self) -> bool:
+        """Everything is perfect."""
+        return not any(getattr(self, field.name) for field in fields(self))
+
+    def error(self, period: float) -> float:
+        """How far a robot may be from its estimate, m."""
+        return _SIGMAS * self.position * math.sqrt(_gain(self.position, period))
+
+    def held(self, period: float) -> int:
+        """Cycles that a command may stay in effect before the next one arrives, at least 1.
+
+        As many messages in a row as are lost once in a thousand times, and two standard
+        deviations of the jitter.
+        """
+        lost = 0 if self.drop == 0.0 else math.ceil(math.log(1e-3) / math.log(min(self.drop, 0.5)))
+        # The last of them costs at most the difference of two successive commands.
+        return max(1, lost) + math.ceil(2.0 * self.jitter / period)
+
+
+class StateEstimator:
+    """Estimates a team's poses and velocities at the time that a command sent now arrives.
+
+    Args:
+        model: The robots'.
+        period: Seconds between updates.
+        expected: Of localisation and radio.
+    """
+
+    def __init__(self, model: RobotModel, period: float, expected: Imperfections) -> None:
+        self._limits = limits_of(model)
+        self._longest = max(_LONGEST, 2.5 * period)
+        self._delay = expected.delay
+        place, turn = _gain(expected.position, period), _gain(expected.heading, period)
+        self._gain = np.array([place, place, turn])
+        self._swift = np.minimum(self._gain**2 / (2.0 - self._gain), _STEADY)
+        self._states: Array | None = None
+        self._time = 0.0
+        self._reported: Array = np.empty((0, 3))
+        self._stamps: Array = np.empty(0)
+        # When each command takes effect, in order, and the one in effect now.
+        self._coming: deque[tuple[float, Array]] = deque()
+        self._current: Array = np.empty((0, 3))
+
+    def update(self, poses: Array, time: float, stamps: Array | None = None) -> tuple[Array, Array]:
+        """Poses and velocities `(N, 3)` at `time` and the delay: m and rad, m/s and rad/s.
+
+        Args:
+            poses: `(N, 3)` as reported last.
+            time: Now, s.
+            stamps: `(N,)` when they were measured, s; None where nobody says. Then a pose that
+                has not changed at all since the last call counts as not reported anew.
+        """
+        elapsed = time - self._time
+        if (
+            self._states is None
+            or len(self._states) != len(poses)
+            or not 0.0 < elapsed < self._longest
+        ):
+            self._restart(poses)
+        else:
+            self._states = self._carried(self._states, self._time, time, use_up=True)
+            self._correct(poses, time, elapsed, stamps)
+        self._time = time
+        self._reported = poses.copy()
+        self._stamps = np.full(len(poses), time) if stamps is None else np.array(stamps, float)
+        assert self._states is not None
+        ahead = self._carried(self._states, time, time + self._delay, use_up=False)
+        return ahead[:, :3], ahead[:, 3:]
+
+    def commanded(self, commands: Array) -> None:
+        """Body-frame commands `(N, 3)` that are sent now."""
+        self._coming.append((self._time + self._delay, commands.copy()))
+
+    def _restart(self, poses: Array) -> None:
+        self._states = np.column_stack([poses, np.zeros_like(poses)])
+        self._coming.clear()
+        self._current = np.zeros_like(poses)
+
+    def _carried(self, states: Array, start: float, end: float, use_up: bool) -> Array:
+        """The states after the commands that take effect from `start` to `end`.
+
+        Args:
+            states: `(N, 6)` poses and velocities at `start`.
+            start, end: s.
+            use_up: Forget the commands that are in the past then.
+        """
+        current = self._current
+        for due, commands in self._coming:
+            if due > end - 1e-9:
+                break
+            states = self._moved(states, current, due - start)
+            start, current = max(start, due), commands
+        states = self._moved(states, current, end - start)
+        if use_up:
+            while self._coming and self._coming[0][0] <= end - 1e-9:
+                self._current = self._coming.popleft()[1]
+        return states
+
+    def _moved(self, states: Array, commands: Array, elapsed: float) -> Array:
+        if elapsed <= 1e-9:
+            return states
+        steps = max(1, int(np.ceil(elapsed / _STEP - 1e-9)))
+        poses, velocities = np.ascontiguousarray(states[:, :3]), np.ascontiguousarray(states[:, 3:])
+        return predict_team(poses, velocities, commands, elapsed / steps, steps, self._limits)
+
+    def _correct(self, poses: Array, time: float, elapsed: float, stamps: Array | None) -> None:
+        states = self._states
+        assert states is not None
+        if stamps is None:
+            fresh: NDArray[np.bool_] = (poses != self._reported).any(axis=1)
+            age = np.zeros(len(poses))
+        else:
+            fresh = stamps > self._stamps
+            age = np.clip(time - stamps, 0.0, self._longest)
+        surprise = poses + states[:, 3:] * age[:, None] - states[:, :3]
+        surprise[:, 2] = wrap_angle(surprise[:, 2])
+        moved = fresh & (np.abs(surprise) > _ELSEWHERE).any(axis=1)
+        states[moved, :3], states[moved, 3:] = poses[moved], 0.0
+        surprise[moved | ~fresh] = 0.0
+        states[:, :3] += self._gain * surprise
+        states[:, 3:] += self._swift * surprise / elapsed
+
+
+def _gain(deviation: float, period: float) -> float:
+    """Share of a report's surprise that a steady filter of a random walk believes."""
+    if deviation == 0.0:
+        return 1.0
+    ratio = _DRIFT * period / deviation
+    return 0.5 * ratio * (math.sqrt(ratio * ratio + 4.0) - ratio)
