@@ -226,12 +226,13 @@ class TestDescent:
 
 class TestCover:
     @pytest.mark.parametrize("size", [(0.65, 0.28), (0.70, 0.35), (1.0, 0.2), (0.4, 0.4)])
-    @pytest.mark.parametrize("discs", [1, 2, 4, 7])
+    @pytest.mark.parametrize("discs", [(1, 1), (2, 1), (4, 1), (7, 1), (5, 2), (2, 3)])
     def test_the_discs_cover_the_rectangle_and_no_smaller_ones_would(self, tools, size, discs):
-        cover = BodyCover.of(*size, discs)
+        cover = BodyCover.of(*size, *discs)
         points = tools.rectangle_points(np.zeros(3), *size, 0.01)
-        away = np.hypot(points[:, :1] - cover.offsets[None], points[:, 1:]).min(axis=1)
-        assert len(cover.offsets) == discs
+        offset = points[:, None] - cover.offsets[None]
+        away = np.hypot(offset[..., 0], offset[..., 1]).min(axis=1)
+        assert len(cover.offsets) == discs[0] * discs[1]
         assert away.max() == pytest.approx(cover.radius)
         np.testing.assert_allclose(cover.offsets, -cover.offsets[::-1], atol=1e-12)
 

@@ -229,7 +229,7 @@ def nearest_reached(u, v, values, rows, cols, stride, reach):
 @njit(cache=True)
 def local_path(start, goal, guess, delay, rows, cols, stride, times, visited, work, width, least,
                step, points, stamps):  # fmt: skip
-    """March from the goal until the start is settled, then walk back. Leaves `times` at inf.
+    """March from the goal until the start is settled and walk back; leaves `times` at inf.
 
     The march leaves out cells that cannot lie on a way as good as the straight one, if the
     straight one is free, or as `guess`. If the way turns out longer than guessed, it is marched

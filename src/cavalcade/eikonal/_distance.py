@@ -73,3 +73,21 @@ def square_distance(occupied, cell):
             across = (place - k) ** 2 + height[k]
             out[r, c] = cell * math.sqrt(min(across, out[r, c] ** 2))
     return out
+
+
+@njit(cache=True, error_model="numpy")
+def saturated(distance, radius, safe, least):
+    """Speeds `(rows, cols)` that rise from 0 at `radius` to 1 over the next `safe` metres.
+
+    Args:
+        distance: `(rows, cols)` m.
+        radius, safe: m.
+        least: Beyond the radius, below which the speed is 0, m.
+    """
+    rows, cols = distance.shape
+    speed = np.empty((rows, cols))
+    for r in range(rows):
+        for c in range(cols):
+            room = distance[r, c] - radius
+            speed[r, c] = min(room / safe, 1.0) if room >= least else 0.0
+    return speed

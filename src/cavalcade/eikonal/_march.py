@@ -68,12 +68,16 @@ def pad_delays(speed, cell, delay):
     return negative == 0
 
 
-@njit(cache=True)
-def remaining(n, stride, focus):
-    """Lower bound in s of the way from cell `n` to the place `focus` (row, col, least delay)."""
-    row = n // stride
-    away = math.hypot(float(row) - focus[0], float(n - row * stride) - focus[1])
-    return max(away - 1.5, 0.0) * focus[2]
+@njit(cache=True, fastmath={"nnan", "nsz", "contract"}, error_model="numpy")
+def least_rest(cells, count, row_length, focus, rest):
+    """Lower bounds `rest` in s of the ways from cells to the place `focus` (row, col, delay)."""
+    per_row = 1.0 / row_length
+    for k in range(count):
+        n = float(cells[k])
+        row = math.floor((n + 0.5) * per_row)
+        down, across = row - focus[0], n - row * row_length - focus[1]
+        away = math.sqrt(down * down + across * across)
+        rest[k] = max(away - 1.5, 0.0) * focus[2]
 
 
 @njit(cache=True, fastmath={"nnan", "nsz", "contract"})
@@ -111,6 +115,7 @@ def march(delay, row_length, times, visited, seeds, work, width, targets, bound,
     ahead = np.empty(4 * BATCH, np.uint32)  # where the front goes from there
     queued = np.empty(4 * BATCH, np.uint32)  # cells to queue, and the buckets they go to
     into = np.empty(4 * BATCH, np.uint32)
+    rest = np.zeros(4 * BATCH)  # s from there to the focus, at least
     per_second = 1.0 / width
     guided = bound < np.inf
     base = -np.inf
@@ -190,6 +195,8 @@ def march(delay, row_length, times, visited, seeds, work, width, targets, bound,
                     spares[spare] = made
                     made += uint32(1)
                     spare += one
+                if guided:
+                    least_rest(changed, todo, row_length, focus, rest)
                 fresh = none
                 for k in range(todo):
                     n = uintp(changed[uintp(k)])
@@ -206,9 +213,7 @@ def march(delay, row_length, times, visited, seeds, work, width, targets, bound,
                     # No rounding error may put it into a bucket that has been served.
                     new = max(new, min(high, low + q))
                     # The tolerance ends the exchange of rounding errors between neighbours.
-                    lower = new * (1.0 + 1e-12) < old
-                    if guided and new + remaining(n, stride, focus) > bound:
-                        continue
+                    lower = (new * (1.0 + 1e-12) < old) & (new + rest[uintp(k)] <= bound)
                     times[n] = new if lower else old
                     first = lower & (old == np.inf)
                     visited[count] = n

@@ -43,13 +43,15 @@ class TravelGrid:
     Args:
         speed: `(rows, cols)` m/s; cells with a speed of 0 are blocked.
         cell: Cell size, m.
+        beside: Another grid, whose work space is used if it has the same size: large arrays
+            that are new cost more than a short march. The two cannot march at the same time then.
 
     Raises:
         InputError: The speeds are not a finite, non-negative `(rows, cols)` array, or `cell` is
             not positive.
     """
 
-    def __init__(self, speed: ArrayLike, cell: float) -> None:
+    def __init__(self, speed: ArrayLike, cell: float, beside: TravelGrid | None = None) -> None:
         try:
             speed = np.asarray(speed, dtype=float)
         except (TypeError, ValueError):
@@ -71,8 +73,13 @@ class TravelGrid:
         if not (np.isfinite(top) and positive):
             raise InputError("expected finite speeds of at least 0", key="speed")
         self._least = self.cell / top if top > 0.0 else np.inf
-        self._visited = np.empty(size, np.uint32)
-        self._work = _march.work_space(size)
+        self._visited: NDArray[np.uint32]
+        self._work: tuple[NDArray[np.uint32], ...]
+        if beside is not None and beside._delay.size == size:
+            self._visited, self._work = beside._visited, beside._work
+        else:
+            self._visited = np.empty(size, np.uint32)
+            self._work = _march.work_space(size)
         self._scratch: Array | None = None  # kept at inf between local paths
         self._points: Array = np.empty((0, 2))
         self._stamps: Array = np.empty(0)
@@ -88,10 +95,7 @@ class TravelGrid:
 
     def is_free(self, point: ArrayLike) -> bool:
         """Whether the point lies in a cell that can be driven through."""
-        row, col = self.cell_of(point)
-        if not (0 <= row < self.rows and 0 <= col < self.cols):
-            return False
-        return bool(self._delay[(row + 1) * self._stride + col + 1] < np.inf)
+        return bool(self._delay[self._index(*self._place(point))] < np.inf)
 
     def nearest_free(self, point: ArrayLike, reach: float = np.inf) -> Array | None:
         """The centre of the nearest free cell `(2,)`, or None if there is none within `reach` m."""
@@ -195,7 +199,8 @@ class TravelGrid:
             The path `(K, 2)` from start to goal, empty where there is none, and its time in s
             (inf where there is none).
         """
-        if not (self.is_free(start) and self.is_free(goal)):
+        begin, end = self._place(start), self._place(goal)
+        if np.inf in (self._delay[self._index(*begin)], self._delay[self._index(*end)]):
             return np.empty((0, 2)), np.inf
         self._buffers(8 * (self.rows + self.cols))
         while True:
@@ -203,9 +208,9 @@ class TravelGrid:
                 self._scratch = np.full(self._delay.size, np.inf)
             try:
                 count, reached, eta = _descent.local_path(
-                    self._place(start), self._place(goal), float(guess), self._delay, self.rows,
-                    self.cols, self._stride, self._scratch, self._visited, self._work, self._width,
-                    self._least, _STEP, self._points, self._stamps,
+                    begin, end, float(guess), self._delay, self.rows, self.cols, self._stride,
+                    self._scratch, self._visited, self._work, self._width, self._least, _STEP,
+                    self._points, self._stamps,
                 )  # fmt: skip
             except MemoryError:
                 self._grow()
@@ -219,15 +224,26 @@ class TravelGrid:
 
     def _place(self, point: ArrayLike) -> tuple[float, float]:
         """A point `(2,)` in cell units: [row, col] = [v, u] is a cell's centre."""
-        pair: Any = point
+        # Asked for many times in every cycle: Python's own numbers are the fastest here.
+        pair: Any = point.tolist() if isinstance(point, np.ndarray) else point
         try:
             x, y = pair
             x, y = float(x), float(y)
         except (TypeError, ValueError):
             raise InputError("expected a point (x, y) in m", key="point") from None
+        u, v = x / self.cell, y / self.cell
+        if -_FARTHEST < u < _FARTHEST and -_FARTHEST < v < _FARTHEST:
+            return u - 0.5, v - 0.5
         if not (math.isfinite(x) and math.isfinite(y)):
             raise InputError(f"expected a finite point in m, got ({x}, {y})", key="point")
-        return _within(x / self.cell) - 0.5, _within(y / self.cell) - 0.5
+        return _within(u) - 0.5, _within(v) - 0.5
+
+    def _index(self, u: float, v: float) -> int:
+        """Padded index of the cell around a place in cell units; outside, of a blocked one."""
+        row, col = math.floor(v + 0.5), math.floor(u + 0.5)
+        if 0 <= row < self.rows and 0 <= col < self.cols:
+            return (row + 1) * self._stride + col + 1
+        return 0
 
     def _buffers(self, size: int) -> None:
         if len(self._points) < size:
@@ -278,13 +294,15 @@ class ArrivalField:
 
     def eta(self, point: ArrayLike) -> float:
         """Interpolated arrival time at a point `(2,)`, s; inf in a cell that was not reached."""
-        row, col = self.grid.cell_of(point)
-        if not (0 <= row < self.grid.rows and 0 <= col < self.grid.cols):
-            return np.inf
-        if self._times[(row + 1) * (self.grid.cols + 2) + col + 1] == np.inf:
-            return np.inf
         u, v = self.grid._place(point)
-        return float(_descent.time_at(u, v, self._times, self.grid.cols + 2))
+        if self._times[self.grid._index(u, v)] == np.inf:
+            return np.inf
+        return float(_descent.time_at(u, v, self._times, self.grid._stride))
+
+    def reaches(self, cells: Sequence[tuple[int, int]]) -> bool:
+        """Whether the march came to all of these [row, col] cells of the grid."""
+        stride = self.grid._stride
+        return all(self._times[(r + 1) * stride + c + 1] < np.inf for r, c in cells)
 
     def nearest_reached(self, point: ArrayLike, reach: float = np.inf) -> Array | None:
         """The centre of the nearest reached cell `(2,)`, or None if none lies within `reach` m."""
@@ -301,10 +319,10 @@ class ArrivalField:
             if the start's cell was not reached.
         """
         grid = self.grid
-        if self.eta(start) == np.inf:
+        u, v = grid._place(start)
+        if self._times[grid._index(u, v)] == np.inf:
             return np.empty((0, 2)), np.empty(0)
         grid._buffers(16 * (grid.rows + grid.cols))
-        u, v = grid._place(start)
         while True:
             count, reached = _descent.descend(
                 u, v, self._goals, self._times, grid._delay, grid._stride, _STEP, grid._points,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.eikonal._distance import square_distance
+from cavalcade.eikonal._distance import saturated, square_distance
 from cavalcade.geometry import Array
 
 _LEAST_ROOM = 1e-3  # m; the same for every safe distance, so that all maps block the same cells
@@ -43,7 +43,4 @@ def velocity_map(distance: Array, radius: float, safe_distance: float) -> Array:
         `(rows, cols)`; 0 in the inflated obstacles and less than a millimetre beside them, where
         a cell would take longer than any way around it.
     """
-    room = distance - radius
-    speed = np.clip(room / safe_distance, 0.0, 1.0)
-    speed[room < _LEAST_ROOM] = 0.0
-    return speed
+    return saturated(np.ascontiguousarray(distance), radius, safe_distance, _LEAST_ROOM)

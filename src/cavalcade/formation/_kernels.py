@@ -81,6 +81,40 @@ def values_at(grid, points, cell):
 
 
 @njit(cache=True)
+def fitting_shift(shifts, places, bodies, region, needed, labels, distance, cell):
+    """Index of the first shift with which all places lie in a region, with room; -1 if none does.
+
+    Args:
+        shifts: `(K, 2)` m, in the order in which they are tried.
+        places: `(S, 2)` m, to lie in cells of the region.
+        bodies: `(S, B, 2)` m, to lie in cells with room.
+        region: Number of the region; -1 for any.
+        needed: Least distance to obstacles, m.
+        labels, distance: `(rows, cols)` regions, 0 for none, and distances to obstacles, m.
+        cell: Cell size, m.
+    """
+    rows, cols = labels.shape
+    for k in range(shifts.shape[0]):
+        fits = True
+        for i in range(places.shape[0]):
+            row = int(math.floor((places[i, 1] + shifts[k, 1]) / cell))
+            col = int(math.floor((places[i, 0] + shifts[k, 0]) / cell))
+            fits = 0 <= row < rows and 0 <= col < cols
+            fits = fits and labels[row, col] > 0 and (region < 0 or labels[row, col] == region)
+            for j in range(bodies.shape[1]):
+                if not fits:
+                    break
+                row = int(math.floor((bodies[i, j, 1] + shifts[k, 1]) / cell))
+                col = int(math.floor((bodies[i, j, 0] + shifts[k, 0]) / cell))
+                fits = 0 <= row < rows and 0 <= col < cols and distance[row, col] >= needed
+            if not fits:
+                break
+        if fits:
+            return k
+    return -1
+
+
+@njit(cache=True)
 def avoid_obstacles(velocity, points, speed, cell, safe, w_min):
     """Remove motion towards near obstacles (Norén et al., Algorithm 1).
 

@@ -16,7 +16,7 @@ NEAR_GAP = 0.3
 """m: nearer than this, the lever arms of a pair are taken at the centre of its contact."""
 SLOP = 0.03
 """m of distance that still counts as part of that contact."""
-SWEEPS = 40
+SWEEPS = 100
 LEVELS = 5
 """Candidates per robot: filtered command, half of it, without its turn, its turn alone, stop."""
 
@@ -37,11 +37,12 @@ def obstacle_rows(k, pose, discs, disc_radius, keep, margin, braking, period, di
     c, s = math.cos(pose[2]), math.sin(pose[2])
     for i in range(discs.shape[0] + 1):
         centre = i == discs.shape[0]
-        along = 0.0 if centre else discs[i]
         needed = keep if centre else disc_radius + margin
         if needed <= 0.0:
             continue
-        rx, ry = c * along, s * along
+        rx, ry = 0.0, 0.0
+        if not centre:
+            rx, ry = c * discs[i, 0] - s * discs[i, 1], s * discs[i, 0] + c * discs[i, 1]
         d, gx, gy = distance_at(distance, cell, pose[0] + rx, pose[1] + ry)
         if d - needed > 0.5:
             continue
@@ -62,6 +63,8 @@ def obstacle_rows(k, pose, discs, disc_radius, keep, margin, braking, period, di
 def project(wanted, weights, rows, bounds, owners, count):
     """Hildreth's method: the nearest `u` (weighted) with `rows u >= bounds`.
 
+    Constraints are served the tightest first: an order that a mirrored problem shares.
+
     Args:
         wanted: `(N, 3)` wanted u.
         weights: `(N,)` how dear a change of each robot's u is.
@@ -72,9 +75,17 @@ def project(wanted, weights, rows, bounds, owners, count):
     """
     u = wanted.copy()
     dual = np.zeros(count)
+    order = np.empty(count, np.int64)
+    for r in range(count):
+        k = r
+        while k > 0 and bounds[order[k - 1]] < bounds[r]:
+            order[k] = order[k - 1]
+            k -= 1
+        order[k] = r
     for _ in range(SWEEPS):
         change = 0.0
-        for r in range(count):
+        for k in range(count):
+            r = order[k]
             i, j = owners[r, 0], owners[r, 1]
             value = -bounds[r]
             square = 1e-9
@@ -110,7 +121,7 @@ def least_change(poses, wanted, weights, sizes, movers, mover_speeds, discs, dis
         sizes: `(N, 2)` half lengths and half widths, m.
         movers: `(M, 5)` moving obstacles: pose, half length, half width.
         mover_speeds: `(M, 2)` m/s.
-        discs: `(D,)` offsets along the body of the discs that cover a robot's footprint, m.
+        discs: `(D, 2)` centres of the discs that cover a robot's footprint, body frame, m.
         disc_radius: Their radius, m.
         keep: `(N,)` clearance of the robot's centre, m; 0 for none.
         margins: To obstacles, between footprints, between centres (m).
@@ -199,17 +210,31 @@ def roll_out(pose, velocity, command, limits, period, substeps, out):
 
 @njit(cache=True)
 def map_slack(path, discs, disc_radius, keep, hard, distance, cell):
-    """Least slack over poses `(T, 3)`: clearance of discs and centre beyond what is needed; m."""
+    """Least slack over poses `(T, 3)`: clearance of discs and centre beyond what is needed; m.
+
+    Where the centre alone shows that the whole body is clear, its discs are not looked at: such
+    a pose counts with the clearance of the circle around them.
+    """
+    around = 0.0
+    for i in range(discs.shape[0]):
+        around = max(around, math.hypot(discs[i, 0], discs[i, 1]))
+    around += disc_radius + hard
     least = np.inf
     body = np.inf
     for t in range(path.shape[0]):
         x, y, yaw = path[t, 0], path[t, 1], path[t, 2]
+        middle, _, _ = distance_at(distance, cell, x, y)
         if keep > 0.0:
-            d, _, _ = distance_at(distance, cell, x, y)
-            least = min(least, d - keep)
+            least = min(least, middle - keep)
+        if middle >= around:
+            body = min(body, middle - around)
+            continue
         c, s = math.cos(yaw), math.sin(yaw)
         for i in range(discs.shape[0]):
-            d, _, _ = distance_at(distance, cell, x + c * discs[i], y + s * discs[i])
+            d, _, _ = distance_at(
+                distance, cell, x + c * discs[i, 0] - s * discs[i, 1],
+                y + s * discs[i, 0] + c * discs[i, 1],
+            )  # fmt: skip
             body = min(body, d - disc_radius - hard)
     return min(least, body) if body >= 0.0 else body - 1e3
 

@@ -51,6 +51,8 @@ class Cycle:
         away: `(N,)` distances to the final slots, m; inf unless `final`.
         final: Robots drive to their final slots.
         roles, paths, targets: As reported.
+        detours: Places `(2,)` where robots turn before they go to their slots, by robot.
+        docking: `(N,)` robots that keep to the goal's heading.
     """
 
     plan: GoalPlan
@@ -66,9 +68,12 @@ class Cycle:
     roles: NDArray[np.int64] = field(init=False)
     paths: tuple[Array, ...] = ()
     targets: Array | None = None
+    detours: dict[int, Array] = field(default_factory=dict)
+    docking: NDArray[np.bool_] = field(init=False)
 
     def __post_init__(self) -> None:
         count = len(self.poses)
+        self.docking = np.zeros(count, dtype=bool)
         self.eta = np.full(count, np.inf)
         self.away = np.full(count, np.inf)
         self.roles = np.full(count, -1, dtype=np.int64)
@@ -131,10 +136,13 @@ def direction(path: Array, reach: float = _FIRST) -> Array:
     """Unit vector from a path's start to its point `reach` m on; zero without a path."""
     if len(path) < 2:
         return np.zeros(2)
-    spacing = max(float(np.hypot(*(path[1] - path[0]))), 1e-3)
-    step = path[min(max(int(reach / spacing + 0.5), 1), len(path) - 1)] - path[0]
-    length = float(np.hypot(step[0], step[1]))
-    return step / length if length > 1e-9 else np.zeros(2)
+    x, y = path[0].tolist()
+    second = path[1].tolist()
+    spacing = max(float(np.hypot(second[0] - x, second[1] - y)), 1e-3)
+    there = path[min(max(int(reach / spacing + 0.5), 1), len(path) - 1)].tolist()
+    dx, dy = there[0] - x, there[1] - y
+    length = float(np.hypot(dx, dy))
+    return np.array([dx / length, dy / length]) if length > 1e-9 else np.zeros(2)
 
 
 def path_heading(path: Array) -> float | None:

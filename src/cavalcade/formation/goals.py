@@ -23,7 +23,7 @@ class BodyCover:
     """Discs that cover a robot's footprint.
 
     Attributes:
-        offsets: `(K,)` their centres along the body's x axis, m.
+        offsets: `(K, 2)` their centres in the body's frame, m.
         radius: m.
     """
 
@@ -31,11 +31,13 @@ class BodyCover:
     radius: float
 
     @classmethod
-    def of(cls, length: float, width: float, discs: int = 4) -> BodyCover:
-        """The least discs of one size, side by side, that cover a rectangle."""
-        step = length / discs
-        offsets = np.asarray((np.arange(discs) - (discs - 1) / 2.0) * step, dtype=np.float64)
-        return cls(offsets, float(np.hypot(step / 2.0, width / 2.0)))
+    def of(cls, length: float, width: float, columns: int = 4, rows: int = 1) -> BodyCover:
+        """The least discs of one size, in rows along the body, that cover a rectangle."""
+        step, lane = length / columns, width / rows
+        x = (np.arange(columns) - (columns - 1) / 2.0) * step
+        y = (np.arange(rows) - (rows - 1) / 2.0) * lane
+        offsets = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+        return cls(offsets, float(np.hypot(step / 2.0, lane / 2.0)))
 
 
 class GoalPlan:
@@ -62,7 +64,7 @@ class GoalPlan:
         shift = None
         if len(names) > 0:
             common = int(names[np.argmax(counts)])
-            body = np.outer(cover.offsets, [np.cos(goal[2]), np.sin(goal[2])])
+            body = cover.offsets @ rotation(goal[2]).T
             for room in _ROOM:  # with room to turn there if it can be had
                 shift = ground.placement(wanted, common, _SHIFT_REACH, body, cover.radius + room)
                 if shift is not None:
@@ -78,6 +80,8 @@ class GoalPlan:
         self.places = wanted + shift
         self.field = self._centre_field(ground)
         self._slot_fields: dict[int, ArrivalField] = {}
+        self._whole: set[int] = set()  # slots whose fields hold all that can be reached
+        self._entered: tuple[bytes, list[tuple[int, int]]] = (b"", [])
 
     def slot_field(self, slot: int, points: Array) -> ArrivalField:
         """Arrival times on W_B from a slot's final place, at least as far as some points.
@@ -89,18 +93,28 @@ class GoalPlan:
             points: `(K, 2)` robots that need it, m.
         """
         known = self._slot_fields.get(slot)
-        grid = self.ground.follower
-        near = [
-            point if grid.is_free(point) else grid.nearest_free(point, reach=_ESCAPE)
-            for point in points
-        ]
-        entries = [point for point in near if point is not None]
-        if known is not None and all(np.isfinite(known.eta(point)) for point in entries):
+        if known is not None and slot in self._whole:
             return known
-        cells = [grid.cell_of(point) for point in entries]
-        field = grid.field(self.places[slot], targets=cells or None)
+        cells = self._entries(points)
+        if known is not None and known.reaches(cells):
+            return known
+        field = self.ground.follower.field(self.places[slot], targets=cells or None)
         self._slot_fields[slot] = field
+        if not cells or not field.reaches(cells):
+            self._whole.add(slot)  # the march ended because there was nowhere left to go
         return field
+
+    def _entries(self, points: Array) -> list[tuple[int, int]]:
+        """The free [row, col] cells that points stand in or next to, where there are any."""
+        key = points.tobytes()
+        if self._entered[0] != key:  # every robot of a team asks for the same points
+            grid = self.ground.follower
+            near = [
+                point if grid.is_free(point) else grid.nearest_free(point, reach=_ESCAPE)
+                for point in points
+            ]
+            self._entered = (key, [grid.cell_of(point) for point in near if point is not None])
+        return self._entered[1]
 
     def _centre_field(self, ground: Ground) -> ArrivalField:
         centre = self.pose[:2]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from cavalcade.eikonal import TravelGrid, surface_distance, velocity_map
-from cavalcade.formation._kernels import values_at
+from cavalcade.formation._kernels import fitting_shift, values_at
 from cavalcade.formation.settings import FormationSettings
 from cavalcade.geometry import Array, transform_points
 
@@ -45,7 +45,7 @@ class Ground:
         self.distance = surface_distance(occupied, cell) if distance is None else distance
         self.speed_b = velocity_map(self.distance, self.radius, settings.d_safe_b)
         self.leader = TravelGrid(velocity_map(self.distance, self.radius, settings.d_safe_a), cell)
-        self.follower = TravelGrid(self.speed_b, cell)
+        self.follower = TravelGrid(self.speed_b, cell, beside=self.leader)
         self._labels: NDArray[np.int32] | None = None
 
     def tightened(self, radius: float) -> Ground:
@@ -144,38 +144,29 @@ class Ground:
             The shift in m, zero if the slots fit as they are, or None if none fits.
         """
         labels = self._regions()
+        bodies = slots[:, None] + body[None]
+        wanted = -1 if region is None else region
+
+        def first_fit(shifts: Array) -> Array | None:
+            found = fitting_shift(
+                shifts, slots, bodies, wanted, needed, labels, self.distance, self.cell
+            )
+            return None if found < 0 else np.asarray(shifts[found])
+
+        unmoved = first_fit(np.zeros((1, 2)))
+        if unmoved is not None or reach < self.cell:
+            return unmoved
         span = int(np.ceil(reach / self.cell))
         steps = np.arange(-span, span + 1) * self.cell
-        shifts = np.stack(np.meshgrid(steps, steps), axis=-1)
-        length = np.hypot(shifts[..., 0], shifts[..., 1])
-        fits = length <= reach
-        for slot in slots:
-            rows, cols, inside = self._lookup(slot + shifts)
-            here = labels[rows, cols]
-            fits &= inside & (here > 0 if region is None else here == region)
-            for offset in body:
-                rows, cols, inside = self._lookup(slot + offset + shifts)
-                fits &= inside & (self.distance[rows, cols] >= needed)
-        if not fits.any():
-            return None
-        best = np.unravel_index(np.argmin(np.where(fits, length, np.inf)), length.shape)
-        shift: Array = shifts[best]
-        return shift
+        shifts = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
+        length = np.hypot(shifts[:, 0], shifts[:, 1])
+        shifts, length = shifts[length <= reach], length[length <= reach]
+        return first_fit(shifts[np.argsort(length, kind="stable")])
 
     def _regions(self) -> NDArray[np.int32]:
         if self._labels is None:
             self._labels = ndimage.label(self.speed_b > 0.0)[0]
         return self._labels
-
-    def _lookup(
-        self, points: Array
-    ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
-        """Cells of points `(..., 2)`, clipped into the map, and which are inside."""
-        index = np.floor(points / self.cell).astype(np.int64)
-        height, width = self.occupied.shape
-        col, row = index[..., 0], index[..., 1]
-        inside = (col >= 0) & (row >= 0) & (col < width) & (row < height)
-        return np.clip(row, 0, height - 1), np.clip(col, 0, width - 1), inside
 
     def _cells(self, points: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         index = np.floor(np.asarray(points) / self.cell).astype(np.int64)

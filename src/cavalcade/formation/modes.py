@@ -18,6 +18,7 @@ from cavalcade.formation.cycle import (
     named,
     order_of,
 )
+from cavalcade.formation.docking import DockingWatch
 from cavalcade.formation.evasion import evade
 from cavalcade.formation.goals import (
     BodyCover,
@@ -58,6 +59,7 @@ class Navigator:
         self._shaper = Shaper(variant, settings, model, period)
         self._cover = BodyCover.of(model.length, model.width)
         self._watch = StandoffWatch(settings.lookahead, rng)
+        self._docking = DockingWatch(model)
         self.goals: Array = np.empty((0, 3))
         self.radius = settings.r_max
         self._waypoint = 0
@@ -80,6 +82,7 @@ class Navigator:
         self._view = View(state=self._state)
         self._shaper.reset()
         self._watch.restart()
+        self._docking.restart()
         self.refresh()
 
     def refresh(self) -> None:
@@ -225,7 +228,14 @@ class Navigator:
         cycle.final = True
         cycle.targets = by_robot(cycle.plan.places, self._roles)
         cycle.away = distances(cycle.points, cycle.targets)
+        cycle.roles = self._roles
+        self._dock(cycle)
         self._drive(cycle, {})
+
+    def _dock(self, cycle: Cycle) -> None:
+        """Let robots that cannot turn in their slots turn beside them."""
+        if self._variant.standoffs and self._docking.update(cycle):
+            self._watch.refresh()
 
     def _resolve(self, cycle: Cycle) -> None:
         """One by one along each robot's own field."""
@@ -235,8 +245,13 @@ class Navigator:
         cycle.roles = self._roles
         cycle.targets = by_robot(cycle.plan.places, self._roles)
         cycle.away = distances(cycle.points, cycle.targets)
-        cycle.paths = single.paths
-        desired = single.courses * self._shaper.top
+        self._dock(cycle)
+        paths, courses = list(single.paths), single.courses
+        for k, place in cycle.detours.items():
+            paths[k], _ = local_way(cycle.plan.ground, cycle.points[k], place)
+            courses[k] = direction(paths[k])
+        cycle.paths = tuple(paths)
+        desired = courses * self._shaper.top
         self._shaper.shape(cycle, desired, springs=False)
 
     def _drive(self, cycle: Cycle, known: dict[int, Array]) -> None:
@@ -249,7 +264,9 @@ class Navigator:
         desired = np.zeros((len(points), 2))
         for k in cycle.active:
             path = known.get(int(k))
-            if path is None and cycle.final:
+            if int(k) in cycle.detours:
+                path, _ = local_way(ground, points[k], cycle.detours[int(k)])
+            elif path is None and cycle.final:
                 field = cycle.plan.slot_field(int(self._roles[k]), points[cycle.active])
                 path = descend_from(field, points[k]).points
             elif path is None:

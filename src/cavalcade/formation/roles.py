@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
@@ -41,9 +44,9 @@ def follower_rings(slots: Array) -> list[NDArray[np.int64]]:
     if len(followers) < 2:
         return [followers] if len(followers) else []
     offset = slots[1:] - slots[0]
-    angle = np.sort(np.arctan2(offset[:, 1], offset[:, 0]))
-    gaps = np.diff(np.append(angle, angle[0] + 2.0 * np.pi))
-    if gaps.min() >= _SAME_ANGLE:
+    angles = sorted(math.atan2(y, x) for x, y in offset.tolist())
+    angles.append(angles[0] + 2.0 * math.pi)
+    if min(after - before for before, after in pairwise(angles)) >= _SAME_ANGLE:
         return [followers]
     distance = np.hypot(offset[:, 0], offset[:, 1])
     spacing = float(

@@ -22,6 +22,7 @@ from cavalcade.robots import RobotModel
 from cavalcade.robots.motion import limits_of
 
 _PRECEDENCE = 4.0  # how much dearer a robot's change is than that of the next in rank
+_DISCS = (5, 2)  # columns and rows of the discs that stand for a body: its corners count
 _WEIGHTS = 1000.0  # largest ratio of such weights in one team
 
 
@@ -68,7 +69,7 @@ class SafetyFilter:
         self._period = period
         self._limits = limits_of(model)
         self._half = np.array([model.length, model.width]) / 2.0
-        cover = BodyCover.of(model.length, model.width)
+        cover = BodyCover.of(model.length, model.width, *_DISCS)
         self._discs, self._disc_radius = cover.offsets, cover.radius
         self._braking = 0.6 * model.max_acceleration
         self._substeps = max(1, int(np.ceil(period / 0.025 - 1e-9)))

@@ -205,10 +205,10 @@ def _cells(area: OccupancyMap) -> tuple[NDArray[np.bool_], Array] | None:
     occupied = area.occupied
     if not occupied.any():
         return None
-    from scipy.ndimage import distance_transform_edt
+    from cavalcade.eikonal import surface_distance
 
-    centres = np.asarray(distance_transform_edt(~occupied)) * area.resolution
-    return occupied, centres - np.sqrt(2.0) * area.resolution
+    from_centres = surface_distance(occupied, area.resolution, border=False)
+    return occupied, from_centres - np.sqrt(0.5) * area.resolution
 
 
 def _judge_cells(

@@ -7,7 +7,6 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cavalcade.geometry import Array
 from cavalcade.running._taut import descend, line_is_free, pull_taut
 from cavalcade.world import OccupancyMap
 
@@ -22,7 +21,7 @@ class ShortestWays:
     """
 
     def __init__(self, area: OccupancyMap, radius: float) -> None:
-        from cavalcade.eikonal import surface_distance
+        from cavalcade.eikonal import TravelGrid, surface_distance
 
         self._area = area
         occupied = np.ascontiguousarray(area.occupied)
@@ -32,7 +31,7 @@ class ShortestWays:
         if needed > 0.0:
             free &= np.asarray(surface_distance(occupied, area.resolution)) >= needed
         self._free: NDArray[np.bool_] = free
-        self._fields: dict[tuple[int, int], Array] = {}
+        self._grid = TravelGrid(free, area.resolution)
 
     def length(self, start: ArrayLike, goal: ArrayLike) -> float | None:
         """Length in m of the shortest way between two points `(2,)` of the map frame.
@@ -48,19 +47,10 @@ class ShortestWays:
                 return None
         if line_is_free(self._free, cell, *ends[0], *ends[1]):
             return float(np.hypot(*(ends[1] - ends[0])))
-        times = self._field(int(r1), int(c1))
+        times = self._grid.from_cells([(r1, c1)], targets=[(r0, c0)])
         if not np.isfinite(times[r0, c0]):
             return None
-        cells = descend(times, int(r0), int(c0))
+        cells = descend(np.ascontiguousarray(times), int(r0), int(c0))
         between = (np.asarray(cells[:, ::-1], dtype=np.float64) + 0.5) * cell
         way = np.concatenate([ends[:1], between, ends[1:]])
         return float(pull_taut(self._free, cell, way))
-
-    def _field(self, row: int, col: int) -> Array:
-        from cavalcade.eikonal import arrival_times
-
-        if (row, col) not in self._fields:
-            speed = self._free.astype(float)
-            times = arrival_times(speed, [(row, col)], self._area.resolution)
-            self._fields[row, col] = np.ascontiguousarray(times, dtype=float)
-        return self._fields[row, col]
