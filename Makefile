@@ -3,7 +3,7 @@
 # make venv   only the environment
 # make lint   ruff, mypy and the layers contract
 # make bench  timing against peers, and the start (scikit-fmm may need a C++ compiler)
-# make evidence  the long suites behind the README's figures
+# make evidence  the paper's scenarios and all campaigns, for hours; the runs so far are kept
 
 PYTHON ?= python3
 VENV := .venv
@@ -12,6 +12,7 @@ RUNS := runs
 WORKERS ?= 2
 PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --constraint constraints.txt
 INPUTS := pyproject.toml constraints.txt
+CAMPAIGNS ?= clutter forest rooms corridors barn real-maps sizes disturbed events ablation
 
 # Nothing is kept outside the checkout: an empty or missing home directory is fine.
 export MPLCONFIGDIR ?= $(abspath $(VENV))/matplotlib
@@ -34,6 +35,12 @@ $(VENV)/.stamp: $(INPUTS)
 $(VENV)/.stamp-%: $(VENV)/.stamp
 	@echo "Adding what 'make $*' needs ..."
 	@$(PIP) --editable '.[$*]'
+	@touch $@
+
+# The tests of campaigns on a cluster skip where Ray has no wheel for the platform.
+$(VENV)/.stamp-test: $(VENV)/.stamp
+	@echo "Adding what 'make test' needs ..."
+	@$(PIP) --editable '.[test,cluster]' || $(PIP) --editable '.[test]'
 	@touch $@
 
 venv: $(VENV)/.stamp
@@ -59,8 +66,22 @@ bench: $(VENV)/.stamp-bench
 	@$(BIN)/python benchmarks/bench_cycle.py
 	@$(BIN)/python benchmarks/bench_startup.py
 
+# A campaign that is there is gone on with; after a change of the code, remove $(RUNS)/evidence first.
+# Exit code 1 of a campaign: its data are not there.
 evidence: $(VENV)/.stamp
-	@$(BIN)/python benchmarks/evidence.py
+	@failed=; absent=; \
+	$(BIN)/python benchmarks/paper_scenarios.py || failed=" paper_scenarios"; \
+	for name in $(CAMPAIGNS); do \
+		$(BIN)/cavalcade campaign $$name --out $(RUNS)/evidence/$$name --workers $(WORKERS) --resume; \
+		case $$? in \
+			0) ;; \
+			1) absent="$$absent $$name" ;; \
+			130) exit 130 ;; \
+			*) failed="$$failed $$name" ;; \
+		esac; \
+	done; \
+	test -z "$$absent" || echo "Left out, their data are not there:$$absent"; \
+	test -z "$$failed" || { echo "Failed:$$failed"; exit 1; }
 
 clean:
 	rm -rf $(VENV) build dist src/*.egg-info

@@ -19,6 +19,7 @@ SAYS = {
     "05_compare_variants": "published",
     "06_arrival_times": "wrote",
     "07_check_a_recording": "clean",
+    "08_run_a_campaign": "feasible worlds solved",
 }
 
 WRITES = {
@@ -27,6 +28,7 @@ WRITES = {
     "04_change_the_world_on_the_way": ["changes/summary.json"],
     "06_arrival_times": ["arrival_times.png"],
     "07_check_a_recording": ["cone/recording.mcap"],
+    "08_run_a_campaign": ["pair/trials.parquet", "pair/report.html"],
 }
 
 

@@ -128,8 +128,6 @@ def test_what_cannot_be_written_is_two(
         (["show", "cone", "--out", "cone.txt"], "expected the name of a picture"),
         (["show", "cone", "--out", "no/such/folder/cone.png"], "no/such/folder: no such folder"),
         (["plan", "hexagon-swap", "--out", "x", "--method", "cbs"], "plan arrives with"),
-        (["campaign", "suite", "--workers", "4"], "campaign arrives with"),
-        (["trial", "x", "3"], "trial arrives with"),
         (["import", "x"], "import arrives with"),
         (["studio"], "studio arrives with"),
     ],

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 from dataclasses import asdict
@@ -11,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cavalcade.cli import options
+from cavalcade.cli import campaigns, options
+from cavalcade.cli.printing import print_json
 
 if TYPE_CHECKING:
     from cavalcade.checking import Report, Violation
@@ -57,7 +57,7 @@ def run(
 
     result = run_scenario(loaded, out, force=force, realtime=realtime, quiet=quiet or as_json)
     if as_json:
-        _print_json(result.summary)
+        print_json(result.summary)
     if not result.success:
         detail = result.summary.get("detail")
         why = f"{result.reason} ({detail})" if detail else result.reason
@@ -76,7 +76,7 @@ def check(
 
     report = check_directory(directory)
     if as_json:
-        _print_json({"ok": report.ok, **_finite(asdict(report))})
+        print_json({"ok": report.ok, **_finite(asdict(report))})
     elif report.violations:
         first, more = report.violations[0], len(report.violations) - 1
         rest = f" (and {more} more)" if more else ""
@@ -94,7 +94,7 @@ def scenarios(as_json: options.Json = False) -> None:
 
     found = scenario_descriptions()
     if as_json:
-        _print_json(found)
+        print_json(found)
         return
     width = max(map(len, found), default=0)
     for name, description in found.items():
@@ -130,7 +130,7 @@ def schema() -> None:
     """Print the JSON Schema of scenario files."""
     from cavalcade.scenario import scenario_schema
 
-    _print_json(scenario_schema())
+    print_json(scenario_schema())
 
 
 def _later(name: str, what: str) -> None:
@@ -145,15 +145,12 @@ def _later(name: str, what: str) -> None:
     app.command(name, context_settings=anything, add_help_option=False)(command)
 
 
+app.command()(campaigns.campaign)
+app.command()(campaigns.trial)
+
 _later("plan", "body planning")
-_later("campaign", "campaigns")
-_later("trial", "campaigns")
-_later("import", "campaigns")
+_later("import", "body planning")
 _later("studio", "the studio")
-
-
-def _print_json(value: Any) -> None:
-    print(json.dumps(value, indent=2, allow_nan=False, ensure_ascii=False))
 
 
 def _told(violation: Violation) -> str:

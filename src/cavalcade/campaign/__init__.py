@@ -1,0 +1,1 @@
+"""Campaigns: many seeded trials, judged, counted and compared."""

@@ -1,0 +1,148 @@
+"""Carrying one trial out, in a worker. Whatever happens, a line comes back.
+
+What a run needs is imported when one begins: the campaign's own process only names these
+functions to its workers.
+"""
+
+from __future__ import annotations
+
+import traceback
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from cavalcade.campaign.lines import CRASHED, REFUSED, Line, failure_line
+from cavalcade.campaign.trial import Trial
+from cavalcade.errors import InputError, OutputError
+
+if TYPE_CHECKING:
+    from cavalcade.running import Recording, RunResult
+    from cavalcade.scenario import Scenario, World
+
+
+@dataclass(frozen=True)
+class Ran:
+    """A trial's run.
+
+    Attributes:
+        scenario: The resolved one.
+        world: As it was at the start.
+        result: Recording, summary and files.
+    """
+
+    scenario: Scenario
+    world: World
+    result: RunResult
+
+
+def carry_out(trial: Trial) -> Line:
+    """Run one trial in memory and judge it."""
+    return carry_out_into(trial, None)[0]
+
+
+def replay(trial: Trial) -> tuple[Scenario, World, Recording, Mapping[str, Any]] | None:
+    """Scenario, world at the start, recording and summary of one trial; None without a run."""
+    _, ran = carry_out_into(trial, None)
+    if ran is None:
+        return None
+    return ran.scenario, ran.world, ran.result.recording, ran.result.summary
+
+
+def lost_line(trial: Trial, outcome: str, detail: str) -> Line:
+    """The line of a trial that never came back; its world is drawn, but not run."""
+    known = _Known(trial)
+    try:
+        known.draw()
+    except Exception as error:
+        detail = f"{detail}; the world cannot be drawn: {_told(error)}"
+    return known.line(outcome, detail)
+
+
+def carry_out_into(
+    trial: Trial, out: Path | None, *, force: bool = False, quiet: bool = True
+) -> tuple[Line, Ran | None]:
+    """Run one trial and judge it.
+
+    Args:
+        trial: Which one.
+        out: A folder for recording, figures and replay; None for none of them.
+        force: Replace what `out` holds.
+        quiet: Print nothing.
+
+    Returns:
+        The trial's line, and the run unless there was none.
+
+    Raises:
+        OutputError, OSError: `out` cannot be written.
+    """
+    from cavalcade.world import MapWarning
+
+    known = _Known(trial)
+    try:
+        with warnings.catch_warnings():
+            # What is said of a map's thresholds has been said to whoever chose the map.
+            warnings.simplefilter("ignore", MapWarning)
+            return _carried_out(known, out, force, quiet)
+    except InputError as error:
+        return known.line(REFUSED, str(error)), None
+    except OutputError:
+        raise
+    except Exception as error:  # a crash is a result of the campaign, not its end
+        if out is not None and isinstance(error, OSError):
+            raise
+        return known.line(CRASHED, _told(error)), None
+
+
+@dataclass
+class _Known:
+    """What is known of a trial so far."""
+
+    trial: Trial
+    feasible: bool = True
+    level: float | None = None
+
+    def draw(self) -> Scenario:
+        drawn = self.trial.drawn()
+        self.feasible = bool(drawn.feasible)
+        self.level = None if drawn.level is None else float(drawn.level)
+        return self.trial.scenario(drawn)
+
+    def line(self, outcome: str, detail: str, **more: Any) -> Line:
+        return failure_line(self.trial, outcome, detail, self.feasible, self.level) | more
+
+
+def _carried_out(known: _Known, out: Path | None, force: bool, quiet: bool) -> tuple[Line, Ran]:
+    from cavalcade.campaign.judging import judged, time_ratio
+    from cavalcade.running import run
+    from cavalcade.running.team import make_planner
+
+    ran: list[tuple[Scenario, World]] = []
+
+    def planner(scenario: Scenario, world: World) -> Any:
+        # The one place where a run shows its resolved scenario and the world that it built.
+        ran.append((scenario, world))
+        return make_planner(scenario, world)
+
+    result = run(known.draw(), out, force=force, quiet=quiet, planner=planner)
+    scenario, world = ran[0]
+    verdict = judged(scenario, world, result.recording, result.summary)
+    line = known.line(
+        verdict.outcome,
+        verdict.detail,
+        success=verdict.success,
+        contacts=verdict.contacts,
+        avoidable=verdict.avoidable,
+        violations=list(verdict.violations),
+        measured={"time_ratio": time_ratio(scenario, result.summary)},
+        summary=result.summary,
+    )
+    return line, Ran(scenario, world, result)
+
+
+def _told(error: BaseException) -> str:
+    """An exception in a few words, without the folders of where it was raised."""
+    where = traceback.extract_tb(error.__traceback__)[-1]
+    said = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+    return f"{said} ({Path(where.filename).name}:{where.lineno})"

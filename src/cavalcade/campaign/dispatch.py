@@ -1,0 +1,101 @@
+"""Hands trials to an engine and their lines back; knows what becomes of lost ones."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+
+from cavalcade.campaign.carrying import carry_out, lost_line
+from cavalcade.campaign.engines.protocol import Ended, Engine, Work
+from cavalcade.campaign.lines import CRASHED, OVERTIME, Line, failure_line
+from cavalcade.campaign.trial import Trial
+
+RETRIES = 1
+"""A trial whose process died is tried again this often."""
+
+DRAWING = 60.0
+"""Time to draw the world of a trial that was lost, s."""
+
+COMPILING = 600.0
+"""Added to the time limit while the numerical kernels are being compiled, s."""
+
+_WAIT = 0.5
+
+
+@dataclass(frozen=True)
+class _Job:
+    """A trial on its way, with what is known of its failure once it has failed for good."""
+
+    trial: Trial
+    lost: int = 0
+    outcome: str | None = None
+    detail: str = ""
+
+
+def dispatch(
+    engine: Engine,
+    trials: Iterable[Trial],
+    limit: float,
+    *,
+    work: Work = carry_out,
+    first_alone: bool = False,
+    tick: Callable[[], None] = lambda: None,
+) -> Iterator[Line]:
+    """The lines of the trials as they are finished, in any order.
+
+    A trial whose process dies is tried once more, then its outcome is `crashed`; one that takes
+    too long is `overtime`. For the line of either the world is drawn, but not run.
+
+    Args:
+        engine: Started.
+        trials: What to carry out, in this order.
+        limit: Of wall clock per trial, s.
+        work: What to do with a trial.
+        first_alone: Let the first trial finish before the others start, with more time: it
+            compiles the numerical kernels for all.
+        tick: Called now and then.
+    """
+    coming = iter(trials)
+    again: deque[_Job] = deque()
+    under_way: dict[str, _Job] = {}
+    alone = first_alone
+    exhausted = False
+    while True:
+        while engine.room > 0 and not (alone and under_way):
+            job = again.popleft() if again else None
+            if job is None:
+                trial = next(coming, None)
+                exhausted = trial is None
+                if trial is None:
+                    break
+                job = _Job(trial)
+            under_way[job.trial.id] = job
+            if job.outcome is None:
+                time = limit + COMPILING if alone else limit
+                engine.submit(job.trial.id, work, (job.trial,), time)
+            else:
+                arguments = (job.trial, job.outcome, job.detail)
+                engine.submit(job.trial.id, lost_line, arguments, DRAWING)
+        if not under_way and not again and exhausted:
+            return
+        for ended in engine.collect(_WAIT):
+            job = under_way.pop(ended.key)
+            if ended.fate == "done":
+                alone = False
+                yield ended.value
+            elif job.outcome is not None:  # not even its world can be drawn
+                yield failure_line(job.trial, job.outcome, job.detail)
+            else:
+                again.append(_after(job, ended, limit))
+        tick()
+
+
+def _after(job: _Job, ended: Ended, limit: float) -> _Job:
+    """What to do with a trial that did not come back."""
+    if ended.fate == "overtime":
+        return replace(job, outcome=OVERTIME, detail=f"not done within {limit:g} s")
+    if job.lost < RETRIES:
+        return replace(job, lost=job.lost + 1)
+    detail = f"{ended.detail}, as at the first try" if ended.detail else "lost twice"
+    return replace(job, outcome=CRASHED, detail=detail)

@@ -1,0 +1,37 @@
+"""Where trials are carried out: on this machine's cores, or on a cluster."""
+
+from __future__ import annotations
+
+import difflib
+
+from cavalcade.campaign.engines.protocol import Ended, Engine
+from cavalcade.errors import InputError
+
+ENGINES = ("local", "ray")
+
+__all__ = ["ENGINES", "Ended", "Engine", "make_engine"]
+
+
+def make_engine(name: str, workers: int | None) -> Engine:
+    """An engine by its name, not started yet.
+
+    Args:
+        name: `local` or `ray`.
+        workers: How many trials at a time; None for as many as there are cores.
+
+    Raises:
+        InputError: There is no such engine, or it is not installed.
+    """
+    if workers is not None and workers < 1:
+        raise InputError(f"expected a whole number from 1 on, got {workers}", key="--workers")
+    if name == "local":
+        from cavalcade.campaign.engines.local import LocalEngine
+
+        return LocalEngine(workers)
+    if name == "ray":
+        from cavalcade.campaign.engines.ray import RayEngine
+
+        return RayEngine(workers)
+    near = difflib.get_close_matches(name[:40], ENGINES, n=1)
+    hint = f"; did you mean {near[0]}?" if near else ""
+    raise InputError(f"unknown engine {ascii(name)[:40]}{hint}", key="--engine", choices=ENGINES)

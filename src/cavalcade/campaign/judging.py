@@ -1,0 +1,151 @@
+"""The verdict on one trial's run, by the independent checker; nothing is written or read back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cavalcade.checking.check import judge
+from cavalcade.checking.report import Report
+from cavalcade.checking.tracks import Track
+from cavalcade.running.frames import Recording
+from cavalcade.scenario import Scenario, World
+
+CONTACT = ("robot-robot", "robot-obstacle", "robot-map")
+"""The checker's kinds of violation that are collisions."""
+
+ARRIVED_WITHIN = 0.10
+"""How far from its slot a robot may end where it arrived, m, as in the contract."""
+
+MOST_VIOLATIONS = 5
+"""So many of the checker's lines are kept."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What the checker and the audit say of a run.
+
+    Attributes:
+        outcome: The run's reason, `collision` or `invalid`.
+        detail: One line.
+        success: Arrived without an avoidable collision or another violation.
+        contacts: How many collisions there were.
+        avoidable: How many of them could have been avoided.
+        violations: The checker's lines, the first few.
+    """
+
+    outcome: str
+    detail: str
+    success: bool
+    contacts: int
+    avoidable: int
+    violations: tuple[str, ...]
+
+
+def tracks_of(recording: Recording) -> tuple[Track, ...]:
+    """Each robot's true motion, to the bit as it would be read from the recording's file.
+
+    There, times are whole nanoseconds and headings quaternions.
+    """
+    from cavalcade.running._cdr import planar_poses, stamps_of
+    from cavalcade.running.recording import nanoseconds
+
+    seconds, rest = stamps_of(nanoseconds(recording.time)).T
+    time = seconds + 1e-9 * rest
+    poses = planar_poses(recording.poses)
+    yaw = np.unwrap(2.0 * np.arctan2(poses[..., 5], poses[..., 6]), axis=0)
+    return tuple(
+        Track(time, np.column_stack((poses[:, robot, :2], yaw[:, robot])))
+        for robot in range(recording.poses.shape[1])
+    )
+
+
+def judged(
+    scenario: Scenario, world: World, recording: Recording, summary: Mapping[str, Any]
+) -> Verdict:
+    """The verdict on a run.
+
+    Args:
+        scenario: The resolved one that was run.
+        world: Its world.
+        recording: What happened.
+        summary: What the run says of itself.
+    """
+    report = judge(scenario, tracks_of(recording), dict(summary))
+    contacts = sum(violation.kind in CONTACT for violation in report.violations)
+    other = len(report.violations) - contacts
+    avoidable, why = _avoidable(scenario, world, recording, report) if contacts else (0, "")
+    outcome = str(summary["reason"])
+    if contacts:
+        outcome = "collision"
+    elif other:
+        outcome = "invalid"
+    arrived = bool(summary["success"]) or (contacts > 0 and _ended_there(scenario, summary))
+    return Verdict(
+        outcome=outcome,
+        detail=str(summary["detail"] or why),
+        success=arrived and not avoidable and not other,
+        contacts=contacts,
+        avoidable=avoidable,
+        violations=_lines(report),
+    )
+
+
+def time_ratio(scenario: Scenario, summary: Mapping[str, Any]) -> float | None:
+    """Makespan over the longest lower bound at top speed; None where there is neither."""
+    models = scenario.models
+    least = [
+        bound / model.max_speed_x
+        for bound, model in zip(summary["lower_bound_m"], models, strict=True)
+        if bound is not None
+    ]
+    makespan = summary["makespan_s"]
+    if makespan is None or not least or max(least) <= 0.0:
+        return None
+    return round(float(makespan) / max(least), 6)
+
+
+def _avoidable(
+    scenario: Scenario, world: World, recording: Recording, report: Report
+) -> tuple[int, str]:
+    """How many collisions could have been avoided; without events all of them could."""
+    contacts = [violation for violation in report.violations if violation.kind in CONTACT]
+    if not scenario.execution.events:
+        return len(contacts), contacts[0].message
+    from cavalcade.campaign.avoidable import audit
+
+    found = audit(scenario, world, recording, report)
+    return sum(one.avoidable for one in found), "; ".join(dict.fromkeys(one.why for one in found))
+
+
+def _ended_there(scenario: Scenario, summary: Mapping[str, Any]) -> bool:
+    """Whether the team was at its goal in the end; with a collision the run does not say so.
+
+    A collision takes the place of `arrived` as the reason, but the team drives on.
+    """
+    if summary["reason"] not in ("collision", "arrived"):
+        return False
+    if summary["sim_time_s"] >= scenario.execution.timeout:
+        return False
+    lost = lost_at_the_end(scenario)
+    errors = [e for k, e in enumerate(summary["goal_error_m"]) if k not in lost]
+    return all(error is not None and error <= ARRIVED_WITHIN for error in errors)
+
+
+def lost_at_the_end(scenario: Scenario) -> frozenset[int]:
+    """The robots that were lost and did not come back."""
+    lost: set[int] = set()
+    for event in scenario.execution.events:
+        if event.lose is not None:
+            lost.add(event.lose)
+        if event.rejoin is not None:
+            lost.discard(event.rejoin)
+    return frozenset(lost)
+
+
+def _lines(report: Report) -> tuple[str, ...]:
+    found: Sequence[Any] = report.violations[:MOST_VIOLATIONS]
+    return tuple(f"{v.time:.2f} s {v.kind}: {v.message}" for v in found)

@@ -1,0 +1,218 @@
+"""What a campaign is: a suite with everything said over it. Kept in `campaign.json`."""
+
+from __future__ import annotations
+
+import difflib
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from cavalcade.campaign.draws import DataFolder
+from cavalcade.campaign.shipped import load_suite
+from cavalcade.campaign.suite import Suite, parse_suite
+from cavalcade.campaign.trial import Trial, check_overrides, trials_of
+from cavalcade.errors import InputError, RecordingError
+
+FILE = "campaign.json"
+_VARIANT = "planner.variant"
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A suite with what the command line says over it.
+
+    Attributes:
+        suite: Its seeds and variants as they will be run.
+        overrides: `KEY=VALUE` texts over every scenario.
+        version: Of the package.
+        data: Where other projects' files are.
+        named_data: That folder as the user named it, None if nobody did.
+    """
+
+    suite: Suite
+    overrides: tuple[str, ...]
+    version: str
+    data: DataFolder
+    named_data: str | None = None
+
+    @cached_property
+    def trials(self) -> tuple[Trial, ...]:
+        """All trials in their order."""
+        return tuple(trials_of(self.suite, self.overrides, self.data))
+
+    def trial(self, trial_id: str) -> Trial:
+        """One of them.
+
+        Raises:
+            InputError: There is none of that ID.
+        """
+        for trial in self.trials:
+            if trial.id == trial_id:
+                return trial
+        near = _nearest(trial_id, [trial.id for trial in self.trials])
+        hint = f"; did you mean {' or '.join(near)}?" if near else ""
+        raise InputError(f"no such trial: {ascii(trial_id)[:80]}{hint}", key="ID")
+
+    def definition(self) -> dict[str, Any]:
+        """What makes two campaigns the same, as plain data."""
+        return {
+            "suite": self.suite.plain(),
+            "overrides": list(self.overrides),
+            "version": self.version,
+        }
+
+    @property
+    def fingerprint(self) -> str:
+        """Of the definition: the same for the same campaign, on every machine."""
+        text = json.dumps(self.definition(), sort_keys=True, ensure_ascii=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+    def plain(self) -> dict[str, Any]:
+        """The content of `campaign.json`."""
+        return {
+            "fingerprint": self.fingerprint,
+            "version": self.version,
+            "overrides": list(self.overrides),
+            "data": self.named_data,
+            "suite": self.suite.plain(),
+        }
+
+
+def make_plan(
+    suite: str | Path,
+    *,
+    overrides: Sequence[str] = (),
+    seed: int | None = None,
+    seeds: int | None = None,
+    data: str | Path | None = None,
+) -> Plan:
+    """The plan of a campaign.
+
+    Args:
+        suite: A shipped suite's name, or a file.
+        overrides: `KEY=VALUE` texts over every scenario; `planner.variant` takes the place of the
+            suite's variants.
+        seed: The first seed of every group, over the suite's.
+        seeds: How many worlds of each group at most, over the suite's.
+        data: The folder with the data of other projects.
+
+    Raises:
+        InputError: Something does not fit.
+    """
+    from cavalcade import __version__
+
+    found = _changed(load_suite(suite), seed, seeds)
+    found, rest = _with_variant(found, overrides)
+    named = None if data is None else str(data)
+    return Plan(found, rest, __version__, DataFolder.find(data), named)
+
+
+def check_plan(plan: Plan) -> None:
+    """See that there is something to run and that the overrides fit, before anything is run.
+
+    The suite's data must be there.
+
+    Raises:
+        InputError: Something does not fit.
+    """
+    if not plan.trials:
+        raise InputError(
+            f"suite {plan.suite.name} has no world from seed {plan.suite.seed} on", key="--seed"
+        )
+    check_overrides(plan.suite, plan.overrides, plan.data)
+
+
+def read_plan(folder: Path, data: str | Path | None = None) -> Plan:
+    """The plan of the campaign in a folder.
+
+    Args:
+        folder: Of the campaign.
+        data: The folder with the data of other projects; None for the one that was used.
+
+    Raises:
+        RecordingError: There is none, or it cannot be read.
+    """
+    said = read_plain(folder)
+    try:
+        suite = parse_suite(said["suite"], None)
+        overrides = tuple(str(text) for text in said["overrides"])
+        version = str(said["version"])
+        named = None if said["data"] is None else str(said["data"])
+    except (KeyError, TypeError, InputError) as error:
+        text = f"not a campaign of this version: {error}"
+        raise RecordingError(text, file=folder / FILE) from None
+    named = str(data) if data is not None else named
+    return Plan(suite, overrides, version, DataFolder.find(named), named)
+
+
+def read_plain(folder: Path) -> dict[str, Any]:
+    """The content of `campaign.json`.
+
+    Raises:
+        RecordingError: There is none, or it cannot be read.
+    """
+    file = folder / FILE
+    if not file.is_file():
+        raise RecordingError(f"expected the folder of a campaign; it has no {FILE}", file=folder)
+    try:
+        said = json.loads(file.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise RecordingError(f"cannot be read: {error.strerror}", file=file) from None
+    except ValueError:
+        raise RecordingError("expected JSON", file=file) from None
+    if not isinstance(said, dict):
+        raise RecordingError("expected a mapping", file=file)
+    return said
+
+
+def difference(plan: Plan, other: Mapping[str, Any]) -> str | None:
+    """How a plan differs from the content of a `campaign.json`; None if it is the same.
+
+    Where the data lie is no difference.
+    """
+    if other.get("fingerprint") == plan.fingerprint:
+        return None
+    mine, theirs = plan.plain(), other
+    suite = theirs.get("suite")
+    name = suite.get("suite") if isinstance(suite, Mapping) else None
+    if name != plan.suite.name:
+        return f"holds a campaign of suite {name}, not {plan.suite.name}"
+    if theirs.get("version") != plan.version:
+        return f"was begun with version {theirs.get('version')}, this is {plan.version}"
+    if theirs.get("overrides") != mine["overrides"]:
+        said = " ".join(map(str, theirs.get("overrides") or ())) or "none"
+        return f"was begun with other overrides (--set): {said}"
+    keys = [key for key in mine["suite"] if mine["suite"][key] != (suite or {}).get(key)]
+    return f"was begun with other values in suite {name}: {', '.join(keys) or 'its definition'}"
+
+
+def _changed(suite: Suite, seed: int | None, seeds: int | None) -> Suite:
+    if seed is not None and seed < 0:
+        raise InputError(f"expected a whole number from 0 on, got {seed}", key="--seed")
+    if seeds is not None and seeds < 1:
+        raise InputError(f"expected a whole number from 1 on, got {seeds}", key="--seeds")
+    if seeds is not None:
+        suite = replace(suite, worlds=tuple(replace(group, seeds=seeds) for group in suite.worlds))
+    return suite if seed is None else replace(suite, seed=seed)
+
+
+def _with_variant(suite: Suite, overrides: Sequence[str]) -> tuple[Suite, tuple[str, ...]]:
+    """The suite with the variant that the overrides name, and the other overrides."""
+    rest = []
+    for text in overrides:
+        key, separator, value = str(text).partition("=")
+        if separator and key.strip() == _VARIANT:
+            suite = parse_suite({**suite.plain(), "variants": [value.strip()]}, "--set")
+        else:
+            rest.append(str(text))
+    return suite, tuple(rest)
+
+
+def _nearest(word: str, ids: Sequence[str]) -> list[str]:
+    # Comparing with tens of thousands would take long; those that begin alike come first.
+    alike = [one for one in ids if one.startswith(word[:4])] or list(ids)
+    return difflib.get_close_matches(word[:120], alike[:5000], n=3)

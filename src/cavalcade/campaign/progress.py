@@ -1,0 +1,150 @@
+"""What a campaign says while it goes on: a bar on a terminal, plain lines elsewhere."""
+
+from __future__ import annotations
+
+import sys
+import time as clock
+from collections.abc import Callable, Mapping
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Self
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.progress import Progress as Bar
+
+PLAIN_PERIOD, PLAIN_SHARE, PLAIN_LEAST = 30.0, 0.05, 5.0
+"""Where there is no terminal, a line is printed every 30 s, or every 5 % but not within 5 s."""
+
+
+class CampaignReporter:
+    """Says on stdout how far a campaign is. Use it as a context; with `quiet` it says nothing.
+
+    Args:
+        name: Of the suite.
+        total: How many trials there are.
+        done: How many were done before.
+        quiet: Say nothing.
+        now: The clock, s.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        total: int,
+        done: int = 0,
+        *,
+        quiet: bool = False,
+        now: Callable[[], float] = clock.monotonic,
+    ) -> None:
+        self._name, self._total, self._before = name, total, done
+        self._quiet, self._now = quiet, now
+        self._finished = 0
+        self._failed = 0
+        self._started = self._said = now()
+        self._said_at = 0
+        self._console: Console | None = None
+        self._bar: Bar | None = None
+        self._task: Any = None
+
+    def __enter__(self) -> Self:
+        """Say what is to come."""
+        if self._quiet:
+            return self
+        from rich.console import Console
+
+        self._console = Console(file=sys.stdout, highlight=False, soft_wrap=True)
+        there = f", {self._before} of them done already" if self._before else ""
+        self.say(f"{self._name}: {self._total} trials{there}")
+        if self._console.is_terminal and self._before < self._total:
+            self._show_bar(self._console)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Take the bar away."""
+        self.close()
+
+    def say(self, text: str) -> None:
+        """One line."""
+        if self._console is not None:
+            self._console.print(text, markup=False)
+
+    def warn(self, text: str) -> None:
+        """One line on stderr, said even if quiet."""
+        print(f"cavalcade: warning: {' '.join(text.split())}", file=sys.stderr, flush=True)
+
+    def finished(self, line: Mapping[str, Any]) -> None:
+        """Take note of a finished trial."""
+        self._finished += 1
+        self._failed += not line["success"]
+        self.tick()
+
+    def tick(self) -> None:
+        """Show where things stand, if it is time to."""
+        if self._console is None:
+            return
+        done = self._before + self._finished
+        if self._bar is not None:
+            self._bar.update(self._task, completed=done, failed=self._failures(), left=self._left())
+            return
+        now = self._now()
+        share = (self._finished - self._said_at) / max(self._total, 1)
+        waited = now - self._said
+        due = waited >= PLAIN_PERIOD or (share >= PLAIN_SHARE and waited >= PLAIN_LEAST)
+        if due and done < self._total and self._finished:
+            self._said, self._said_at = now, self._finished
+            percent = 100.0 * done / self._total
+            text = f"{done} of {self._total} trials ({percent:.0f} %), {self._failures()}"
+            self.say(f"{text}{self._left()}")
+
+    def close(self) -> None:
+        """Take the bar away."""
+        if self._bar is not None:
+            self._bar.stop()
+            self._bar = None
+
+    def seconds_left(self) -> float | None:
+        """How much longer it will take at the pace so far, s; None before the first trial."""
+        if not self._finished:
+            return None
+        pace = (self._now() - self._started) / self._finished
+        return pace * (self._total - self._before - self._finished)
+
+    def _failures(self) -> str:
+        return f"{self._failed} failed" if self._failed else "none failed"
+
+    def _left(self) -> str:
+        seconds = self.seconds_left()
+        return "" if seconds is None else f", {duration(seconds)} left"
+
+    def _show_bar(self, console: Console) -> None:
+        from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
+        from rich.progress import Progress as Bar
+
+        self._bar = Bar(
+            TextColumn("{task.description}", markup=False),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TextColumn("{task.fields[failed]}{task.fields[left]}", markup=False),
+            TimeElapsedColumn(),
+            console=console,
+            transient=True,
+            refresh_per_second=2,
+        )
+        self._task = self._bar.add_task(
+            self._name, total=self._total, completed=self._before, failed="", left=""
+        )
+        self._bar.start()
+
+
+def duration(seconds: float) -> str:
+    """A time in the two largest units that matter: `1 h 05 min`, `3 min 20 s`, `12 s`."""
+    whole = max(0, round(seconds))
+    hours, minutes, rest = whole // 3600, whole // 60 % 60, whole % 60
+    if hours:
+        return f"{hours} h {minutes:02d} min"
+    return f"{minutes} min {rest:02d} s" if minutes else f"{rest} s"

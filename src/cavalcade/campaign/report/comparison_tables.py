@@ -1,0 +1,121 @@
+"""The tables of paired comparisons."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from cavalcade.campaign.report.blocks import Block, Heading, Table, Text, code
+from cavalcade.campaign.report.comparisons import QUANTITIES, Comparison
+from cavalcade.campaign.report.wording import (
+    collision_words,
+    count,
+    difference,
+    p_value,
+    share,
+    success_words,
+    value_words,
+)
+from cavalcade.campaign.statistics import PairedProportions
+
+
+def comparison_tables(comparisons: Sequence[Comparison], kind: str, setting: str) -> list[Block]:
+    """Success, collisions and each quantity.
+
+    Args:
+        comparisons: At least one.
+        kind: What is compared: `variant` or `disturbance`.
+        setting: What the comparisons' setting is called; empty where there is only one.
+    """
+    blocks: list[Block] = [
+        Heading("Success in feasible worlds", 3),
+        _proportions(comparisons, kind, setting, lambda c: c.success, success_words),
+    ]
+    hit = [c.collision is not None and c.collision.neither < c.collision.pairs for c in comparisons]
+    if any(hit):
+        blocks += [
+            Heading("Trials with an avoidable collision", 3),
+            _proportions(comparisons, kind, setting, lambda c: c.collision, collision_words),
+        ]
+    else:
+        blocks.append(Text("No trial of any pair had an avoidable collision."))
+    for k, quantity in enumerate(QUANTITIES):
+        table = _values(comparisons, kind, setting, k)
+        if table.rows:
+            name = quantity.name.capitalize()
+            blocks += [Heading(f"{name}, where both succeeded", 3), table]
+    return blocks
+
+
+def _names(comparison: Comparison, setting: str) -> tuple[str, ...]:
+    scenario = "all scenarios" if comparison.scenario == "all" else code(comparison.scenario)
+    return (scenario, *([code(comparison.setting)] if setting else []), code(comparison.second))
+
+
+def _head(setting: str, kind: str) -> tuple[str, ...]:
+    return ("scenario", *([setting] if setting else []), kind)
+
+
+def _proportions(
+    comparisons: Sequence[Comparison],
+    kind: str,
+    setting: str,
+    take: Callable[[Comparison], PairedProportions | None],
+    words: Callable[[PairedProportions], str],
+) -> Table:
+    head = _head(setting, kind)
+    rows = []
+    for comparison in comparisons:
+        found = take(comparison)
+        if found is None:
+            continue
+        rows.append(
+            (
+                *_names(comparison, setting),
+                count(found.pairs),
+                share(found.both + found.first_only, found.pairs),
+                share(found.both + found.second_only, found.pairs),
+                f"{count(found.first_only)} / {count(found.second_only)}",
+                difference(found.difference.scaled(100.0), 1),
+                p_value(found.p_value),
+                words(found),
+            )
+        )
+    columns = (
+        *head,
+        "pairs",
+        code(comparisons[0].first),
+        f"this {kind}",
+        "one only",
+        "difference (points) [95\N{NO-BREAK SPACE}%]",
+        "p",
+        "in words",
+    )
+    return Table(columns, tuple(rows), len(head), words=(len(columns) - 1,))
+
+
+def _values(comparisons: Sequence[Comparison], kind: str, setting: str, index: int) -> Table:
+    head = _head(setting, kind)
+    quantity = QUANTITIES[index]
+    digits = quantity.digits + 1
+    rows = []
+    for comparison in comparisons:
+        found = comparison.values[index]
+        if found is None:
+            continue
+        rows.append(
+            (
+                *_names(comparison, setting),
+                count(found.pairs),
+                difference(found.mean.scaled(quantity.factor), digits),
+                difference(found.median.scaled(quantity.factor), digits),
+                value_words(found, quantity),
+            )
+        )
+    columns = (
+        *head,
+        "pairs",
+        f"mean difference ({quantity.unit}) [95\N{NO-BREAK SPACE}%]",
+        f"median difference ({quantity.unit}) [95\N{NO-BREAK SPACE}%]",
+        "in words",
+    )
+    return Table(columns, tuple(rows), len(head), words=(len(columns) - 1,))

@@ -1,0 +1,126 @@
+"""The curves over levels: success, time and formation error."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from cavalcade.campaign.report import canvas
+from cavalcade.campaign.report.blocks import Drawn
+from cavalcade.campaign.report.curves import Curve, Point
+from cavalcade.campaign.report.verdict import Spread
+from cavalcade.running.figures import style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+FEW_CURVES = 4
+"""More curves than these are drawn without their intervals and quartiles."""
+
+_LEGEND_COLUMNS = 6
+
+
+def draw_curves(curves: Sequence[Curve], labels: Sequence[str], folder: Path, name: str) -> Drawn:
+    """Success, time and formation error over the level, a line per curve."""
+    columns = min(len(curves), _LEGEND_COLUMNS)
+    top = 0.09 + 0.15 * -(-len(curves) // columns) if len(curves) > 1 else 0.06
+    few = len(curves) <= FEW_CURVES
+    left, right, between, bottom, height = 0.42, 0.06, 0.44, 0.34, 1.55
+    width = (style.PAGE - left - right - 2 * between) / 3
+    total = top + height + bottom
+    from matplotlib.ticker import MaxNLocator
+
+    with canvas.chart_style():
+        figure = style.new_figure(style.PAGE, total)
+        axes = [
+            figure.add_axes(
+                (
+                    (left + k * (width + between)) / style.PAGE,
+                    bottom / total,
+                    width / style.PAGE,
+                    height / total,
+                )
+            )
+            for k in range(3)
+        ]
+        handles: list[Any] = []
+        for number, curve in enumerate(curves):
+            points = curve.points
+            shift = _dodge(points, number, len(curves)) if few else 0.0
+            spread = "none" if not few else "bars" if len(curves) > 1 else "band"
+            handles.append(_draw_line(axes[0], points, _success, 100.0, number, spread, shift))
+            spread = "band" if few else "none"
+            _draw_line(axes[1], points, lambda p: _quartiles(p.time_ratio), 1.0, number, spread)
+            _draw_line(
+                axes[2], points, lambda p: _quartiles(p.formation_error), 100.0, number, spread
+            )
+        titles = ("success (%)", "time over lower bound", "formation error (cm)")
+        for axis, title in zip(axes, titles, strict=True):
+            axis.set_ylabel(title)
+            axis.set_xlabel(f"number of {curves[0].axis}" if curves[0].axis.endswith("s")
+                            else curves[0].axis)  # fmt: skip
+            axis.grid(True, linewidth=0.3, color=canvas.GRID)
+            axis.set_axisbelow(True)
+            axis.margins(x=0.03)
+            if all(float(end).is_integer() for curve in curves for end in curve.ends):
+                axis.xaxis.set_major_locator(MaxNLocator(nbins=6, integer=True))
+        low, _ = axes[0].get_ylim()
+        low = max(0.0, min(low, 95.0))
+        axes[0].set_ylim(low, 100.0 + 0.02 * (100.0 - low))
+        if len(curves) > 1:
+            figure.legend(
+                handles=handles,
+                labels=list(labels),
+                loc="upper center",
+                ncols=columns,
+                bbox_to_anchor=(0.5, 1.0 - 0.02 / total),
+            )
+        return canvas.save(figure, folder, name)
+
+
+def _dodge(points: Sequence[Point], number: int, count: int) -> float:
+    """By how much a curve's marks stand aside, so that the intervals of all can be seen."""
+    if len(points) < 2 or count < 2:
+        return 0.0
+    step = (points[-1].middle - points[0].middle) / (len(points) - 1)
+    return min(0.14, 0.6 / count) * step * (number - (count - 1) / 2.0)
+
+
+_Ends = tuple[float | None, float | None, float | None]
+"""Lower end of the band, the figure itself, upper end."""
+
+
+def _success(point: Point) -> _Ends:
+    low, high = point.interval
+    return low, point.successes / point.trials, high
+
+
+def _quartiles(spread: Spread) -> _Ends:
+    return spread.p25, spread.median, spread.p75
+
+
+def _draw_line(
+    axes: Axes,
+    points: Sequence[Point],
+    take: Callable[[Point], _Ends],
+    factor: float,
+    number: int,
+    spread: str,
+    shift: float = 0.0,
+) -> Any:
+    """A line with its marks `shift` aside, and its spread as a `band`, as `bars`, or `none`."""
+    known = [
+        (point.middle + shift, *(factor * end for end in ends if end is not None))
+        for point, ends in ((point, take(point)) for point in points)
+        if None not in ends
+    ]
+    color = canvas.series_color(number)
+    x, low, middle, high = zip(*known, strict=True) if known else ((), (), (), ())
+    if spread == "band":
+        axes.fill_between(x, low, high, color=color, alpha=0.16, linewidth=0.0)
+    elif spread == "bars":
+        axes.vlines(x, low, high, color=color, linewidth=0.8, alpha=0.7)
+    line = axes.plot(x, middle, color=color, linewidth=1.1, marker=canvas.series_marker(number),
+                     markersize=3.4, markerfacecolor="white", markeredgewidth=0.9)  # fmt: skip
+    return line[0]

@@ -1,0 +1,160 @@
+"""Puts the report together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+from cavalcade.campaign.report import charts, sections, tables
+from cavalcade.campaign.report.artist import MOST_ROWS, Artist
+from cavalcade.campaign.report.blocks import Block, Bullets, Folded, Heading, Text, code
+from cavalcade.campaign.report.comparison_chart import draw_comparisons
+from cavalcade.campaign.report.comparison_tables import comparison_tables
+from cavalcade.campaign.report.comparisons import (
+    Comparison,
+    compare_disturbances,
+    compare_variants,
+)
+from cavalcade.campaign.report.curve_chart import FEW_CURVES, draw_curves
+from cavalcade.campaign.report.curves import curves_of
+from cavalcade.campaign.report.methods import NOTES
+from cavalcade.campaign.report.repeating import Replay, pictures_of
+from cavalcade.campaign.report.trials import Order, Trial
+from cavalcade.campaign.report.verdict import Cell, cells_of
+from cavalcade.campaign.report.worst import worst_trials
+
+
+class Named(Protocol):
+    """What the report needs of a suite; its `variants`, `disturbances` and `worlds` (each with a
+    `name`), where it has them, give the order of rows and say what is compared against what.
+    """
+
+    @property
+    def suite(self) -> str:
+        """Its name."""
+
+    @property
+    def about(self) -> str:
+        """One line."""
+
+
+def compose(
+    suite: Named,
+    trials: Sequence[Trial],
+    order: Order,
+    command: str,
+    artist: Artist,
+    replay: Replay | None,
+) -> list[Block]:
+    """The whole report as blocks; pictures are drawn on the way.
+
+    Args:
+        suite: That was run.
+        trials: All of them.
+        order: Of rows.
+        command: That made the campaign; empty where it is not known.
+        artist: Draws.
+        replay: Repeats a trial in memory, or None.
+
+    Raises:
+        OutputError: A picture cannot be written.
+    """
+    cells = cells_of(trials, order)
+    blocks = sections.header(suite.suite, suite.about, trials, order, command)
+    blocks += [Heading("Verdict"), *sections.sentences(cells, order)]
+    if cells:
+        outcomes = tables.outcome_table(cells, order)
+        hopeless = "In brackets: failures in worlds that are not feasible."
+        caption = "Success in feasible worlds with 95 % interval, and how the failures ended."
+        blocks += [
+            tables.success_table(cells, order),
+            *artist.charts(caption, charts.draw_success, cells, "success"),
+            Heading("How the trials ended", 3),
+            outcomes,
+            *(
+                [Text(hopeless, small=True)]
+                if any("(" in c for r in outcomes.rows for c in r)
+                else []
+            ),
+            Heading("Time, formation, clearance"),
+            tables.measure_table(cells, order),
+        ]
+    if any(cell.run for cell in cells):
+        caption = "Median (mark), quartiles (bar) and 5 % to 95 % (line) over single trials."
+        blocks += [
+            *artist.charts(caption, charts.draw_spreads, cells, "spread"),
+            Heading("Closest approaches of all trials that ran", 3),
+            tables.clearance_table(cells, order),
+        ]
+    blocks += _comparisons(
+        compare_variants(trials, order), "variant", order.disturbances, "disturbance", artist
+    )
+    blocks += _comparisons(
+        compare_disturbances(trials, order), "disturbance", order.variants, "variant", artist
+    )
+    blocks += _curves(cells, order, artist)
+    blocks += sections.failures(trials, order)
+    chosen = worst_trials(trials, order)
+    drawn, remarks = pictures_of(chosen, artist, replay)
+    blocks += sections.worst(chosen, drawn, remarks)
+    return [*blocks, Heading("How to read this"), Bullets(NOTES)]
+
+
+def _comparisons(
+    found: Sequence[Comparison],
+    kind: str,
+    settings: Sequence[str],
+    setting: str,
+    artist: Artist,
+) -> list[Block]:
+
+    if not found:
+        return []
+    blocks: list[Block] = [
+        Heading(f"{kind.capitalize()}s compared on the same worlds"),
+        Text(
+            f"Each {kind} against {code(found[0].first)}: a positive difference is more of it than "
+            f"with {code(found[0].first)}. “One only” counts the pairs in which it happened only "
+            f"with {code(found[0].first)} / only with this {kind}."
+        ),
+    ]
+    several = len(settings) > 1
+    for part in settings if len(found) > MOST_ROWS else ("",):
+        rows = [comparison for comparison in found if part in ("", comparison.setting)]
+        if rows:
+            where = f" {setting.capitalize()} {code(part)}." if part else ""
+            caption = (
+                f"Mean paired differences to {code(found[0].first)} with 95 % intervals; hollow "
+                f"where the interval includes zero.{where}"
+            )
+            name = f"{kind}s-{part}" if part else f"{kind}s"
+            blocks += artist.figure(
+                caption, draw_comparisons, rows, several and not part, name=name
+            )
+    return blocks + comparison_tables(found, kind, setting if several else "")
+
+
+def _curves(cells: Sequence[Cell], order: Order, artist: Artist) -> list[Block]:
+
+    blocks: list[Block] = []
+    for scenario, curves in curves_of(cells).items():
+        axis = curves[0].axis
+        blocks.append(Heading(f"{code(scenario)} over {axis}", 3))
+        # Lines by variant; a chart per disturbance where both vary.
+        crossed = len(order.variants) > 1 and len(order.disturbances) > 1
+        for part in order.disturbances if crossed else ("",):
+            shown = [curve for curve in curves if part in ("", curve.cell.disturbance)]
+            by_variant = len(order.variants) > 1
+            labels = [c.cell.variant if by_variant else c.cell.disturbance for c in shown]
+            where = f" Disturbance {code(part)}." if part else ""
+            if len(shown) <= FEW_CURVES:
+                what = (
+                    "success with 95 % interval; median and quartiles of time and formation error"
+                )
+            else:
+                what = "success; median time and formation error"
+            caption = f"{code(scenario)}: {what} of the trials that succeeded.{where}"
+            name = f"curves-{scenario}-{part}" if part else f"curves-{scenario}"
+            blocks += artist.figure(caption, draw_curves, shown, labels, name=name)
+        blocks.append(Folded("The numbers", tables.curve_table(curves, order)))
+    return [Heading("Curves"), *blocks] if blocks else []

@@ -1,0 +1,167 @@
+"""Trial lines as values that the report counts and compares."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from cavalcade.campaign.scrubbing import scrubbed
+
+NO_DISTURBANCE = "none"
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One line of `trials.jsonl`; keys that a line lacks get the values said here.
+
+    Attributes:
+        name: Unique id.
+        scenario: The group of worlds it belongs to.
+        variant: Of the planner.
+        disturbance: `none` unless the suite names several.
+        seed: What its world was drawn from.
+        outcome: How it ended.
+        detail: One line about it, without paths.
+        success: Arrived, and the checker found nothing that could have been avoided.
+        feasible: The world can be crossed, by a test that does not use the planner.
+        level: Where the world lies on the suite's curve, or None.
+        level_name: What that is the number of.
+        contacts: Collisions that the checker found; of these
+        avoidable: could have been avoided.
+        violations: What the checker said first.
+        summary: The run's figures; empty where there are none.
+        time_ratio: Makespan over the longest lower bound at top speed.
+        line: The line itself.
+    """
+
+    name: str
+    scenario: str
+    variant: str
+    disturbance: str = NO_DISTURBANCE
+    seed: int = 0
+    outcome: str = "unknown"
+    detail: str = ""
+    success: bool = False
+    feasible: bool = True
+    level: float | None = None
+    level_name: str | None = None
+    contacts: int = 0
+    avoidable: int = 0
+    violations: tuple[str, ...] = ()
+    summary: Mapping[str, Any] = field(default_factory=dict)
+    time_ratio: float | None = None
+    line: Mapping[str, Any] = field(default_factory=dict, repr=False, compare=False)
+
+    @property
+    def world(self) -> tuple[str, int]:
+        """What trials of other variants and disturbances share with this one."""
+        return self.scenario, self.seed
+
+    def number(self, key: str) -> float | None:
+        """The summary's figure of that dotted key; None if it has none or it is not finite."""
+        value: Any = self.summary
+        for part in key.split("."):
+            value = value.get(part) if isinstance(value, Mapping) else None
+        return known(value)
+
+    @property
+    def said(self) -> str:
+        """What there is to say about how it ended: the detail, else the first violation."""
+        return self.detail or (self.violations[0] if self.violations else "")
+
+    @property
+    def gap(self) -> float | None:
+        """Smallest gap between footprints, or to an obstacle, m."""
+        return self.number("min_footprint_gap_m")
+
+    @property
+    def time(self) -> float | None:
+        """When the last robot was at its place for good, s; None unless it succeeded."""
+        if not self.success:
+            return None
+        makespan = self.number("makespan_s")
+        return makespan if makespan is not None else self.number("sim_time_s")
+
+
+def known(value: Any) -> float | None:
+    """The value as a finite number, else None."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return None
+    return float(value) if math.isfinite(value) else None
+
+
+def read_trials(lines: Iterable[Mapping[str, Any]]) -> list[Trial]:
+    """The trials of the lines; of several lines of one trial the last counts."""
+    latest = {str(line.get("trial")): line for line in lines}
+    return [_trial(name, line) for name, line in latest.items()]
+
+
+def _trial(name: str, line: Mapping[str, Any]) -> Trial:
+    summary = line.get("summary") or {}
+    level_name = line.get("level_name")
+    return Trial(
+        name=name,
+        scenario=str(line.get("scenario") or "?"),
+        variant=str(line.get("variant") or "?"),
+        disturbance=str(line.get("disturbance") or NO_DISTURBANCE),
+        seed=int(line.get("seed") or 0),
+        outcome=str(line.get("outcome") or "unknown"),
+        detail=scrubbed(str(line.get("detail") or "")),
+        success=line.get("success") is True,
+        feasible=line.get("feasible") is not False,
+        level=known(line.get("level")),
+        level_name=str(level_name) if level_name else None,
+        contacts=int(line.get("contacts") or 0),
+        avoidable=int(line.get("avoidable") or 0),
+        violations=tuple(scrubbed(str(text)) for text in line.get("violations") or ()),
+        summary=summary if isinstance(summary, Mapping) else {},
+        time_ratio=known((line.get("measured") or {}).get("time_ratio")),
+        line=line,
+    )
+
+
+@dataclass(frozen=True)
+class Order:
+    """The order in which the suite names its scenarios, variants and disturbances."""
+
+    scenarios: tuple[str, ...]
+    variants: tuple[str, ...]
+    disturbances: tuple[str, ...]
+
+    @classmethod
+    def of(cls, suite: object, trials: Sequence[Trial]) -> Order:
+        """The suite's own order where it has one; names it does not know follow by the alphabet.
+
+        Without an order of the suite, `cavalcade` and `none` come first among their kind.
+        """
+        groups = getattr(suite, "worlds", None) or ()
+        named = [str(getattr(group, "name", "")) for group in groups]
+        variants = [str(name) for name in getattr(suite, "variants", None) or ("cavalcade",)]
+        disturbances = [
+            str(name) for name in getattr(suite, "disturbances", None) or (NO_DISTURBANCE,)
+        ]
+        return cls(
+            _arranged(named, {trial.scenario for trial in trials}),
+            _arranged(variants, {trial.variant for trial in trials}),
+            _arranged(disturbances, {trial.disturbance for trial in trials}),
+        )
+
+    def sorted(self, trials: Iterable[Trial]) -> list[Trial]:
+        """The trials in the suite's order: scenario, seed, disturbance, variant."""
+        return sorted(
+            trials,
+            key=lambda trial: (
+                self.scenarios.index(trial.scenario),
+                trial.seed,
+                self.disturbances.index(trial.disturbance),
+                self.variants.index(trial.variant),
+                trial.name,
+            ),
+        )
+
+
+def _arranged(named: Iterable[str], present: set[str]) -> tuple[str, ...]:
+    first = [name for name in dict.fromkeys(named) if name in present]
+    return (*first, *sorted(present - set(first)))

@@ -1,0 +1,160 @@
+"""A whole campaign: from a plan to a folder of lines and a report."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from cavalcade.campaign.carrying import carry_out, replay
+from cavalcade.campaign.dispatch import dispatch
+from cavalcade.campaign.engines.protocol import Engine, Work
+from cavalcade.campaign.lines import Line
+from cavalcade.campaign.plan import Plan
+from cavalcade.campaign.progress import CampaignReporter
+from cavalcade.campaign.store import Store
+from cavalcade.campaign.suite import Suite
+
+Report = Callable[[Path, Suite, Sequence[Line]], Sequence[Path]]
+"""Writes table and report into the folder; gives the files."""
+
+
+class CampaignInterrupted(KeyboardInterrupt):
+    """Ctrl-C; every finished trial is kept.
+
+    Attributes:
+        done: How many trials have their line.
+        total: How many there are.
+    """
+
+    def __init__(self, done: int, total: int) -> None:
+        super().__init__()
+        self.done, self.total = done, total
+
+
+@dataclass(frozen=True)
+class CampaignResult:
+    """What a campaign came to.
+
+    Attributes:
+        summary: Counts over all trials, as plain data.
+        files: What was written, in a reader's order.
+    """
+
+    summary: dict[str, Any]
+    files: tuple[Path, ...]
+
+
+def run_campaign(
+    plan: Plan,
+    out: str | Path,
+    engine: Engine,
+    *,
+    resume: bool = False,
+    quiet: bool = True,
+    work: Work = carry_out,
+    report: Report | None = None,
+    command: str = "",
+) -> CampaignResult:
+    """Carry out what is not done yet of a plan, and write the report.
+
+    Args:
+        plan: Checked, its data there.
+        out: The campaign's folder.
+        engine: Not started; it is not started if nothing is left to do.
+        resume: Go on with what `out` holds.
+        quiet: Print nothing but warnings.
+        work: What a worker does with a trial.
+        report: Writes table and report; `write_report` if not given.
+        command: That was given, for the report.
+
+    Raises:
+        OutputError: The folder cannot be used or written; all finished trials are kept.
+        CampaignInterrupted: Ctrl-C.
+    """
+    warnings: list[str] = []
+    with Store(out, plan, resume=resume, warn=warnings.append) as store:
+        left = [trial for trial in plan.trials if trial.id not in store.done]
+        total, name = len(plan.trials), plan.suite.name
+        reporter = CampaignReporter(name, total, total - len(left), quiet=quiet)
+        for text in warnings:
+            reporter.warn(text)
+        try:
+            with reporter:
+                if left:
+                    first_alone = _compiles(reporter)
+                    with engine:
+                        for line in dispatch(
+                            engine,
+                            left,
+                            plan.suite.time_limit,
+                            work=work,
+                            first_alone=first_alone,
+                            tick=reporter.tick,
+                        ):
+                            store.append(line)
+                            reporter.finished(line)
+                reporter.close()
+                reporter.say("writing the report ...")
+                # Nothing else needs all lines at once.
+                lines = list(store.lines())
+                write = report or partial(_write_report, plan, command)
+                files = write(store.folder, plan.suite, lines)
+        except KeyboardInterrupt:
+            raise CampaignInterrupted(store.count(), total) from None
+    return CampaignResult(_summary(plan, lines), tuple(files))
+
+
+def _compiles(reporter: CampaignReporter) -> bool:
+    """Whether the numerical kernels must be compiled first."""
+    from cavalcade.running.warm import kernels_are_cached
+
+    if kernels_are_cached():
+        return False
+    reporter.say("compiling the numerical kernels, once after installation (about 20 s) ...")
+    return True
+
+
+def _write_report(
+    plan: Plan, command: str, folder: Path, suite: Suite, lines: Sequence[Line]
+) -> Sequence[Path]:
+    from cavalcade.campaign.report import write_report
+
+    return write_report(
+        folder, suite, lines, command=command, replay=lambda line: replay(plan.trial(line["trial"]))
+    )
+
+
+def _summary(plan: Plan, lines: Sequence[Line]) -> dict[str, Any]:
+    feasible = [line for line in lines if line["feasible"]]
+    groups: dict[tuple[str, str, str], list[Line]] = {}
+    for line in lines:
+        key = (line["scenario"], line["disturbance"], line["variant"])
+        groups.setdefault(key, []).append(line)
+    return {
+        "suite": plan.suite.name,
+        "fingerprint": plan.fingerprint,
+        "trials": len(lines),
+        "feasible": len(feasible),
+        "success": sum(line["success"] for line in lines),
+        "success_of_feasible": sum(line["success"] for line in feasible),
+        "outcomes": dict(Counter(line["outcome"] for line in lines).most_common()),
+        "contacts": sum(line["contacts"] for line in lines),
+        "avoidable": sum(line["avoidable"] for line in lines),
+        "groups": [
+            {
+                "scenario": scenario,
+                "disturbance": disturbance,
+                "variant": variant,
+                "trials": len(members),
+                "feasible": sum(line["feasible"] for line in members),
+                "success_of_feasible": sum(line["success"] for line in members if line["feasible"]),
+                "contacts": sum(line["contacts"] for line in members),
+                "avoidable": sum(line["avoidable"] for line in members),
+            }
+            for (scenario, disturbance, variant), members in groups.items()
+        ],
+    }

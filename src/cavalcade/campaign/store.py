@@ -1,0 +1,226 @@
+"""The campaign's folder: one line per finished trial, and nothing finished is ever lost."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from cavalcade.campaign.folder import locked, make_folders, remove_empty, unlock, write_whole
+from cavalcade.campaign.plan import FILE, Plan, difference, read_plain
+from cavalcade.errors import OutputError
+
+LINES, CORRUPT = "trials.jsonl", "trials.corrupt.jsonl"
+_NEEDED = ("trial", "outcome", "success", "feasible", "summary")
+
+Line = dict[str, Any]
+
+
+class Store:
+    """A campaign's folder, locked against other campaigns while it is open.
+
+    Use it as a context.
+
+    Args:
+        folder: Missing or empty, or with this very campaign in it if `resume`.
+        plan: Of the campaign.
+        resume: Go on with what is there.
+        warn: Told, one line each, of damaged lines that were taken out.
+
+    Raises:
+        OutputError: The folder holds something else, another campaign is at work in it, or it
+            cannot be written.
+        RecordingError: Its `campaign.json` cannot be read.
+    """
+
+    def __init__(
+        self,
+        folder: str | Path,
+        plan: Plan,
+        *,
+        resume: bool = False,
+        warn: Callable[[str], None] = lambda text: None,
+    ) -> None:
+        self.folder = Path(folder)
+        self._order = {trial.id: place for place, trial in enumerate(plan.trials)}
+        self._done: set[str] = set()
+        self._lock = -1
+        self._file = -1
+        self._size = 0
+        made = make_folders(self.folder)
+        try:
+            if not resume or not (self.folder / FILE).exists():
+                _check_empty(self.folder, resume)
+            self._lock = locked(self.folder)
+            if (self.folder / FILE).exists():
+                if not resume:  # begun by another process this very moment
+                    raise OutputError(f"{self.folder}: holds a campaign; use --resume to go on")
+                other = difference(plan, read_plain(self.folder))
+                if other is not None:
+                    raise OutputError(f"{self.folder}: {other}; name another folder")
+            else:
+                text = json.dumps(plan.plain(), indent=2, ensure_ascii=False) + "\n"
+                write_whole(self.folder / FILE, text.encode())
+            self._mend(warn)
+            flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND
+            self._file = os.open(self.folder / LINES, flags, 0o644)
+            self._size = os.fstat(self._file).st_size
+        except BaseException as error:
+            self._close()
+            remove_empty(made)
+            if isinstance(error, OSError):
+                raise self._failed(error) from None
+            raise
+
+    @property
+    def done(self) -> frozenset[str]:
+        """The IDs of the trials that have their line."""
+        return frozenset(self._done)
+
+    def count(self) -> int:
+        """How many lines there are on the disk; after Ctrl-C in `append` it may be one more."""
+        with (self.folder / LINES).open("rb") as stream:
+            return sum(raw.endswith(b"\n") for raw in stream)
+
+    def append(self, line: Mapping[str, Any]) -> None:
+        """Keep one line: afterwards it is on the disk, whole.
+
+        Raises:
+            OutputError: It is not, and nothing of it is; all lines before are.
+        """
+        text = json.dumps(line, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+        data = text.encode() + b"\n"
+        try:
+            written = 0
+            while written < len(data):
+                # One call but for a disk that is full, which takes what still fits.
+                written += os.write(self._file, data[written:])
+            os.fsync(self._file)
+        except OSError as error:
+            self._take_back()
+            raise self._failed(error) from None
+        self._size += len(data)
+        self._done.add(str(line["trial"]))
+
+    def lines(self) -> Iterator[Line]:
+        """All lines in the order of the trials, whatever order they were finished in.
+
+        Raises:
+            OutputError: They cannot be read.
+        """
+        try:
+            # Only the places of the lines are sorted: the lines themselves may be many.
+            starts: list[tuple[int, int]] = []
+            with (self.folder / LINES).open("rb") as stream:
+                start = 0
+                for raw in stream:
+                    starts.append((self._order[json.loads(raw)["trial"]], start))
+                    start += len(raw)
+                for _, start in sorted(starts):
+                    stream.seek(start)
+                    yield json.loads(stream.readline())
+        except OSError as error:
+            raise self._failed(error) from None
+
+    def __enter__(self) -> Self:
+        """Itself."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Unlock the folder."""
+        self._close()
+
+    def _mend(self, warn: Callable[[str], None]) -> None:
+        """Read what is there; take out what is no line of this campaign."""
+        file = self.folder / LINES
+        if not file.exists():
+            return
+        kept: list[bytes] = []
+        corrupt: list[bytes] = []
+        warnings: list[str] = []
+        for number, raw in enumerate(_raw_lines(file), 1):
+            trial = self._trial_of(raw)
+            if trial is not None and trial not in self._done:
+                self._done.add(trial)
+                kept.append(raw)
+            elif trial is not None:
+                corrupt.append(raw)
+                warnings.append(f"{file}: line {number}: {trial} stands there twice")
+            elif not raw.endswith(b"\n"):
+                warnings.append(f"{file}: line {number}: torn; its trial is repeated")
+            else:
+                corrupt.append(raw)
+                warnings.append(
+                    f"{file}: line {number}: not a trial of this campaign; moved to {CORRUPT}, "
+                    "its trial is repeated"
+                )
+        if not warnings:
+            return
+        if corrupt:
+            with (self.folder / CORRUPT).open("ab") as stream:
+                stream.writelines(corrupt)
+                stream.flush()
+                os.fsync(stream.fileno())
+        write_whole(file, b"".join(kept))
+        for text in warnings:
+            warn(text)
+
+    def _trial_of(self, raw: bytes) -> str | None:
+        """The trial whose whole line this is, if it is one of this campaign."""
+        if not raw.endswith(b"\n"):
+            return None
+        try:
+            line = json.loads(raw, parse_constant=_refuse)
+        except (ValueError, RecursionError):
+            return None
+        if not isinstance(line, dict) or any(key not in line for key in _NEEDED):
+            return None
+        trial = line["trial"]
+        return trial if isinstance(trial, str) and trial in self._order else None
+
+    def _take_back(self) -> None:
+        """Leave nothing of a line that could not be written whole."""
+        # Where this fails too, the torn line is mended when the campaign goes on.
+        with contextlib.suppress(OSError):
+            os.ftruncate(self._file, self._size)
+
+    def _failed(self, error: OSError) -> OutputError:
+        place = Path(error.filename) if error.filename else self.folder / LINES
+        text = f"{place}: cannot be written: {error.strerror or error}"
+        if self._done:
+            text += f"; the {len(self._done)} trials so far are kept, go on with --resume"
+        return OutputError(text)
+
+    def _close(self) -> None:
+        if self._lock >= 0:
+            unlock(self.folder)
+        for handle in (self._file, self._lock):
+            if handle >= 0:
+                os.close(handle)
+        self._file = self._lock = -1
+
+
+def _raw_lines(file: Path) -> Iterable[bytes]:
+    with file.open("rb") as stream:
+        yield from stream
+
+
+def _refuse(constant: str) -> Any:
+    raise ValueError(f"{constant} is no JSON")
+
+
+def _check_empty(folder: Path, resume: bool) -> None:
+    if (folder / FILE).exists():
+        raise OutputError(f"{folder}: holds a campaign; use --resume to go on with it")
+    if any(not entry.name.startswith(".") for entry in folder.iterdir()):
+        what = "holds no campaign to go on with" if resume else "the folder is not empty"
+        raise OutputError(f"{folder}: {what}; name another one")

@@ -1,0 +1,211 @@
+"""Suites: what a campaign runs, as their YAML files say it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self, get_args
+
+from pydantic import BaseModel, Field, Strict, ValidationError, field_validator, model_validator
+
+from cavalcade.campaign.draws import DataFolder, Draw, DrawSection
+from cavalcade.errors import InputError, ScenarioError
+from cavalcade.scenario.fields import Positive, Section, Seed, expected
+from cavalcade.scenario.messages import did_you_mean, scenario_error, short
+from cavalcade.scenario.settings import Delay, Noise, Variant
+
+LONGEST_NAME = 60
+Name = Annotated[str, Field(pattern=rf"^[A-Za-z0-9][A-Za-z0-9_-]{{0,{LONGEST_NAME - 1}}}$")]
+"""Of suites, groups and disturbances: they become parts of trials' IDs, which dots separate."""
+
+UNDISTURBED = "none"
+
+
+class Disturbance(Section):
+    """What is set over every scenario's `execution`; null leaves the scenario's own."""
+
+    noise: Noise | None = None
+    delay: Delay | None = None
+
+    def over(self, execution: Mapping[str, Any]) -> dict[str, Any]:
+        """The plain data of a scenario's `execution` with these values over its own."""
+        return {**execution, **self.model_dump(mode="json", exclude_none=True)}
+
+
+class _Head(Section):
+    """A suite's file but for the insides of its worlds, which depend on their `draw`."""
+
+    version: Literal[1]
+    suite: Name
+    about: Annotated[str, Field(max_length=2000)] = ""
+    time_limit: Positive = 120.0
+    seed: Seed = 0
+    variants: Annotated[tuple[Variant, ...], Field(min_length=1)] = ("cavalcade",)
+    disturbances: dict[Name, Disturbance] = Field(default_factory=dict)
+    worlds: Annotated[tuple[dict[str, Any], ...], Field(min_length=1)]
+
+    @field_validator("variants")
+    @classmethod
+    def _once(cls, variants: tuple[str, ...]) -> tuple[str, ...]:
+        if len(set(variants)) < len(variants):
+            raise expected("a variant stands here twice")
+        return variants
+
+    @model_validator(mode="after")
+    def _groups(self) -> Self:
+        names = [group.get("name") for group in self.worlds]
+        for index, name in enumerate(names):
+            if name in names[:index]:
+                raise expected(f"{short(name)} is there already", key=f"worlds[{index}].name")
+        return self
+
+
+class _GroupHead(Section):
+    name: Name
+    seeds: Annotated[int, Strict(), Field(gt=0, le=10_000_000)] | None = None
+
+
+@dataclass(frozen=True)
+class Group:
+    """Worlds of one kind.
+
+    Attributes:
+        name: What the trials' lines call `scenario`.
+        seeds: How many worlds are drawn; None for all that there are.
+        draw: Where they come from.
+    """
+
+    name: str
+    seeds: int | None
+    draw: Draw
+
+    def numbers(self, first: int, data: DataFolder) -> range:
+        """The seeds of its worlds, beginning with `first`."""
+        limit = self.draw.limit(data)
+        last = None if self.seeds is None else first + self.seeds
+        ends = [end for end in (limit, last) if end is not None]
+        return range(first, max(min(ends), first))
+
+
+@dataclass(frozen=True)
+class Suite:
+    """A validated suite; immutable.
+
+    Attributes:
+        suite: Its name.
+        about: One line.
+        time_limit: Of wall clock for one trial, s.
+        seed: The first seed of every group.
+        variants: Of the planner; every world is run with each.
+        disturbances: By name; empty where the suite names none.
+        worlds: The groups.
+    """
+
+    suite: str
+    about: str
+    time_limit: float
+    seed: int
+    variants: tuple[str, ...]
+    disturbances: Mapping[str, Disturbance]
+    worlds: tuple[Group, ...]
+
+    @property
+    def name(self) -> str:
+        """The same as `suite`."""
+        return self.suite
+
+    def missing(self, data: DataFolder) -> str | None:
+        """What data are absent, one line; None when all are there."""
+        found = (group.draw.missing(data) for group in self.worlds)
+        return next((line for line in found if line is not None), None)
+
+    def plain(self) -> dict[str, Any]:
+        """The same as its file would say it, with all defaults; `parse_suite` reads it."""
+        worlds = []
+        for group in self.worlds:
+            head = {"name": group.name, "seeds": group.seeds}
+            section: Any = group.draw
+            worlds.append({**head, **section.model_dump(mode="json")})
+        return {
+            "version": 1,
+            "suite": self.suite,
+            "about": self.about,
+            "time_limit": self.time_limit,
+            "seed": self.seed,
+            "variants": list(self.variants),
+            "disturbances": {
+                name: disturbance.model_dump(mode="json", exclude_none=True)
+                for name, disturbance in self.disturbances.items()
+            },
+            "worlds": worlds,
+        }
+
+
+def parse_suite(data: Mapping[str, Any], file: str | Path | None = None) -> Suite:
+    """A suite from the plain data of its file.
+
+    Args:
+        data: What the file holds.
+        file: Named in errors; file names in the suite are relative to it.
+
+    Raises:
+        ScenarioError: It does not fit the schema.
+    """
+    head: _Head = _validated(_Head, data, file, "")
+    groups = tuple(
+        _group(group, file, f"worlds[{index}]") for index, group in enumerate(head.worlds)
+    )
+    return Suite(
+        suite=head.suite,
+        about=head.about,
+        time_limit=head.time_limit,
+        seed=head.seed,
+        variants=head.variants,
+        disturbances=dict(head.disturbances),
+        worlds=groups,
+    )
+
+
+def _group(said: dict[str, Any], file: str | Path | None, place: str) -> Group:
+    head_keys = tuple(_GroupHead.model_fields)
+    head: _GroupHead = _validated(
+        _GroupHead, {key: said[key] for key in head_keys if key in said}, file, place
+    )
+    kinds = draw_kinds()
+    kind = said.get("draw")
+    if "draw" not in said:
+        raise ScenarioError("missing", file=file, key=f"{place}.draw", choices=kinds)
+    if not isinstance(kind, str) or kind not in kinds:
+        hint = did_you_mean(str(kind), kinds)
+        raise ScenarioError(
+            f"unknown value {short(kind)}{hint}", file=file, key=f"{place}.draw", choices=kinds
+        )
+    rest = {key: value for key, value in said.items() if key not in head_keys}
+    draw: Any = _validated(kinds[kind], rest, file, place)
+    return Group(head.name, head.seeds, draw)
+
+
+def draw_kinds() -> dict[str, type[BaseModel]]:
+    """What a group's `draw` may say, and the section that goes with it."""
+    union = get_args(DrawSection)[0]
+    members = get_args(union) or (union,)
+    return {str(get_args(kind.model_fields["draw"].annotation)[0]): kind for kind in members}
+
+
+def _validated(
+    model: type[BaseModel], data: Mapping[str, Any], file: str | Path | None, place: str
+) -> Any:
+    """The section, or an error that says where in the file and what was expected."""
+    base = Path.cwd() if file is None else Path(file).resolve().parent
+    try:
+        return model.model_validate(dict(data), context={"base": base})
+    except ValidationError as error:
+        found = scenario_error(error, model, None)
+    except InputError as error:
+        found = ScenarioError(str(error))
+    inner = found.key or ""
+    text = str(found).removeprefix(f"{inner}: ") if inner else str(found)
+    key = ".".join(part for part in (place, inner) if part)
+    # The choices stand in the text already.
+    raise ScenarioError(text, file=file, key=key or None)

@@ -1,0 +1,253 @@
+"""A campaign's trials as one flat table: `trials.parquet`, a row per trial.
+
+Columns keep their names, order and types whatever the trials hold, so that tables of several
+campaigns can be read together. DuckDB writes the file; nothing else is needed to read it back:
+`duckdb.sql("SELECT * FROM 'trials.parquet'")`.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import tempfile
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from cavalcade.campaign.scrubbing import is_private, scrubbed
+from cavalcade.errors import OutputError
+
+TABLE = "trials.parquet"
+
+_FRONT = {
+    "trial": "VARCHAR",
+    "suite": "VARCHAR",
+    "scenario": "VARCHAR",
+    "variant": "VARCHAR",
+    "disturbance": "VARCHAR",
+    "seed": "BIGINT",
+    "outcome": "VARCHAR",
+    "success": "BOOLEAN",
+    "feasible": "BOOLEAN",
+    "level": "DOUBLE",
+    "contacts": "BIGINT",
+    "avoidable": "BIGINT",
+    "detail": "VARCHAR",
+}
+_SUMMARY = {
+    "name": "VARCHAR",
+    "version": "BIGINT",
+    "method": "VARCHAR",
+    "backend": "VARCHAR",
+    "robots": "BIGINT",
+    "reason": "VARCHAR",
+    "involved": "BIGINT[]",
+    "sim_time_s": "DOUBLE",
+    "wall_time_s": "DOUBLE",
+    "makespan_s": "DOUBLE",
+    "min_obstacle_distance_m": "DOUBLE",
+    "min_robot_distance_m": "DOUBLE",
+    "min_footprint_gap_m": "DOUBLE",
+    "collisions.robot_robot": "BIGINT",
+    "collisions.robot_obstacle": "BIGINT",
+    "falls": "BIGINT",
+    "formation_error_m.mean": "DOUBLE",
+    "formation_error_m.p95": "DOUBLE",
+    "formation_error_m.max": "DOUBLE",
+    "leader_changes": "BIGINT",
+    "role_changes": "BIGINT",
+    "cycle_ms.p50": "DOUBLE",
+    "cycle_ms.p99": "DOUBLE",
+    "cycle_ms.max": "DOUBLE",
+    "planning_time_s": "DOUBLE",
+    "path_length_m": "DOUBLE[]",
+    "lower_bound_m": "DOUBLE[]",
+    "duration_s": "DOUBLE[]",
+    "goal_error_m": "DOUBLE[]",
+    "goal_moved_m": "DOUBLE",
+    "versions.python": "VARCHAR",
+    "versions.cavalcade": "VARCHAR",
+    "versions.numpy": "VARCHAR",
+    "versions.numba": "VARCHAR",
+    "versions.scipy": "VARCHAR",
+}
+_BACK = {"measured.time_ratio": "DOUBLE", "level_name": "VARCHAR", "violations": "VARCHAR[]"}
+
+COLUMNS: Mapping[str, str] = MappingProxyType({**_FRONT, **_SUMMARY, **_BACK})
+"""DuckDB's type of each column that every table has, in their order.
+
+Where a key of the summary has the name of a column in front (`seed`, `variant`, `success`,
+`detail`), the one in front stands: it says what the campaign and the checker say.
+"""
+
+
+def columns_of(lines: Iterable[Mapping[str, Any]]) -> dict[str, str]:
+    """`COLUMNS`, and after them, by name, whatever else the lines' summaries and measures hold."""
+    return _columns(map(_flat, lines))
+
+
+def _columns(flats: Iterable[Mapping[str, Any]]) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for flat in flats:
+        for name, value in flat.items():
+            if name not in COLUMNS and value is not None:
+                found[name] = _wider(found.get(name), _type_of(value))
+    columns = dict(COLUMNS)
+    taken = {name.lower() for name in columns}
+    for name, kind in sorted(found.items()):
+        # To a database, names that differ in case only are the same.
+        if name.lower() not in taken:
+            columns[name] = kind
+            taken.add(name.lower())
+    return columns
+
+
+def rows_of(lines: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """One flat row per trial, ordered by scenario, seed, disturbance and variant.
+
+    Of several lines of one trial the last counts. Numbers that are not finite become null. Paths
+    in texts are cut to their last part; process ids, hosts and folders are left out.
+    """
+    return _table(lines)[1]
+
+
+def _table(lines: Sequence[Mapping[str, Any]]) -> tuple[dict[str, str], list[dict[str, Any]]]:
+    """Columns and rows."""
+    latest = {str(line.get("trial")): line for line in lines}
+    flats = [_flat(line) for line in latest.values()]
+    columns = _columns(flats)
+    rows = [{name: _cast(flat.get(name), kind) for name, kind in columns.items()} for flat in flats]
+    return columns, sorted(rows, key=_rank)
+
+
+def write_table(folder: str | Path, lines: Sequence[Mapping[str, Any]]) -> Path:
+    """Write `trials.parquet` into the folder, whole or not at all.
+
+    Args:
+        folder: Of the campaign.
+        lines: The trials, as in `trials.jsonl`.
+
+    Returns:
+        The file. Lines with the same content give the same bytes, whatever their order.
+
+    Raises:
+        OutputError: It cannot be written.
+    """
+    import duckdb
+
+    path = Path(folder) / TABLE
+    columns, rows = _table(lines)
+    try:
+        with tempfile.TemporaryDirectory(dir=folder, prefix=".table-") as place:
+            source, target = Path(place) / "rows.json", Path(place) / TABLE
+            with source.open("w", encoding="utf-8", errors="replace") as stream:
+                for row in rows:
+                    stream.write(json.dumps(row, ensure_ascii=False, allow_nan=False) + "\n")
+            # One thread, so that rows and bytes keep their order.
+            with duckdb.connect(config={"threads": 1}) as connection:
+                connection.execute(_copy(source, target, columns, bool(rows)))
+            os.replace(target, path)
+    except OSError as error:
+        raise OutputError(f"cannot write {path}: {error.strerror or error}") from error
+    except duckdb.IOException as error:
+        raise OutputError(f"cannot write {path}: {_first_line(error)}") from error
+    return path
+
+
+def _copy(source: Path, target: Path, columns: Mapping[str, str], filled: bool) -> str:
+    if filled:
+        kinds = ", ".join(f"{_quoted(name)}: '{kind}'" for name, kind in columns.items())
+        # A trial with many robots has long lists; no line comes near this limit.
+        rows = (
+            f"SELECT * FROM read_json({_quoted(str(source))}, format='newline_delimited', "
+            f"columns={{{kinds}}}, maximum_object_size=67108864)"
+        )
+    else:
+        empty = ", ".join(f'NULL::{kind} AS "{name}"' for name, kind in columns.items())
+        rows = f"SELECT {empty} WHERE false"
+    return f"COPY ({rows}) TO {_quoted(str(target))} (FORMAT parquet, COMPRESSION zstd)"
+
+
+def _quoted(text: str) -> str:
+    return "'" + text.replace("'", "''") + "'"
+
+
+def _flat(line: Mapping[str, Any]) -> dict[str, Any]:
+    """Column names and raw values of a line."""
+    names = (*_FRONT, "level_name", "violations")
+    flat = {name: line.get(name) for name in names}
+    for name, value in _leaves(line.get("summary") or {}, ""):
+        if name not in flat:
+            flat[name] = value
+    for name, value in _leaves(line.get("measured") or {}, "measured."):
+        flat[name] = value
+    return flat
+
+
+def _leaves(mapping: Mapping[str, Any], prefix: str) -> Iterable[tuple[str, Any]]:
+    for key, value in mapping.items():
+        name = str(key)
+        if not name.isprintable():
+            name = "".join(letter for letter in name if letter.isprintable())
+        if not name or is_private(name):
+            continue
+        if isinstance(value, Mapping):
+            yield from _leaves(value, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", value
+
+
+def _type_of(value: Any) -> str:
+    if isinstance(value, bool):
+        return "BOOLEAN"
+    if isinstance(value, int):
+        return "BIGINT"
+    if isinstance(value, float):
+        return "DOUBLE"
+    if isinstance(value, list | tuple):
+        kind: str | None = None
+        for item in value:
+            if item is not None:
+                kind = _wider(kind, _type_of(item))
+        return f"{kind or 'DOUBLE'}[]"
+    return "VARCHAR"
+
+
+def _wider(first: str | None, second: str) -> str:
+    """The type that holds values of both."""
+    if first is None or first == second:
+        return second
+    if first.endswith("[]") and second.endswith("[]"):
+        return _wider(first[:-2], second[:-2]) + "[]"
+    return "DOUBLE" if {first, second} == {"BIGINT", "DOUBLE"} else "VARCHAR"
+
+
+def _cast(value: Any, kind: str) -> Any:
+    """The value as a column of that type holds it; None where it does not fit."""
+    if value is None:
+        return None
+    if kind.endswith("[]"):
+        items = value if isinstance(value, list | tuple) else [value]
+        return [_cast(item, kind[:-2]) for item in items]
+    if kind == "VARCHAR":
+        text = value if isinstance(value, str) else json.dumps(value, sort_keys=True)
+        return scrubbed(text)
+    if kind == "BOOLEAN":
+        return value if isinstance(value, bool) else None
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        return None
+    if kind == "BIGINT":
+        return int(value) if abs(value) < 2**63 else None
+    return float(value)
+
+
+def _rank(row: Mapping[str, Any]) -> tuple[Any, ...]:
+    texts = [row[name] or "" for name in ("suite", "scenario", "disturbance", "variant", "trial")]
+    seed = row["seed"]
+    return (*texts[:2], -1 if seed is None else seed, *texts[2:])
+
+
+def _first_line(error: Exception) -> str:
+    return (str(error).splitlines() or [type(error).__name__])[0]

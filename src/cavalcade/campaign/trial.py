@@ -1,0 +1,105 @@
+"""One trial: which one it is, and the scenario that it runs."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from cavalcade.campaign.draws import DataFolder, Draw, Drawn
+from cavalcade.campaign.suite import UNDISTURBED, Disturbance, Suite
+from cavalcade.errors import InputError, ScenarioError
+from cavalcade.scenario import Scenario, parse_scenario
+from cavalcade.scenario.overrides import apply_overrides
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What one worker needs to carry one trial out; it can travel between processes.
+
+    Attributes:
+        id: Unique within the campaign.
+        suite: The suite's name.
+        group: The group's name; the line's `scenario`.
+        variant: Of the planner.
+        disturbance: Its name, `none` where the suite names none.
+        seed: Of the world, and of the run's noise.
+        draw: Where the world comes from.
+        disturbed: What the disturbance sets.
+        overrides: `KEY=VALUE` texts over the scenario.
+        data: Where other projects' files are.
+    """
+
+    id: str
+    suite: str
+    group: str
+    variant: str
+    disturbance: str
+    seed: int
+    draw: Draw
+    disturbed: Disturbance
+    overrides: tuple[str, ...]
+    data: DataFolder
+
+    def drawn(self) -> Drawn:
+        """Its world, team and task."""
+        return self.draw.draw_world(self.seed, self.data)
+
+    def scenario(self, drawn: Drawn) -> Scenario:
+        """The scenario to run: the drawn one with variant, disturbance and overrides.
+
+        Raises:
+            ScenarioError: The overrides do not fit.
+        """
+        data: dict[str, Any] = copy.deepcopy(dict(drawn.scenario))
+        data["planner"] = {**data.get("planner", {}), "variant": self.variant}
+        data["execution"] = self.disturbed.over({"seed": self.seed, **data.get("execution", {})})
+        apply_overrides(data, self.overrides, None)
+        return parse_scenario(data)
+
+
+def trials_of(suite: Suite, overrides: tuple[str, ...], data: DataFolder) -> Iterator[Trial]:
+    """All trials of a suite in their order: by group, seed, disturbance and variant."""
+    disturbances: Mapping[str, Disturbance] = suite.disturbances or {UNDISTURBED: Disturbance()}
+    for group in suite.worlds:
+        for seed in group.numbers(suite.seed, data):
+            for name, disturbance in disturbances.items():
+                for variant in suite.variants:
+                    words = [group.name, f"{seed:04d}", variant]
+                    if suite.disturbances:
+                        words.append(name)
+                    yield Trial(
+                        id=".".join(words),
+                        suite=suite.suite,
+                        group=group.name,
+                        variant=variant,
+                        disturbance=name,
+                        seed=seed,
+                        draw=group.draw,
+                        disturbed=disturbance,
+                        overrides=overrides,
+                        data=data,
+                    )
+
+
+def check_overrides(suite: Suite, overrides: tuple[str, ...], data: DataFolder) -> None:
+    """See that the overrides fit the suite's scenarios, before any of them is run.
+
+    They are tried on one world of each group.
+
+    Raises:
+        InputError: They do not.
+    """
+    seen: set[str] = set()
+    for trial in trials_of(suite, overrides, data) if overrides else ():
+        if trial.group in seen:
+            continue
+        seen.add(trial.group)
+        try:
+            trial.scenario(trial.drawn())
+        except InputError as error:
+            key = error.key or ""
+            text = str(error).removeprefix(f"{key}: ") if key else str(error)
+            place = key if key.startswith("--set") else f"--set {key}".strip()
+            raise ScenarioError(text, key=place) from None

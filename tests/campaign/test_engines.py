@@ -1,0 +1,201 @@
+"""The local engine: crash isolation, time limits, and the same trials whatever the workers."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from cavalcade.campaign.dispatch import dispatch
+from cavalcade.campaign.engines import ENGINES, make_engine
+from cavalcade.campaign.engines.local import LocalEngine
+from cavalcade.campaign.plan import Plan
+from cavalcade.campaign.runner import run_campaign
+from cavalcade.errors import InputError
+
+Table = Callable[[Path], list[dict[str, Any]]]
+
+
+def no_report(*_: Any) -> tuple[Path, ...]:
+    return ()
+
+
+def test_any_number_of_workers_and_any_deaths_give_the_same_table(
+    tiny_plan: Plan, table: Table, tmp_path: Path, planted: Any
+) -> None:
+    one, two, dying = (tmp_path / name for name in ("one", "two", "dying"))
+    run_campaign(tiny_plan, one, LocalEngine(1), report=no_report)
+    expected = table(one)
+    assert [line["outcome"] for line in expected] == ["arrived"] * 12
+    assert all(line["success"] and line["feasible"] for line in expected)
+    run_campaign(tiny_plan, two, LocalEngine(2), report=no_report)
+    assert table(two) == expected
+    # A worker that is killed by `kill -9` in a trial costs one retry.
+    run_campaign(tiny_plan, dying, LocalEngine(2), work=planted.dies_once, report=no_report)
+    assert len(list(planted.FOLDER.glob("died-*"))) == 2
+    assert table(dying) == expected
+
+
+def test_what_kills_its_worker_twice_is_crashed(tiny_plan: Plan, planted: Any) -> None:
+    with LocalEngine(2) as engine:
+        lines = {
+            line["trial"]: line
+            for line in dispatch(engine, tiny_plan.trials, 30.0, work=planted.dies_always)
+        }
+    assert len(lines) == 12
+    crashed = sorted(trial for trial, line in lines.items() if line["outcome"] == "crashed")
+    assert crashed == ["short.0001.cavalcade.noise", "short.0001.cavalcade.none"]
+    for trial in crashed:
+        assert (planted.FOLDER / f"deaths-{trial}").read_text() == "xx"
+        line = lines[trial]
+        assert line["detail"] == "the worker was killed by SIGKILL, as at the first try"
+        assert (line["success"], line["feasible"], line["summary"]) == (False, True, {})
+
+
+def test_kill_9_from_outside_in_the_middle_of_a_trial(tiny_plan: Plan, planted: Any) -> None:
+    lines = []
+    with LocalEngine(2) as engine:
+        for line in dispatch(
+            engine,
+            tiny_plan.trials[:4],
+            30.0,
+            work=planted.waits_once,
+            tick=lambda: _kill_all(planted.FOLDER),
+        ):
+            lines.append(line)
+    assert sorted(line["trial"] for line in lines) == sorted(t.id for t in tiny_plan.trials[:4])
+    assert all(line["success"] for line in lines)
+
+
+def _kill_all(folder: Path) -> None:
+    for file in folder.glob("pid-*"):
+        text = file.read_text()
+        if text:
+            file.unlink()
+            os.kill(int(text), signal.SIGKILL)
+
+
+def test_over_time(tiny_plan: Plan, planted: Any) -> None:
+    began = time.monotonic()
+    with LocalEngine(2) as engine:
+        lines = list(dispatch(engine, tiny_plan.trials, 1.5, work=planted.sleeps))
+    assert time.monotonic() - began < 30.0
+    late = {line["trial"]: line["detail"] for line in lines if line["outcome"] == "overtime"}
+    assert late == dict.fromkeys(
+        ("short.0001.cavalcade.none", "short.0001.cavalcade.noise"), "not done within 1.5 s"
+    )
+    assert len(lines) == 12
+
+
+def test_idle_workers_that_die_are_replaced(tiny_plan: Plan, planted: Any) -> None:
+    from multiprocessing import active_children
+
+    with LocalEngine(2) as engine:
+        first = list(dispatch(engine, tiny_plan.trials[:2], 30.0, work=planted.fake))
+        for process in active_children():
+            process.kill()
+        time.sleep(0.5)
+        rest = list(dispatch(engine, tiny_plan.trials[2:], 30.0, work=planted.fake))
+    assert len(first + rest) == 12
+    assert all(line["success"] for line in first + rest)
+
+
+def test_a_result_that_cannot_travel_is_crashed(tiny_plan: Plan, planted: Any) -> None:
+    with LocalEngine(1) as engine:
+        (line,) = dispatch(engine, tiny_plan.trials[:1], 30.0, work=planted.unpicklable)
+    assert line["outcome"] == "crashed"
+
+
+def test_workers_use_one_thread(tiny_plan: Plan, planted: Any) -> None:
+    with LocalEngine(1) as engine:
+        (line,) = dispatch(engine, tiny_plan.trials[:1], 30.0, work=planted.notes_threads)
+    assert line["detail"] == "1"
+
+
+def test_leaving_ends_workers_in_the_middle_of_a_trial(tiny_plan: Plan, planted: Any) -> None:
+    with LocalEngine(1) as engine:
+        engine.submit("a", planted.waits_once, (tiny_plan.trials[0],), 60.0)
+        pid = _pid(planted.FOLDER)
+    with pytest.raises(ProcessLookupError):
+        os.kill(pid, 0)
+
+
+def _pid(folder: Path) -> int:
+    until = time.monotonic() + 30.0
+    while time.monotonic() < until:
+        texts = [file.read_text() for file in folder.glob("pid-*")]
+        if texts and texts[0]:
+            return int(texts[0])
+        time.sleep(0.02)
+    raise AssertionError("no worker began")
+
+
+def test_the_first_alone(tiny_plan: Plan) -> None:
+    """While kernels are compiled, the first trial has the machine and more time."""
+    engine = _Recorded()
+    assert len(list(dispatch(engine, tiny_plan.trials, 5.0, first_alone=True))) == 12
+    assert engine.most_at_first == 1
+    assert engine.limits[0] > 100.0
+    assert set(engine.limits[1:]) == {5.0}
+
+
+class _Recorded:
+    """An engine that does nothing, and knows what it was asked."""
+
+    workers = 4
+
+    def __init__(self) -> None:
+        self.waiting: list[str] = []
+        self.limits: list[float] = []
+        self.most_at_first = 0
+        self.collected = 0
+
+    @property
+    def room(self) -> int:
+        return 4 - len(self.waiting)
+
+    def submit(self, key: str, work: Any, arguments: Any, limit: float) -> None:
+        self.waiting.append(key)
+        self.limits.append(limit)
+
+    def collect(self, timeout: float) -> list[Any]:
+        from cavalcade.campaign.engines import Ended
+
+        if not self.collected:
+            self.most_at_first = len(self.waiting)
+        self.collected += 1
+        done, self.waiting = self.waiting, []
+        return [Ended(key, "done", {"trial": key}) for key in done]
+
+    def __enter__(self) -> _Recorded:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        pass
+
+
+@pytest.mark.parametrize(
+    ("name", "workers", "message"),
+    [
+        ("lokal", None, "--engine: unknown engine 'lokal'; did you mean local?"),
+        ("local", 0, "--workers: expected a whole number from 1 on, got 0"),
+    ],
+)
+def test_no_such_engine(name: str, workers: int | None, message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        make_engine(name, workers)
+    assert str(caught.value).startswith(message)
+    assert ENGINES == ("local", "ray")
+
+
+def test_without_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    import sys
+
+    monkeypatch.setitem(sys.modules, "ray", None)
+    with pytest.raises(InputError, match=r"pip install cavalcade\[cluster\]"):
+        make_engine("ray", 2)

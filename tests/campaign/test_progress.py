@@ -1,0 +1,67 @@
+from __future__ import annotations
+
+import pytest
+
+from cavalcade.campaign.progress import CampaignReporter, duration
+
+
+class Clock:
+    now = 100.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+def test_plain_lines(capsys: pytest.CaptureFixture[str]) -> None:
+    clock = Clock()
+    with CampaignReporter("clutter", 1000, 100, now=clock) as reporter:
+        for _ in range(900):
+            clock.now += 1.0
+            reporter.finished({"success": clock.now < 1000.0})
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == "clutter: 1000 trials, 100 of them done already"
+    assert lines[1] == "130 of 1000 trials (13 %), none failed, 14 min 30 s left"
+    assert lines[-1].startswith("970 of 1000 trials (97 %), ")
+    assert len(lines) == 30
+
+
+def test_lines_every_five_percent_when_that_is_sooner(capsys: pytest.CaptureFixture[str]) -> None:
+    clock = Clock()
+    with CampaignReporter("smoke", 20, now=clock) as reporter:
+        for _ in range(20):
+            clock.now += 2.0
+            reporter.finished({"success": False})
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[1] == "3 of 20 trials (15 %), 3 failed, 34 s left"
+    assert len(lines) == 7
+
+
+def test_quiet(capsys: pytest.CaptureFixture[str]) -> None:
+    with CampaignReporter("smoke", 20, quiet=True) as reporter:
+        reporter.finished({"success": True})
+        reporter.say("x")
+        reporter.warn("a line\nwas torn")
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err == "cavalcade: warning: a line was torn\n"
+
+
+def test_a_bar_on_a_terminal(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("TERM", "xterm")
+    with CampaignReporter("smoke", 20) as reporter:
+        for _ in range(20):
+            reporter.finished({"success": True})
+    said = capsys.readouterr().out
+    assert "smoke" in said
+    assert "20/20" in said
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [(0.2, "0 s"), (59.4, "59 s"), (200.0, "3 min 20 s"), (3600.0 * 2 + 300, "2 h 05 min")],
+)
+def test_durations(seconds: float, text: str) -> None:
+    assert duration(seconds) == text

@@ -1,0 +1,213 @@
+"""Suite files: what is accepted, and the one line about what is not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from cavalcade.campaign.draws import DataFolder
+from cavalcade.campaign.plan import check_plan, make_plan
+from cavalcade.campaign.shipped import load_suite, suite_names
+from cavalcade.campaign.suite import draw_kinds, parse_suite
+from cavalcade.campaign.trial import trials_of
+from cavalcade.errors import InputError
+
+NO_DATA = DataFolder(None)
+
+PROMISED = {
+    *("clutter", "forest", "rooms", "corridors", "barn", "real-maps", "sizes"),
+    *("disturbed", "events", "ablation", "smoke"),
+}
+
+
+def test_what_is_promised_is_shipped() -> None:
+    assert set(suite_names()) >= PROMISED
+
+
+@pytest.mark.parametrize("name", suite_names())
+def test_every_shipped_suite_is_read_and_says_itself_again(name: str) -> None:
+    suite = load_suite(name)
+    assert suite.suite == suite.name == name
+    assert suite.about
+    assert parse_suite(suite.plain()) == suite
+
+
+def test_trials_in_their_order() -> None:
+    suite = parse_suite(
+        {
+            "version": 1,
+            "suite": "a",
+            "seed": 7,
+            "variants": ["cavalcade", "published"],
+            "disturbances": {"none": {}, "late": {"delay": {"mean": 0.1}}},
+            "worlds": [
+                {"name": "one", "draw": "shipped", "scenario": "cone", "seeds": 2},
+                {"name": "two", "draw": "shipped", "scenario": "cone", "seeds": 1},
+            ],
+        }
+    )
+    ids = [trial.id for trial in trials_of(suite, (), NO_DATA)]
+    assert ids == [
+        "one.0007.cavalcade.none",
+        "one.0007.published.none",
+        "one.0007.cavalcade.late",
+        "one.0007.published.late",
+        "one.0008.cavalcade.none",
+        "one.0008.published.none",
+        "one.0008.cavalcade.late",
+        "one.0008.published.late",
+        "two.0007.cavalcade.none",
+        "two.0007.published.none",
+        "two.0007.cavalcade.late",
+        "two.0007.published.late",
+    ]
+    trial = next(t for t in trials_of(suite, ("execution.rate=10",), NO_DATA) if "late" in t.id)
+    scenario = trial.scenario(trial.drawn())
+    assert (scenario.planner.variant, scenario.seed) == ("cavalcade", 7)
+    assert (scenario.execution.delay.mean, scenario.execution.rate) == (0.1, 10.0)
+
+
+def test_ids_without_named_disturbances() -> None:
+    plan = make_plan("clutter", seeds=2, seed=9_999)
+    assert [trial.id for trial in plan.trials] == [
+        "clutter.9999.cavalcade",
+        "clutter.10000.cavalcade",
+    ]
+    assert {trial.disturbance for trial in plan.trials} == {"none"}
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "message"),
+    [
+        ("version", 2, "version: expected 1"),
+        ("sute", "a", "sute: unknown key; did you mean suite?"),
+        ("suite", "a.b", "suite: "),
+        ("variants", ["cavalkade"], "variants[0]: unknown value 'cavalkade'; did you mean"),
+        ("variants", ["published", "published"], "variants: a variant stands here twice"),
+        ("variants", [], "variants: expected at least 1"),
+        ("time_limit", -1, "time_limit: "),
+        ("disturbances", {"a": {"dely": {}}}, "disturbances.a.dely: unknown key"),
+        ("disturbances", {"a": {"delay": {"mean": "x"}}}, "disturbances.a.delay.mean: expected"),
+        ("worlds", [], "worlds: expected at least 1"),
+        ("worlds", "clutter", "worlds: expected a list"),
+        ("worlds.0.draw", "generate", "worlds[0].draw: unknown value 'generate'; did you mean"),
+        ("worlds.0.draw", None, "worlds[0].draw: unknown value None"),
+        ("worlds.0.name", "a/b", "worlds[0].name: "),
+        ("worlds.0.seeds", 0, "worlds[0].seeds: "),
+        ("worlds.0.seeds", "many", "worlds[0].seeds: expected a whole number, got 'many'"),
+        ("worlds.0.obstakles", 3, "worlds[0].obstakles: unknown key; did you mean obstacles?"),
+        ("worlds.0.kind", "clutta", "worlds[0].kind: unknown value 'clutta'"),
+        ("worlds.0.size", [1], "worlds[0].size: "),
+    ],
+)
+def test_a_bad_file_is_one_line(tmp_path: Path, path: str, value: Any, message: str) -> None:
+    data: Any = {
+        "version": 1,
+        "suite": "mine",
+        "worlds": [
+            {
+                "name": "clutter",
+                "draw": "generated",
+                "kind": "clutter",
+                "size": [14, 10],
+                "obstacles": 15,
+                "team": {"shape": "square", "side": 1.0},
+                "seeds": 3,
+            }
+        ],
+    }
+    here = data
+    *steps, last = path.split(".")
+    for step in steps:
+        here = here[int(step) if step.isdigit() else step]
+    here[last] = value
+    file = tmp_path / "mine.yaml"
+    file.write_text(yaml.safe_dump(data), encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        load_suite(file)
+    text = str(caught.value)
+    assert text.startswith(f"{file}: {message}")
+    assert "\n" not in text
+
+
+def test_groups_have_names_of_their_own() -> None:
+    group = {"name": "a", "draw": "shipped", "scenario": "cone", "seeds": 1}
+    with pytest.raises(InputError, match=r"worlds\[1\]\.name: 'a' is there already"):
+        parse_suite({"version": 1, "suite": "x", "worlds": [group, group]})
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("cluter", "cluter: no such file or shipped suite; did you mean clutter?"),
+        ("nothing.yaml", "nothing.yaml: no such file or shipped suite (one of: ablation, barn,"),
+        ("", "no such file or shipped suite"),
+        ("a\nb", "'a\\nb': no such file or shipped suite"),
+        ("x" * 5000, "'xxxx"),
+    ],
+)
+def test_no_such_suite(name: str, message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        load_suite(name)
+    assert message in str(caught.value)
+    assert "clutter" in str(caught.value)
+
+
+def test_draws_have_names() -> None:
+    assert {"generated", "barn", "maps", "events", "shipped"} <= set(draw_kinds())
+
+
+def test_the_data_may_be_absent(tmp_path: Path) -> None:
+    suite = load_suite("barn")
+    assert suite.missing(DataFolder(tmp_path))
+    assert load_suite("clutter").missing(NO_DATA) is None
+
+
+@pytest.mark.parametrize(
+    ("overrides", "message"),
+    [
+        (["planner.lookahed=3"], "--set planner.lookahed: unknown key; did you mean lookahead?"),
+        (["planner.lookahead=far"], "--set planner.lookahead: expected a number, got 'far'"),
+        (["lookahead=3"], "--set lookahead: unknown key"),
+        (["planner.lookahead"], "--set: expected KEY=VALUE"),
+        (["world.obstacles[0]=1"], "--set world.obstacles"),
+    ],
+)
+def test_overrides_are_tried_before_anything_runs(overrides: list[str], message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        check_plan(make_plan("clutter", overrides=overrides))
+    assert str(caught.value).startswith(message)
+
+
+def test_a_variant_given_takes_the_place_of_the_suites() -> None:
+    plan = make_plan("smoke", overrides=["planner.variant=published", "execution.rate=10"])
+    assert plan.suite.variants == ("published",)
+    assert plan.overrides == ("execution.rate=10",)
+    check_plan(plan)
+    with pytest.raises(InputError) as caught:
+        make_plan("smoke", overrides=["planner.variant=publisht"])
+    assert "unknown value 'publisht'; did you mean published?" in str(caught.value)
+
+
+def test_the_fingerprint_tells_campaigns_apart() -> None:
+    plans = [
+        make_plan("clutter"),
+        make_plan("clutter", seeds=5),
+        make_plan("clutter", seed=5),
+        make_plan("clutter", overrides=["execution.rate=10"]),
+        make_plan("forest"),
+    ]
+    assert len({plan.fingerprint for plan in plans}) == 5
+    assert make_plan("clutter").fingerprint == plans[0].fingerprint
+
+
+def test_close_matches_of_a_trials_name() -> None:
+    plan = make_plan("clutter", seeds=20)
+    with pytest.raises(InputError) as caught:
+        plan.trial("clutter.0013.cavalkade")
+    assert "did you mean clutter.0013.cavalcade or " in str(caught.value)
+    with pytest.raises(InputError, match="no such trial: ''"):
+        plan.trial("")
