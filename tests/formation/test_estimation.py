@@ -64,7 +64,7 @@ def test_noise_is_averaged_out(delay: float) -> None:
     expected = Imperfections(position=0.02, heading=math.radians(1.0), delay=delay)
     away = errors(*drive(expected, seed=3, cycles=400))
     assert np.sqrt(np.mean(away**2)) < 0.6 * 0.02 * math.sqrt(2.0)
-    assert np.mean(away < expected.error(PERIOD)) > 0.98
+    assert np.mean(away < expected.error(PERIOD, 0.0)) > 0.98
 
 
 def test_lost_messages_cost_little() -> None:
@@ -124,7 +124,7 @@ def test_what_is_expected_is_finite(
     position: float, delay: float, jitter: float, drop: float
 ) -> None:
     expected = Imperfections(position, 0.0, delay, jitter, drop)
-    assert 0.0 < expected.error(PERIOD) <= 3.0 * position
+    assert 0.0 < expected.error(PERIOD, 0.0) <= 3.0 * position
     assert expected.held(PERIOD) >= 1
     estimator = StateEstimator(GO1, PERIOD, expected)
     for cycle in range(3):
@@ -141,3 +141,30 @@ def test_nonsense_is_refused(key: str, value: float) -> None:
         Imperfections(**{key: value})
     with pytest.raises(InputError, match="drop"):
         Imperfections(drop=1.5)
+
+
+def test_a_robot_that_does_not_budge_is_believed_in_the_end() -> None:
+    """Without stamps an unchanged pose may be an old one, but not for ever."""
+    estimator = StateEstimator(GO1, PERIOD, Imperfections(delay=0.1))
+    for cycle in range(100):
+        poses, _ = estimator.update(STARTS, cycle * PERIOD)
+        estimator.commanded(np.tile([0.5, 0.0, 0.0], (2, 1)))
+    assert np.hypot(*(poses - STARTS)[:, :2].T).max() < 0.1
+
+
+def test_with_very_noisy_headings_nobody_was_carried_away() -> None:
+    expected = Imperfections(position=0.02, heading=0.3)
+    off = np.diff(drive(expected, seed=5, cycles=400)[0], axis=0)
+    assert np.abs(off[100:, :, :2]).max() < 0.05  # no jump back to a raw report
+
+
+def test_what_is_given_out_is_not_the_estimate_itself() -> None:
+    estimator = StateEstimator(GO1, PERIOD, Imperfections(position=0.02))
+    other = StateEstimator(GO1, PERIOD, Imperfections(position=0.02))
+    for cycle in range(20):
+        seen = STARTS + 0.01 * cycle
+        poses, velocities = estimator.update(seen, cycle * PERIOD)
+        expected = other.update(seen, cycle * PERIOD)
+        assert np.array_equal(poses, expected[0])
+        assert np.array_equal(velocities, expected[1])
+        poses[:] = velocities[:] = 7.0

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cavalcade.errors import InputError
-from cavalcade.formation import Formation, FormationPlanner
+from cavalcade.formation import Formation, FormationPlanner, Imperfections
 from cavalcade.robots import robot_model
 from cavalcade.world import OccupancyMap
 
@@ -55,6 +55,13 @@ class TestInput:
     def test_malformed_time(self, time):
         with pytest.raises(InputError, match="time"):
             FormationPlanner(**PLANNER).step(np.zeros((4, 3)), time)
+
+    @pytest.mark.parametrize("stamps", [0.0, np.zeros(3), np.full(4, np.nan)])
+    @pytest.mark.parametrize("expected", [None, Imperfections(delay=0.1)])
+    def test_malformed_stamps(self, stamps, expected):
+        planner = FormationPlanner(**PLANNER, expected=expected)
+        with pytest.raises(InputError, match="stamps"):
+            planner.step(np.zeros((4, 3)), 0.0, stamps)
 
     @pytest.mark.parametrize(
         "goal", [(1.0, 2.0), (1.0, 2.0, np.nan), (1.0, 2.0, 3.0, 4.0), (np.inf, 0.0, 0.0)]

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cavalcade.formation import VARIANTS, Formation, FormationPlanner
+from cavalcade.formation import VARIANTS, Formation, FormationPlanner, Imperfections
 from cavalcade.geometry import transform_points
 from cavalcade.world import Box, Circle, OccupancyMap
 
@@ -46,6 +46,23 @@ def test_where_the_map_lies_makes_no_difference(variant, origin):
     np.testing.assert_allclose(other.goals, transform_points(origin, status.goals), atol=1e-6)
     for a, b in zip(other.paths, status.paths, strict=True):
         np.testing.assert_allclose(a, transform_points(origin, b), atol=1e-6)
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.12])
+def test_nor_where_poses_are_noisy_and_commands_late(delay):
+    origin = (-2.0, 1.0, 0.7)
+    here = FormationPlanner(ROOM, FORMATION, expected=Imperfections(0.02, 0.02, delay))
+    there = FormationPlanner(
+        OccupancyMap(ROOM.grid, CELL, origin), FORMATION, expected=Imperfections(0.02, 0.02, delay)
+    )
+    here.set_goal(GOAL)
+    there.set_goal([*transform_points(origin, GOAL[None, :2])[0], GOAL[2] + origin[2]])
+    for k in range(12):
+        poses = start(1) + (0.012 * k, 0.002 * k, 0.01 * k)
+        moved = np.column_stack([transform_points(origin, poses[:, :2]), poses[:, 2] + origin[2]])
+        np.testing.assert_allclose(
+            there.step(moved, k * 0.05), here.step(poses, k * 0.05), atol=1e-6
+        )
 
 
 @settings(max_examples=12, deadline=None)

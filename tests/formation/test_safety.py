@@ -318,3 +318,17 @@ def test_any_rate_stops_in_time(tools, rate):
             state = advance(*state, *commands[0], 0.1 / rate, LIMITS)
         assert tools.occupied_gap(np.array(state[:3]), SIZE, occupied, CELL) > 0.0
     assert state[0] > 5.0 - 0.325 - 0.15
+
+
+def test_beside_a_robot_that_is_lost_only_footprints_count():
+    """A slot 0.5 m beside a lost robot could not be reached for the distance of centres."""
+    closest = {}
+    for frozen in ((0,), ()):
+        scene = Scene([[2.0, 2.0, 0.0], [2.0, 2.8, 0.0]], np.zeros((80, 80), bool), frozen=frozen)
+        for _ in range(120):
+            commands, _ = scene.commands([[0.0, 0.0, 0.0], [0.0, -0.2, 0.0]])
+            scene.advance(commands)
+        closest[frozen] = float(np.hypot(*(scene.poses[1] - scene.poses[0])[:2]))
+    margins = scene.filter._margins
+    assert closest[()] >= margins.hard_centres
+    assert GO1.width + margins.hard_footprint <= closest[(0,)] < GO1.width + 0.1

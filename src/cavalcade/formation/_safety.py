@@ -164,6 +164,8 @@ def least_change(poses, wanted, weights, sizes, movers, mover_speeds, discs, dis
             bounds[count] = -approach_speed(gap - margins[1], 1.5 * braking, period)
             owners[count, 0], owners[count, 1] = i, j
             count += 1
+            if weights[i] >= 1e6 or weights[j] >= 1e6:
+                continue  # one that does not drive is an obstacle: only footprints matter
             rows[count, 0], rows[count, 1], rows[count, 2] = dx / away, dy / away, 0.0
             rows[count, 3], rows[count, 4], rows[count, 5] = -dx / away, -dy / away, 0.0
             bounds[count] = -approach_speed(away - margins[2], 1.5 * braking, period)
@@ -270,7 +272,8 @@ def certify(poses, velocities, commands, rank, frozen, limits, period, substeps,
         frozen: `(N,)` robots that are not commanded.
         limits: Of the robots' motion, see `robots.motion`.
         period, substeps, steps: Cycle, its division and the number of rolled-out steps.
-        hard: Least gaps: footprint to obstacles, footprint to footprint, centre to centre (m).
+        hard: Least gaps: footprint to obstacles, footprint to footprint, centre to centre (m);
+            the last between robots that are both commanded.
 
     Returns:
         `(N, 3)` commands in the body frame and `(N,)` the levels taken.
@@ -310,15 +313,19 @@ def certify(poses, velocities, commands, rank, frozen, limits, period, substeps,
     last = LEVELS - 1
     near = np.zeros((n, n), np.bool_)
     stopped = np.zeros((n, n))
+    centres = np.zeros((n, n))
     for i in range(n):
         for j in range(i + 1, n):
             away = math.hypot(poses[i, 0] - poses[j, 0], poses[i, 1] - poses[j, 1])
             reach = math.hypot(sizes[i, 0], sizes[i, 1]) + math.hypot(sizes[j, 0], sizes[j, 1])
             near[i, j] = away < reach + 1.3
             near[j, i] = near[i, j]
+            if not (frozen[i] or frozen[j]):  # else only footprints matter
+                centres[i, j] = hard[2]
+                centres[j, i] = hard[2]
             if near[i, j]:
                 stopped[i, j] = min(0.0, pair_slack(
-                    paths[i, last], sizes[i], paths[j, last], sizes[j], hard[1], hard[2]
+                    paths[i, last], sizes[i], paths[j, last], sizes[j], hard[1], centres[i, j]
                 ))  # fmt: skip
                 stopped[j, i] = stopped[i, j]
     changed = True
@@ -329,7 +336,7 @@ def certify(poses, velocities, commands, rank, frozen, limits, period, substeps,
                 if not near[i, j] or (level[i] == last and level[j] == last):
                     continue
                 now = pair_slack(paths[i, level[i]], sizes[i], paths[j, level[j]], sizes[j],
-                                 hard[1], hard[2])  # fmt: skip
+                                 hard[1], centres[i, j])  # fmt: skip
                 if now >= stopped[i, j]:
                     continue
                 k = j if rank[j] > rank[i] else i
@@ -355,7 +362,7 @@ def certify(poses, velocities, commands, rank, frozen, limits, period, substeps,
             for j in range(n):
                 if j != i and near[i, j]:
                     now = pair_slack(paths[i, k], sizes[i], paths[j, level[j]], sizes[j], hard[1],
-                                     hard[2])  # fmt: skip
+                                     centres[i, j])  # fmt: skip
                     if now < stopped[i, j]:
                         clear = False
                         break

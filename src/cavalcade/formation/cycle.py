@@ -51,8 +51,8 @@ class Cycle:
         away: `(N,)` distances to the final slots, m; inf unless `final`.
         final: Robots drive to their final slots.
         roles, paths, targets: As reported.
-        detours: Places `(2,)` where robots turn before they go to their slots, by robot.
-        docking: `(N,)` robots that keep to the goal's heading.
+        detours: Places `(2,)` where wedged robots go to turn, by robot, m.
+        facing: `(N,)` headings that robots are to take up or keep, rad; nan for as usual.
     """
 
     plan: GoalPlan
@@ -69,11 +69,11 @@ class Cycle:
     paths: tuple[Array, ...] = ()
     targets: Array | None = None
     detours: dict[int, Array] = field(default_factory=dict)
-    docking: NDArray[np.bool_] = field(init=False)
+    facing: Array = field(init=False)
 
     def __post_init__(self) -> None:
         count = len(self.poses)
-        self.docking = np.zeros(count, dtype=bool)
+        self.facing = np.full(count, np.nan)
         self.eta = np.full(count, np.inf)
         self.away = np.full(count, np.inf)
         self.roles = np.full(count, -1, dtype=np.int64)

@@ -24,8 +24,9 @@ from cavalcade.robots.motion import limits_of, predict_team
 _DRIFT = 0.08  # m/s and rad/s that a robot departs from the model at random
 _STEADY = 0.2  # largest share of a cycle's surprise that is put down to the velocity
 _STEP = 0.0125  # s: step of the prediction
-_LONGEST = 0.5  # s without a cycle after which the team counts as standing
-_ELSEWHERE = 0.5  # m or rad from the prediction where the robot must have been moved
+_LONGEST = 0.5  # s without a cycle, or in one pose exactly, after which a robot stands
+_ELSEWHERE = 0.5  # m or rad from the prediction where the robot must have been moved,
+_OUTLIER = 5.0  # if that is also so many standard deviations of the reports
 _SIGMAS = 3.0  # standard deviations of the estimate that count as its error
 
 
@@ -59,9 +60,11 @@ class Imperfections:
         """Everything is perfect."""
         return not any(getattr(self, field.name) for field in fields(self))
 
-    def error(self, period: float) -> float:
-        """How far a robot may be from its estimate, m."""
-        return _SIGMAS * self.position * math.sqrt(_gain(self.position, period))
+    def error(self, period: float, reach: float) -> float:
+        """How far a point of a robot, `reach` from its centre, may be from its estimate, m."""
+        place = self.position * math.sqrt(_gain(self.position, period))
+        turn = self.heading * math.sqrt(_gain(self.heading, period))
+        return _SIGMAS * math.hypot(place, reach * turn)
 
     def held(self, period: float) -> int:
         """Cycles that a command may stay in effect before the next one arrives, at least 1.
@@ -89,6 +92,8 @@ class StateEstimator:
         self._delay = expected.delay
         place, turn = _gain(expected.position, period), _gain(expected.heading, period)
         self._gain = np.array([place, place, turn])
+        deviation = np.array([expected.position, expected.position, expected.heading])
+        self._elsewhere = np.maximum(_ELSEWHERE, _OUTLIER * deviation)
         self._swift = np.minimum(self._gain**2 / (2.0 - self._gain), _STEADY)
         self._states: Array | None = None
         self._time = 0.0
@@ -105,7 +110,7 @@ class StateEstimator:
             poses: `(N, 3)` as reported last.
             time: Now, s.
             stamps: `(N,)` when they were measured, s; None where nobody says. Then a pose that
-                has not changed at all since the last call counts as not reported anew.
+                has not changed at all counts as not reported anew, for half a second.
         """
         elapsed = time - self._time
         if (
@@ -113,23 +118,23 @@ class StateEstimator:
             or len(self._states) != len(poses)
             or not 0.0 < elapsed < self._longest
         ):
-            self._restart(poses)
+            self._restart(poses, time, stamps)
         else:
             self._states = self._carried(self._states, self._time, time, use_up=True)
             self._correct(poses, time, elapsed, stamps)
         self._time = time
         self._reported = poses.copy()
-        self._stamps = np.full(len(poses), time) if stamps is None else np.array(stamps, float)
         assert self._states is not None
         ahead = self._carried(self._states, time, time + self._delay, use_up=False)
-        return ahead[:, :3], ahead[:, 3:]
+        return ahead[:, :3].copy(), ahead[:, 3:].copy()  # without delay it is the estimate itself
 
     def commanded(self, commands: Array) -> None:
         """Body-frame commands `(N, 3)` that are sent now."""
         self._coming.append((self._time + self._delay, commands.copy()))
 
-    def _restart(self, poses: Array) -> None:
+    def _restart(self, poses: Array, time: float, stamps: Array | None) -> None:
         self._states = np.column_stack([poses, np.zeros_like(poses)])
+        self._stamps = np.full(len(poses), time) if stamps is None else np.array(stamps, float)
         self._coming.clear()
         self._current = np.zeros_like(poses)
 
@@ -164,18 +169,23 @@ class StateEstimator:
         states = self._states
         assert states is not None
         if stamps is None:
-            fresh: NDArray[np.bool_] = (poses != self._reported).any(axis=1)
+            # One that stays where it is longer than reports get lost for does stand there.
+            changed = (poses != self._reported).any(axis=1)
+            stamps = np.where(changed, time, self._stamps)
+            fresh: NDArray[np.bool_] = changed | (time - stamps > self._longest)
             age = np.zeros(len(poses))
         else:
             fresh = stamps > self._stamps
             age = np.clip(time - stamps, 0.0, self._longest)
+        gathered = np.maximum(stamps - self._stamps, elapsed)  # more than a cycle after losses
+        self._stamps = np.array(stamps, float)
         surprise = poses + states[:, 3:] * age[:, None] - states[:, :3]
         surprise[:, 2] = wrap_angle(surprise[:, 2])
-        moved = fresh & (np.abs(surprise) > _ELSEWHERE).any(axis=1)
+        moved = fresh & (np.abs(surprise) > self._elsewhere).any(axis=1)
         states[moved, :3], states[moved, 3:] = poses[moved], 0.0
         surprise[moved | ~fresh] = 0.0
         states[:, :3] += self._gain * surprise
-        states[:, 3:] += self._swift * surprise / elapsed
+        states[:, 3:] += self._swift * surprise / gathered[:, None]
 
 
 def _gain(deviation: float, period: float) -> float:

@@ -97,9 +97,13 @@ class Ground:
         """W_B `(N,)` in the cells of points `(N, 2)`; 0 off the map."""
         return values_at(self.speed_b, np.ascontiguousarray(points), self.cell)
 
+    def distance_at(self, point: Array) -> float:
+        """Distance from the cell of a point `(2,)` to the nearest obstacle, m; 0 off the map."""
+        return float(values_at(self.distance, np.ascontiguousarray(point)[None], self.cell)[0])
+
     def component(self, point: Array) -> int:
         """Number of the connected free region a point stands in or next to; 0 if in none."""
-        labels = self._regions()
+        labels = self.regions()
         rows, cols = self._cells(np.asarray(point)[None])
         here = int(labels[rows[0], cols[0]])
         if here == 0:
@@ -143,7 +147,7 @@ class Ground:
         Returns:
             The shift in m, zero if the slots fit as they are, or None if none fits.
         """
-        labels = self._regions()
+        labels = self.regions()
         bodies = slots[:, None] + body[None]
         wanted = -1 if region is None else region
 
@@ -163,7 +167,8 @@ class Ground:
         shifts, length = shifts[length <= reach], length[length <= reach]
         return first_fit(shifts[np.argsort(length, kind="stable")])
 
-    def _regions(self) -> NDArray[np.int32]:
+    def regions(self) -> NDArray[np.int32]:
+        """Numbers `(rows, cols)` of the connected free regions, 0 where there is none."""
         if self._labels is None:
             self._labels = ndimage.label(self.speed_b > 0.0)[0]
         return self._labels

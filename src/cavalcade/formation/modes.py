@@ -18,7 +18,6 @@ from cavalcade.formation.cycle import (
     named,
     order_of,
 )
-from cavalcade.formation.docking import DockingWatch
 from cavalcade.formation.evasion import evade
 from cavalcade.formation.goals import (
     BodyCover,
@@ -35,6 +34,7 @@ from cavalcade.formation.shaping import Shaper
 from cavalcade.formation.standoff import StandoffWatch
 from cavalcade.formation.team import Team
 from cavalcade.formation.variants import Variant
+from cavalcade.formation.wedging import WedgeWatch
 from cavalcade.geometry import Array
 from cavalcade.robots import RobotModel
 
@@ -59,7 +59,7 @@ class Navigator:
         self._shaper = Shaper(variant, settings, model, period)
         self._cover = BodyCover.of(model.length, model.width)
         self._watch = StandoffWatch(settings.lookahead, rng)
-        self._docking = DockingWatch(model)
+        self._wedges = WedgeWatch(model)
         self.goals: Array = np.empty((0, 3))
         self.radius = settings.r_max
         self._waypoint = 0
@@ -68,7 +68,9 @@ class Navigator:
     def set_goals(self, goals: Array, keep: bool = False) -> None:
         """Replace the goals `(G, 3)`; `keep` says that they are the same ones, seen anew."""
         self.goals = goals
-        if not keep:
+        if keep:
+            self._wedges.restart()  # what it remembers is in the old frame
+        else:
             self._waypoint = 0
             self.restart()
 
@@ -82,7 +84,7 @@ class Navigator:
         self._view = View(state=self._state)
         self._shaper.reset()
         self._watch.restart()
-        self._docking.restart()
+        self._wedges.restart()
         self.refresh()
 
     def refresh(self) -> None:
@@ -96,6 +98,7 @@ class Navigator:
     def go_on(self) -> None:
         """Time has passed without cycles."""
         self._shaper.forget_springs()
+        self._wedges.go_on()
         self.refresh()
 
     def rank(self, robots: int) -> NDArray[np.int64]:
@@ -229,13 +232,9 @@ class Navigator:
         cycle.targets = by_robot(cycle.plan.places, self._roles)
         cycle.away = distances(cycle.points, cycle.targets)
         cycle.roles = self._roles
-        self._dock(cycle)
-        self._drive(cycle, {})
-
-    def _dock(self, cycle: Cycle) -> None:
-        """Let robots that cannot turn in their slots turn beside them."""
-        if self._variant.standoffs and self._docking.update(cycle):
+        if self._variant.standoffs and self._wedges.update(cycle):
             self._watch.refresh()
+        self._drive(cycle, {})
 
     def _resolve(self, cycle: Cycle) -> None:
         """One by one along each robot's own field."""
@@ -245,7 +244,8 @@ class Navigator:
         cycle.roles = self._roles
         cycle.targets = by_robot(cycle.plan.places, self._roles)
         cycle.away = distances(cycle.points, cycle.targets)
-        self._dock(cycle)
+        if self._wedges.update(cycle, single.paths):
+            self._watch.refresh()
         paths, courses = list(single.paths), single.courses
         for k, place in cycle.detours.items():
             paths[k], _ = local_way(cycle.plan.ground, cycle.points[k], place)

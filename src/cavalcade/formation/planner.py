@@ -194,13 +194,14 @@ class FormationPlanner:
         Args:
             poses: `(N, 3)` x, y in m and yaw in rad of all robots, as last reported.
             time: Now, s; any clock that advances.
-            stamps: `(N,)` when each of them was measured, s; None for now.
+            stamps: `(N,)` when each of them was measured, s; None where that is not known. Only
+                planners that expect imperfections use it.
 
         Returns:
             `(N, 3)` body-frame velocities: m/s, m/s, rad/s.
 
         Raises:
-            InputError: Poses of the wrong shape, or not finite.
+            InputError: Poses or stamps of the wrong shape, or not finite.
         """
         poses = np.array(poses, dtype=float)
         if poses.shape != (self._team.size, 3):
@@ -209,6 +210,10 @@ class FormationPlanner:
             )
         if not (np.isfinite(poses).all() and np.isfinite(time)):
             raise InputError("expected finite poses and time", key="poses")
+        if stamps is not None:
+            stamps = np.array(stamps, dtype=float)
+            if stamps.shape != (len(poses),) or not np.isfinite(stamps).all():
+                raise InputError(f"expected ({len(poses)},) finite times", key="stamps")
         origin = self._map.origin
         poses, velocities, late = self._located(poses, float(time), stamps)
         local = poses
@@ -232,15 +237,11 @@ class FormationPlanner:
         return commands
 
     def _located(
-        self, poses: Array, time: float, stamps: ArrayLike | None
+        self, poses: Array, time: float, stamps: Array | None
     ) -> tuple[Array, Array, float]:
         """Poses and velocities `(N, 3)` when this cycle's commands arrive, and in how many s."""
         if isinstance(self._tracker, VelocityTracker):
             return poses, self._tracker.update(poses, time), 0.0
-        if stamps is not None:
-            stamps = np.array(stamps, dtype=float)
-            if stamps.shape != (len(poses),) or not np.isfinite(stamps).all():
-                raise InputError(f"expected ({len(poses)},) finite times", key="stamps")
         return *self._tracker.update(poses, time, stamps), self._expected.delay
 
     def _routes(self, local: Array) -> Ground:
@@ -250,7 +251,7 @@ class FormationPlanner:
             return self._ground
         known = self._bodies
         same = known is not None and known[0] is self._ground and len(known[1]) == len(bodies)
-        if known is None or not same or np.abs(known[1] - bodies).max() > _SETTLED:
+        if known is None or not same or _departed(known[1], bodies):
             ground = self._ground.with_bodies(bodies, self.model.length, self.model.width)
             self._bodies = known = (self._ground, bodies.copy(), ground)
         return known[2]
@@ -303,3 +304,10 @@ class FormationPlanner:
 
 _SETTLED = 0.05  # m and rad that a lost robot may move before ways are planned anew
 _NO_PAIRS: NDArray[np.int64] = np.empty((0, 2), np.int64)
+
+
+def _departed(before: Array, now: Array) -> bool:
+    """Whether any of the poses `(K, 3)` has changed by more than `_SETTLED`."""
+    change = now - before
+    change[:, 2] = wrap_angle(change[:, 2])
+    return bool(np.abs(change).max() > _SETTLED)

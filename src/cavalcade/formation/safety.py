@@ -28,7 +28,11 @@ _WEIGHTS = 1000.0  # largest ratio of such weights in one team
 
 @dataclass(frozen=True)
 class Margins:
-    """Gaps in m: what the first stage aims at, and what the second insists on."""
+    """Gaps in m: what the first stage aims at, and what the second insists on.
+
+    Those between centres are the paper's 0.60 m and a little more, the same for every model: what
+    keeps bodies of any size apart are the gaps between footprints.
+    """
 
     obstacle: float = 0.04
     footprint: float = 0.06
@@ -63,7 +67,7 @@ class SafetyFilter:
         self, model: RobotModel, period: float, expected: Imperfections | None = None
     ) -> None:
         expected = expected or Imperfections()
-        self._margins = Margins().widened(expected.error(period))
+        self._margins = Margins().widened(expected.error(period, model.length / 2.0))
         # A command stays in effect until the next one arrives.
         period *= expected.held(period)
         self._period = period

@@ -109,7 +109,8 @@ class Shaper:
                 if ahead is not None:
                     aim[k] = ahead
         if cycle.final:
-            aim = np.where((cycle.away < _NEAR) | cycle.docking, cycle.plan.pose[2], aim)
+            aim = np.where(cycle.away < _NEAR, cycle.plan.pose[2], aim)
+            aim = np.where(np.isnan(cycle.facing), aim, cycle.facing)
         rate = _TURN_GAIN * wrap_angle(aim - cycle.poses[:, 2])
         rate[~cycle.team.present] = 0.0
         if self._variant.improved and cycle.final:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from statistics import median
 
 import numpy as np
 from numpy.typing import NDArray
@@ -102,7 +103,8 @@ class StandoffWatch:
     def next_state(self, state: str, cycle: Cycle, roles: NDArray[np.int64]) -> str:
         """The state to go on in: `partial`, `final`, `resolving` or `stuck`."""
         eta = np.minimum(cycle.eta[cycle.active], 1e3)
-        gained = self._begun_eta - float(np.median(eta))
+        middle = median(eta.tolist())
+        gained = self._begun_eta - middle
         if gained > _OVER and state == "partial":
             self._attempts, self._begun_eta = 0, np.inf
         measure = float(eta.mean())
@@ -131,7 +133,7 @@ class StandoffWatch:
             self._attempts = 0
             return "stuck"
         self._slots = None
-        self._begun, self._begun_eta = cycle.time, float(np.median(eta))
+        self._begun, self._begun_eta = cycle.time, middle
         # The first try goes by who is ahead; if that did not help, by lot.
         repeated = self._attempts > 1
         self._order = self._rng.permutation(len(cycle.points)) if repeated else None

@@ -48,11 +48,6 @@ class ArrivalMonitor:
         self._since: float | None = None
         self._status: PlannerStatus | None = None
 
-    @property
-    def targets(self) -> Array | None:
-        """Poses `(N, 3)` of the slots that are being driven to; None before the first goal."""
-        return None if self._status is None else slot_poses(self._status)
-
     def update(
         self,
         time: float,

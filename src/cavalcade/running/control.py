@@ -9,7 +9,6 @@ from types import TracebackType
 from typing import Any, Protocol, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cavalcade.fleet import Fleet, Observation, Watchdog, WatchdogReport
 from cavalcade.formation.status import PlannerStatus
@@ -83,7 +82,7 @@ class ControlLoop:
         self.fleet = fleet
         self.watchdog = watchdog
         self._paused = False
-        self._known: Array | None = None
+        self._known: tuple[Array, Array] | None = None
         self._lost = np.zeros(fleet.size, dtype=bool)
 
     def __enter__(self) -> Self:
@@ -97,11 +96,6 @@ class ControlLoop:
     ) -> None:
         self.stop()
 
-    @property
-    def lost(self) -> NDArray[np.bool_]:
-        """`(N,)` which robots are known to be lost."""
-        return self._lost.copy()
-
     def plan(self) -> Cycle:
         """Observe and decide; nothing is sent yet."""
         observation = self.fleet.observe()
@@ -112,9 +106,9 @@ class ControlLoop:
             if self._paused:
                 self.planner.resume()
                 self._paused = False
-            poses = self._usable(observation.poses)
+            poses, stamps = self._usable(observation)
             start = time.perf_counter()
-            wanted = self.planner.step(poses, observation.time, observation.stamps)
+            wanted = self.planner.step(poses, observation.time, stamps)
             commands = np.array(wanted, dtype=float)
             planning = time.perf_counter() - start
             commands[self._lost] = 0.0
@@ -147,11 +141,13 @@ class ControlLoop:
         self.watchdog.rejoin(robot)
         self.planner.rejoin(robot)
 
-    def _usable(self, poses: Array) -> Array:
-        """The poses, where a lost robot reports nonsense with its last sound one."""
-        finite = np.asarray(np.isfinite(poses).all(axis=1))
-        if self._known is None or finite.all():
-            self._known = np.where(finite[:, None], poses, 0.0)
-        else:
-            self._known = np.where(finite[:, None], poses, self._known)
-        return self._known.copy()
+    def _usable(self, observation: Observation) -> tuple[Array, Array]:
+        """Poses and stamps; where a lost robot reports nonsense, those of its last sound report."""
+        poses, stamps = observation.poses, observation.stamps
+        sound = np.isfinite(poses).all(axis=1) & np.isfinite(stamps)
+        known = self._known or (np.zeros_like(poses), np.zeros_like(stamps))
+        self._known = (
+            np.where(sound[:, None], poses, known[0]),
+            np.where(sound, stamps, known[1]),
+        )
+        return self._known[0].copy(), self._known[1].copy()

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from cavalcade.fleet import Fleet
+from cavalcade.formation import MovingObstacle
 from cavalcade.running.control import ControlLoop
 from cavalcade.running.frames import ObstacleTrack
-from cavalcade.running.team import formation_of, moving_obstacle
+from cavalcade.running.team import formation_of
 from cavalcade.scenario import Event, ObstacleSpan, Scenario, World
 from cavalcade.world import OccupancyMap, shape_from_mapping
 
@@ -159,7 +160,7 @@ class _Obstacles:
     def movers(self, time: float) -> list[Any]:
         """What moves now, as the planner takes it."""
         return [
-            moving_obstacle(
+            MovingObstacle(
                 self._shapes[k].moved(self.spans[k].offset_at(time)),
                 self.spans[k].velocity_at(time),
             )

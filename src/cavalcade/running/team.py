@@ -14,13 +14,11 @@ from cavalcade.formation import (
     FormationPlanner,
     FormationSettings,
     Imperfections,
-    MovingObstacle,
 )
 from cavalcade.formation.settings import PRESETS, SIMULATION_SPRINGS, SpringLaw, Springs
 from cavalcade.formation.variants import default_settings
 from cavalcade.scenario import FormationSection, PlannerSection, Scenario, World
 from cavalcade.scenario.task import ConnectionSection
-from cavalcade.world import Shape
 
 _SETTINGS = (
     "r_max",
@@ -155,8 +153,3 @@ def _connection(formation: Formation, joint: ConnectionSection, springs: Springs
     }
     rest_length = length if joint.l0 is None else joint.l0
     return Connection(joint.a, joint.b, rest_length, replace(law, **said))
-
-
-def moving_obstacle(shape: Shape, velocity: tuple[float, float]) -> MovingObstacle:
-    """A shape that moves, as the planner takes it: velocity in m/s, map frame."""
-    return MovingObstacle(shape, velocity)
