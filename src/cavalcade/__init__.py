@@ -26,6 +26,7 @@ if TYPE_CHECKING:
         Formation,
         FormationPlanner,
         FormationSettings,
+        Imperfections,
         MovingObstacle,
     )
     from cavalcade.robots import RobotModel, robot_model
@@ -48,6 +49,7 @@ _HOME = {
     "Formation": "formation",
     "FormationPlanner": "formation",
     "FormationSettings": "formation",
+    "Imperfections": "formation",
     "InputError": "errors",
     "MapError": "errors",
     "MovingObstacle": "formation",
@@ -84,6 +86,7 @@ __all__ = [
     "Formation",
     "FormationPlanner",
     "FormationSettings",
+    "Imperfections",
     "InputError",
     "MapError",
     "MovingObstacle",

@@ -136,6 +136,15 @@ def notes_threads(trial):
     return fake(trial) | {"detail": str(numba.config.NUMBA_NUM_THREADS)}
 
 
+def notes_signals(trial):
+    blocked = signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, [])
+    return fake(trial) | {"detail": "blocked" if blocked else "free"}
+
+
+def die_at_once():
+    os._exit(3)
+
+
 def unpicklable(trial):
     return lambda: None
 '''

@@ -3,9 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cavalcade.campaign.avoidable import audit, way_open
+from cavalcade.campaign.avoidable import audit
 from cavalcade.checking.report import Report, Violation
-from cavalcade.formation.status import PlannerStatus
 from cavalcade.running.frames import Recording
 from cavalcade.scenario import build_world, parse_scenario, resolve_scenario
 
@@ -31,11 +30,16 @@ def scene(events=(), obstacles=(), speed=0.0, seconds=10.0, size=(10.0, 6.0)):
     return scenario, build_world(scenario), recording
 
 
-def verdict(made, time, obstacle, kind="robot-obstacle", robots=(0,)):
-    found = Violation(kind, time, robots, "", 0.0, 0.0, obstacle)
+def verdicts(made, times, obstacle, kind="robot-obstacle", robots=(0,)):
+    found = tuple(Violation(kind, time, robots, "", 0.0, 0.0, obstacle) for time in times)
     scenario, world, recording = made
-    (collision,) = audit(scenario, world, recording, Report((found,), None))
-    assert collision.violation is found
+    collisions = audit(scenario, world, recording, Report(found, None))
+    assert tuple(collision.violation for collision in collisions) == found
+    return collisions
+
+
+def verdict(made, time, obstacle, kind="robot-obstacle", robots=(0,)):
+    (collision,) = verdicts(made, [time], obstacle, kind, robots)
     return collision
 
 
@@ -52,14 +56,52 @@ def test_what_stands_can_be_avoided():
 
 
 @pytest.mark.parametrize(
-    ("gap", "speed", "avoidable"),
-    [(-0.3, 0.0, False), (0.05, 0.0, True), (0.1, 0.5, False), (0.3, 0.5, True)],
+    ("gap", "speed", "contact", "avoidable"),
+    [
+        (-0.3, 0.0, 2.0, False),
+        (0.05, 0.0, 2.1, True),
+        (0.1, 0.5, 2.2, False),
+        (0.1, 0.5, 3.0, True),  # it would have stood long before
+        (0.1, -0.5, 2.2, True),  # it drives away from it
+        (0.3, 0.5, 2.6, True),
+    ],
 )
-def test_what_appears_within_the_braking_distance_cannot(gap, speed, avoidable):
-    front = 5.0 + speed * 2.0 + 0.325
+def test_what_appears_within_the_braking_distance_cannot(gap, speed, contact, avoidable):
+    front = 5.0 + speed * 2.0 + scene()[0].models[0].length / 2.0
     shape = {"circle": {"center": [front + gap + 0.3, 3.0], "radius": 0.3}}
     made = scene([{"at": 2.0, "add": shape}], speed=speed)
-    assert verdict(made, 3.0, "event at 2 s").avoidable is avoidable
+    assert verdict(made, contact, "event at 2 s").avoidable is avoidable
+
+
+@pytest.mark.parametrize(("aside", "avoidable"), [(0.0, False), (0.1, True)])
+def test_what_appears_beside_the_way_can(aside, avoidable):
+    # Its edge is as far from the robot's side, and half a braking distance ahead of its front.
+    model = scene()[0].models[0]
+    center = [6.0 + model.length / 2.0 + 0.15, 3.0 + model.width / 2.0 + 0.1 + aside]
+    shape = {"box": {"center": center, "size": [0.2, 0.2]}}
+    made = scene([{"at": 2.0, "add": shape}], speed=0.5)
+    assert verdict(made, 2.3, "event at 2 s").avoidable is avoidable
+
+
+def test_a_contact_that_goes_on_counts_once():
+    # It appears in the robot, which stays there: all else is the same contact.
+    inside = {"at": 2.0, "add": {"circle": {"center": [5.3, 3.0], "radius": 0.3}}}
+    first, later = verdicts(scene([inside]), [2.0, 6.0], "event at 2 s")
+    assert not first.avoidable
+    assert not later.avoidable
+    assert verdict(scene([inside]), 6.0, "event at 2 s").avoidable
+
+
+@pytest.mark.parametrize(("away", "avoidable"), [(0.5, False), (1.5, True)])
+def test_a_contact_after_a_while_is_another(away, avoidable):
+    inside = {"at": 2.0, "add": {"circle": {"center": [5.5, 3.0], "radius": 0.3}}}
+    scenario, world, recording = scene([inside])
+    gone = (recording.time > 3.0) & (recording.time < 3.0 + away)
+    recording.poses[gone, 0, 0] -= 1.0
+    made = scenario, world, recording
+    first, later = verdicts(made, [2.0, 3.0 + away], "event at 2 s")
+    assert not first.avoidable
+    assert later.avoidable is avoidable
 
 
 def test_what_appeared_long_ago_can():
@@ -111,41 +153,29 @@ def test_a_lost_robot_cannot_help_it():
     assert verdict(made, 9.6, "event at 1 s").avoidable
 
 
+def test_a_lost_robot_may_not_roll_into_what_stands():
+    events = [{"at": 0.5, "lose": 0}, {"at": 1.0, "add": CROSSING}]
+    walls = [{"circle": {"center": [6.0, 3.0], "radius": 0.3}}]
+    made = scene(events, walls)
+    found = verdict(made, 2.0, "world.obstacles[0]")
+    assert found.avoidable
+    assert "stood" in found.why
+    assert not verdict(made, 2.0, "event at 1 s").avoidable
+    # What appeared before the loss stands as well.
+    before = scene([{"at": 0.2, "add": CROSSING}, {"at": 0.5, "lose": 0}])
+    assert verdict(before, 2.0, "event at 0.2 s").avoidable
+
+
+@pytest.mark.parametrize("gap", [0.01, 0.0])
+def test_who_is_close_to_something_may_get_away_but_not_who_touches_it(gap):
+    # A wall along the robot's back; what comes from the side would let it go on ahead.
+    back = 5.0 - scene()[0].models[0].length / 2.0
+    wall = {"box": {"center": [back - gap - 0.1, 3.0], "size": [0.2, 0.2]}}
+    made = scene([crossing(0.25)], obstacles=[wall], seconds=30.0)
+    assert verdict(made, 1.0 + 2.16 / 0.25, "event at 1 s").avoidable is (gap > 0.0)
+
+
 def test_nothing_to_audit():
     scenario, world, recording = scene()
     found = Violation("speed", 1.0, (0,), "", 1.0, 0.5)
     assert audit(scenario, world, recording, Report((found,), None)) == []
-
-
-def test_a_way_is_left_or_not():
-    def ended(obstacles, roles):
-        scenario, world, recording = scene(obstacles=obstacles)
-        status = PlannerStatus.__new__(PlannerStatus)
-        values = {
-            "goal": np.array([8.0, 3.0, 0.0]),
-            "slots": np.array([[0.5, 0.0], [-0.5, 0.0]]),
-            "roles": np.array(roles),
-        }
-        for key, value in values.items():
-            object.__setattr__(status, key, value)
-        last = Recording(
-            recording.time,
-            recording.poses,
-            recording.poses,
-            recording.commands,
-            (status,),
-            (),
-            (),
-        )
-        return way_open(scenario, world, last)
-
-    wall = [{"box": {"center": [6.5, 3.0], "size": [0.2, 6.0]}}]
-    gate = [
-        {"box": {"center": [2.0, 4.2], "size": [0.2, 2.4]}},
-        {"box": {"center": [2.0, 1.2], "size": [0.2, 2.4]}},
-    ]
-    assert ended([], [0, 1])
-    assert not ended(wall, [0, 1])
-    assert ended(gate, [0, 1])
-    # Robot 0 is lost and stands in its own way only.
-    assert ended([], [-1, 0])

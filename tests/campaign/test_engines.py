@@ -12,8 +12,8 @@ from typing import Any
 import pytest
 
 from cavalcade.campaign.dispatch import dispatch
-from cavalcade.campaign.engines import ENGINES, make_engine
-from cavalcade.campaign.engines.local import LocalEngine
+from cavalcade.campaign.engines import ENGINES, local, make_engine
+from cavalcade.campaign.engines.local import LocalEngine, WorkersError
 from cavalcade.campaign.plan import Plan
 from cavalcade.campaign.runner import run_campaign
 from cavalcade.errors import InputError
@@ -117,6 +117,38 @@ def test_workers_use_one_thread(tiny_plan: Plan, planted: Any) -> None:
     assert line["detail"] == "1"
 
 
+def test_workers_that_never_start_end_the_campaign_and_no_trial(
+    tiny_plan: Plan, planted: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(local, "start_worker", planted.die_at_once)
+    with pytest.raises(WorkersError, match="the worker processes end before they take a trial"):
+        run_campaign(tiny_plan, tmp_path / "a", LocalEngine(2), work=planted.fake, report=no_report)
+    assert (tmp_path / "a" / "trials.jsonl").read_text() == ""
+
+
+def test_a_job_that_went_down_with_the_pool_is_not_lost(tiny_plan: Plan, planted: Any) -> None:
+    with LocalEngine(1) as engine:
+        engine.submit("a", planted.fake, (tiny_plan.trials[0],), 60.0)
+        engine._pool.stop()
+        (ended,) = _collected(engine)
+    assert (ended.key, ended.fate) == ("a", "done")
+
+
+def _collected(engine: LocalEngine) -> list[Any]:
+    until = time.monotonic() + 30.0
+    found: list[Any] = []
+    while not found and time.monotonic() < until:
+        found = engine.collect(0.5)
+    return found
+
+
+def test_ctrl_c_on_a_terminal_does_not_reach_workers(tiny_plan: Plan, planted: Any) -> None:
+    with LocalEngine(1) as engine:
+        (line,) = dispatch(engine, tiny_plan.trials[:1], 30.0, work=planted.notes_signals)
+    assert line["detail"] == "blocked"
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
+
+
 def test_leaving_ends_workers_in_the_middle_of_a_trial(tiny_plan: Plan, planted: Any) -> None:
     with LocalEngine(1) as engine:
         engine.submit("a", planted.waits_once, (tiny_plan.trials[0],), 60.0)
@@ -184,9 +216,14 @@ class _Recorded:
     [
         ("lokal", None, "--engine: unknown engine 'lokal'; did you mean local?"),
         ("local", 0, "--workers: expected a whole number from 1 on, got 0"),
+        ("local", 100_000, "--workers: expected at most "),
+        ("ray", 100_000, "--workers: expected at most "),
     ],
 )
-def test_no_such_engine(name: str, workers: int | None, message: str) -> None:
+def test_no_such_engine(
+    name: str, workers: int | None, message: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("RAY_ADDRESS", raising=False)
     with pytest.raises(InputError) as caught:
         make_engine(name, workers)
     assert str(caught.value).startswith(message)

@@ -182,7 +182,13 @@ def test_mean_interval_of_students_sleep_data():
     )
 
 
-@given(st.lists(st.floats(-1e3, 1e3), min_size=2, max_size=60))
+@pytest.mark.parametrize("size", [1, 2, 5])
+def test_few_values_have_no_interval(size):
+    found = mean_interval(np.arange(size, dtype=float))
+    assert (found.low, found.high) == (-math.inf, math.inf)
+
+
+@given(st.lists(st.floats(-1e3, 1e3), min_size=6, max_size=60))
 def test_mean_interval_against_the_formula(values):
     found = mean_interval(values)
     half = t.ppf(0.975, len(values) - 1) * np.std(values, ddof=1) / math.sqrt(len(values))

@@ -134,6 +134,38 @@ def test_a_corrupt_line_is_set_aside(tiny_plan: Plan, half: Path, garbage: bytes
     assert len(said) == 1
 
 
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"success": "yes"},
+        {"contacts": None},
+        {"summary": []},
+        {"seed": 7},
+        {"variant": "published"},
+        {"outcome": 3},
+    ],
+)
+def test_a_line_that_is_not_whole_is_set_aside(
+    tiny_plan: Plan, half: Path, change: dict[str, Any]
+) -> None:
+    rows = (half / LINES).read_bytes().splitlines(keepends=True)
+    rows[1] = json.dumps(json.loads(rows[1]) | change).encode() + b"\n"
+    (half / LINES).write_bytes(b"".join(rows))
+    said: list[str] = []
+    with Store(half, tiny_plan, resume=True, warn=said.append) as store:
+        assert store.done == set(ids(tiny_plan, 3, 2))
+    assert len(said) == 1
+    assert (half / CORRUPT).read_bytes() == rows[1]
+
+
+def test_a_line_may_name_files_that_are_no_text(tiny_plan: Plan, half: Path) -> None:
+    odd = line(tiny_plan, 0) | {"detail": "no such file: \udcff.yaml"}
+    with Store(half, tiny_plan, resume=True) as store:
+        store.append(odd)
+    with Store(half, tiny_plan, resume=True) as store:
+        assert next(iter(store.lines())) == odd
+
+
 def test_a_trial_that_stands_twice_counts_once(tiny_plan: Plan, half: Path) -> None:
     rows = (half / LINES).read_bytes().splitlines(keepends=True)
     (half / LINES).write_bytes(b"".join([*rows, rows[0]]))

@@ -91,11 +91,21 @@ def test_ids_without_named_disturbances() -> None:
         ("time_limit", -1, "time_limit: "),
         ("disturbances", {"a": {"dely": {}}}, "disturbances.a.dely: unknown key"),
         ("disturbances", {"a": {"delay": {"mean": "x"}}}, "disturbances.a.delay.mean: expected"),
+        ("references", {"cavalcade": "cavalkade"}, "references.cavalcade: unknown value 'caval"),
+        (
+            "references",
+            {"cavalcade": "published"},
+            "references.cavalcade: 'published' is none of the suite's variants (cavalcade)",
+        ),
+        ("references", {"no-springs": "cavalcade"}, "references.no-springs: 'no-springs' is none"),
+        ("references", {"cavalcade": "cavalcade"}, "references.cavalcade: a variant cannot be"),
+        ("references", ["published"], "references: expected "),
         ("worlds", [], "worlds: expected at least 1"),
         ("worlds", "clutter", "worlds: expected a list"),
         ("worlds.0.draw", "generate", "worlds[0].draw: unknown value 'generate'; did you mean"),
         ("worlds.0.draw", None, "worlds[0].draw: unknown value None"),
         ("worlds.0.name", "a/b", "worlds[0].name: "),
+        ("worlds.0.name", None, "worlds[0].name: "),
         ("worlds.0.seeds", 0, "worlds[0].seeds: "),
         ("worlds.0.seeds", "many", "worlds[0].seeds: expected a whole number, got 'many'"),
         ("worlds.0.obstakles", 3, "worlds[0].obstakles: unknown key; did you mean obstacles?"),
@@ -139,6 +149,45 @@ def test_groups_have_names_of_their_own() -> None:
         parse_suite({"version": 1, "suite": "x", "worlds": [group, group]})
 
 
+def test_groups_without_names_are_not_called_alike() -> None:
+    group = {"draw": "shipped", "scenario": "cone", "seeds": 1}
+    with pytest.raises(InputError, match=r"worlds\[0\]\.name: missing"):
+        parse_suite({"version": 1, "suite": "x", "worlds": [group, group]})
+
+
+def test_endless_worlds_need_a_number(tmp_path: Path) -> None:
+    file = tmp_path / "own.yaml"
+    group = {"name": "a", "draw": "shipped", "scenario": "cone"}
+    file.write_text(yaml.safe_dump({"version": 1, "suite": "own", "worlds": [group]}))
+    with pytest.raises(InputError) as caught:
+        make_plan(file)
+    assert str(caught.value).startswith(f"{file}: worlds[0].seeds: missing; expected how many")
+    assert len(make_plan(file, seeds=3).trials) == 3
+
+
+def test_a_scenario_file_that_cannot_be_used_is_refused_at_once(tmp_path: Path) -> None:
+    file = tmp_path / "own.yaml"
+    (tmp_path / "scenario.yaml").write_text("version: 1\nnaem: x\n", encoding="utf-8")
+    group = {"name": "a", "draw": "shipped", "scenario": "scenario.yaml", "seeds": 2}
+    file.write_text(yaml.safe_dump({"version": 1, "suite": "own", "worlds": [group]}))
+    with pytest.raises(InputError) as caught:
+        check_plan(make_plan(file))
+    assert str(caught.value).startswith(f"worlds[0]: {tmp_path / 'scenario.yaml'}: ")
+
+
+@pytest.mark.parametrize(
+    ("numbers", "message"),
+    [
+        ({"seeds": 10**11}, "--seeds: expected a whole number from 1 to 1000000, got 100000000000"),
+        ({"seed": 2**63}, "--seed: expected a whole number from 0 to 9223372036854775807, got "),
+    ],
+)
+def test_numbers_have_a_limit(numbers: dict[str, int], message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        make_plan("clutter", **numbers)
+    assert str(caught.value).startswith(message)
+
+
 @pytest.mark.parametrize(
     ("name", "message"),
     [
@@ -174,6 +223,8 @@ def test_the_data_may_be_absent(tmp_path: Path) -> None:
         (["lookahead=3"], "--set lookahead: unknown key"),
         (["planner.lookahead"], "--set: expected KEY=VALUE"),
         (["world.obstacles[0]=1"], "--set world.obstacles"),
+        (["planner={variant: published}"], "--set planner.variant: give it by itself"),
+        (["execution.seed=5"], "--set execution.seed: every world has its own; use --seed"),
     ],
 )
 def test_overrides_are_tried_before_anything_runs(overrides: list[str], message: str) -> None:
@@ -187,9 +238,18 @@ def test_a_variant_given_takes_the_place_of_the_suites() -> None:
     assert plan.suite.variants == ("published",)
     assert plan.overrides == ("execution.rate=10",)
     check_plan(plan)
+    quoted = make_plan("smoke", overrides=['planner.variant="published"'])
+    assert quoted.suite.variants == ("published",)
     with pytest.raises(InputError) as caught:
         make_plan("smoke", overrides=["planner.variant=publisht"])
-    assert "unknown value 'publisht'; did you mean published?" in str(caught.value)
+    said = "--set planner.variant: unknown value 'publisht'; did you mean published?"
+    assert str(caught.value).startswith(said)
+
+
+def test_a_variant_given_has_no_reference() -> None:
+    assert load_suite("ablation").references["no-springs"] == "published"
+    plan = make_plan("ablation", overrides=["planner.variant=no-springs"])
+    assert (plan.suite.variants, plan.suite.references) == (("no-springs",), {})
 
 
 def test_the_fingerprint_tells_campaigns_apart() -> None:

@@ -101,6 +101,13 @@ def test_same_content_gives_same_bytes_whatever_the_order(tmp_path):
     assert write_table(tmp_path, lines).read_bytes() == first
 
 
+def test_a_folder_named_like_a_column_is_none(tmp_path):
+    lines = [line(number) for number in range(3)]
+    folder = tmp_path / "seed=42"
+    folder.mkdir()
+    assert write_table(folder, lines).read_bytes() == write_table(tmp_path, lines).read_bytes()
+
+
 def test_keys_that_nobody_knew_come_after_the_others():
     odd = copy.deepcopy(line())
     odd["summary"]["zeal"] = 1

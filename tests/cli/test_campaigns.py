@@ -98,6 +98,10 @@ def test_a_campaign_then_its_trials(
     assert {"recording.mcap", "replay.html", "figures"} <= set(os.listdir(again))
     assert main(["check", str(again), "--quiet"]) == 0
 
+    over = ["trial", out, "short.0001.cavalcade", "--out", out, "--force"]
+    assert "holds the campaign itself" in _refused(over, capsys)
+    assert set(os.listdir(out)) == there
+
     late = ["trial", str(out), "late.0000.cavalcade", "--out", str(tmp_path / "late"), "--json"]
     assert main(late) == 1
     out_text, err = capsys.readouterr()
@@ -115,8 +119,8 @@ def test_a_campaign_then_its_trials(
         (["cluter"], "cluter: no such file or shipped suite; did you mean clutter?"),
         (["clutter", "--engine", "rey"], "--engine: unknown engine 'rey'; did you mean ray?"),
         (["clutter", "--workers", "0"], "--workers: expected a whole number from 1 on"),
-        (["clutter", "--seed", "-1"], "--seed: expected a whole number from 0 on"),
-        (["clutter", "--seeds", "0"], "--seeds: expected a whole number from 1 on"),
+        (["clutter", "--seed", "-1"], "--seed: expected a whole number from 0 to"),
+        (["clutter", "--seeds", "0"], "--seeds: expected a whole number from 1 to"),
         (["clutter", "--set", "planner.variant=publisht"], "did you mean published?"),
         (["clutter", "--set", "planner.lookahed=1"], "--set planner.lookahed: unknown key"),
         (["clutter", "--set", "planner"], "expected KEY=VALUE"),
@@ -155,7 +159,24 @@ def test_absent_data_is_one_line_and_one(
     assert not out.exists()
 
 
-@pytest.mark.parametrize("what", ["missing", "empty", "broken"])
+def test_a_trial_that_was_lost_in_the_campaign(
+    suite: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from cavalcade.campaign.lines import failure_line
+    from cavalcade.campaign.plan import make_plan
+    from cavalcade.campaign.store import Store
+
+    plan = make_plan(suite)
+    with Store(tmp_path / "c", plan) as store:
+        store.append(failure_line(plan.trials[0], "overtime", "not done within 120 s"))
+    words = ["trial", tmp_path / "c", plan.trials[0].id, "--out", tmp_path / "t", "--quiet"]
+    assert main([str(word) for word in words]) == 0
+    assert capsys.readouterr().err == (
+        "cavalcade: warning: not as in the campaign: there it was overtime: not done within 120 s\n"
+    )
+
+
+@pytest.mark.parametrize("what", ["missing", "empty", "broken", "nonsense"])
 def test_a_trial_of_no_campaign(
     what: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -164,8 +185,11 @@ def test_a_trial_of_no_campaign(
         folder.mkdir()
     if what == "broken":
         (folder / "campaign.json").write_text('{"suite": {}}')
-    said = _refused(["trial", folder, "a.0000.cavalcade", "--out", tmp_path / "t"], capsys)
-    assert "campaign" in said
+    if what == "nonsense":
+        said = {"suite": "abc", "overrides": [], "version": "1", "data": None}
+        (folder / "campaign.json").write_text(json.dumps(said))
+    line = _refused(["trial", folder, "a.0000.cavalcade", "--out", tmp_path / "t"], capsys)
+    assert "campaign" in line
     assert not (tmp_path / "t").exists()
 
 

@@ -2,14 +2,16 @@
 
 Contact with what stands, with the border and with another robot always could. Otherwise:
 
-* A robot that is lost cannot move.
-* An obstacle that appears in a robot, or nearer than the robot can brake, could not be avoided
-  if the robot touches it within `WARNING` seconds.
+* A robot that is lost cannot get out of the way of what has moved or appeared since its loss.
+* An obstacle that appears in a robot, or where the robot brakes to a stop straight ahead, could
+  not be avoided if the robot touches it while it would brake, or `GRACE` seconds later.
 * An obstacle that moves could be avoided if, from its pose `WARNING` seconds before the contact
   (or when the obstacle appeared, if that is later), the robot could have stood still, or gone
   straight in one of 16 directions at its top speed (0.5 m/s forward, 0.2 m/s sideways, the
   ellipse between) for some time and then stood, without touching anything until the obstacle is
   where it stops, or for `AFTERWARDS` seconds. The others are taken to move as they did.
+* A contact that goes on after one that could not be avoided is the same: the robot was not away
+  from that obstacle for `APART` seconds in between.
 """
 
 from __future__ import annotations
@@ -18,10 +20,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cavalcade.campaign.escape import TOUCH, Scene, Thing, body_at, footprint_points
+from cavalcade.campaign.escape import Scene, Thing
 from cavalcade.campaign.judging import CONTACT
 from cavalcade.checking.report import Report, Violation
-from cavalcade.geometry import transform_points
 from cavalcade.running.frames import Recording
 from cavalcade.scenario import Scenario, World
 from cavalcade.world import shape_from_mapping
@@ -35,8 +36,16 @@ AFTERWARDS = 8.0
 LATENCY = 0.10
 """Until a robot begins to brake for what appears, s: two cycles."""
 
-SQUEEZE = 0.25
-"""Radius of the disc that tells whether a team that did not arrive had a way left, m."""
+GRACE = 0.25
+"""How long after a robot would have stopped it may touch what appeared in its way, s."""
+
+APART = 1.0
+"""So long without touch, and a contact is a new one, s."""
+
+TOGETHER = 0.002
+"""A robot is in touch up to this gap, m."""
+
+_STEP = 0.02
 
 
 @dataclass(frozen=True)
@@ -66,27 +75,24 @@ def audit(
         report: The checker's.
     """
     contacts = [violation for violation in report.violations if violation.kind in CONTACT]
-    court = _Court(scenario, world, recording) if contacts else None
-    return [Collision(found, *court.verdict(found)) for found in contacts if court is not None]
-
-
-def way_open(scenario: Scenario, world: World, recording: Recording) -> bool:
-    """Whether, at the end, every robot could have gone to every place of the shape.
-
-    For a disc of `SQUEEZE`. The other robots that drive are left out; those that are lost stand
-    where they are. Without a goal there is no way.
-    """
-    from cavalcade.campaign.draws.feasibility import DiscRegions
-
-    status, poses = recording.status[-1], recording.poses[-1]
-    if status.goal is None:
-        return False
-    there = (span.obstacle_at(float(recording.time[-1])) for span in world.spans)
-    shapes = [shape_from_mapping(obstacle.words) for obstacle in there if obstacle is not None]
-    roles = np.asarray(status.roles)
-    shapes += [body_at(poses[k], model) for k, model in enumerate(scenario.models) if roles[k] < 0]
-    ground = DiscRegions(world.base, shapes, SQUEEZE)
-    return ground.connect(poses[roles >= 0, :2], transform_points(status.goal, status.slots))
+    if not contacts:
+        return []
+    court = _Court(scenario, world, recording)
+    found: list[Collision] = []
+    excused: dict[tuple[int, str], Collision] = {}
+    for contact in contacts:
+        key = contact.robots[0], contact.obstacle
+        before = excused.get(key)
+        if before is not None and court.goes_on(before.violation, contact):
+            collision = Collision(contact, False, before.why)
+        else:
+            collision = Collision(contact, *court.verdict(contact))
+        if contact.kind == "robot-obstacle" and not collision.avoidable:
+            excused[key] = collision
+        else:
+            excused.pop(key, None)
+        found.append(collision)
+    return found
 
 
 class _Court:
@@ -113,13 +119,17 @@ class _Court:
         if contact.kind != "robot-obstacle":
             return True, contact.kind
         robot = contact.robots[0]
-        if self._lost(robot, contact.time):
-            return False, "a lost robot was hit"
-        thing = next((thing for thing in self._things if thing.name == contact.obstacle), None)
+        thing = self._thing(contact)
         if thing is None:
             return True, contact.obstacle
+        lost = self._lost_since(robot, contact.time)
+        if lost is not None:
+            # What stands may not be rolled into, by a robot that has lost its orders either.
+            if _changed(thing, lost, contact.time):
+                return False, "a lost robot was hit"
+            return True, "a lost robot ran into what stood"
         start = thing.span.start
-        if start > 0.0 and contact.time <= start + WARNING and self._sudden(robot, thing):
+        if start > 0.0 and self._sudden(robot, thing, contact.time):
             return False, "it appeared within the braking distance"
         if not any(thing.span.velocity_at(contact.time - 1e-6)):
             return True, "it stood"
@@ -128,20 +138,47 @@ class _Court:
         way = self._scene.escape(robot, begin, end)
         return (True, way) if way else (False, "no way out of the path of a moving obstacle")
 
-    def _lost(self, robot: int, time: float) -> bool:
-        lost = False
+    def goes_on(self, before: Violation, now: Violation) -> bool:
+        """Whether two contacts of a robot with the same obstacle are one, but for short gaps."""
+        thing = self._thing(now)
+        if thing is None:
+            return False
+        robot = now.robots[0]
+        inside = (self._time > before.time) & (self._time < now.time)
+        times = np.concatenate(([before.time], self._time[inside], [now.time]))
+        touching = [True, *self._scene.touching(robot, thing, inside, TOGETHER), True]
+        return bool(np.diff(times[touching]).max() < APART)
+
+    def _thing(self, contact: Violation) -> Thing | None:
+        return next((thing for thing in self._things if thing.name == contact.obstacle), None)
+
+    def _lost_since(self, robot: int, time: float) -> float | None:
+        """When it was lost, if it still is."""
+        lost = None
         for event in self._events:
             if event.at <= time and robot in (event.lose, event.rejoin):
-                lost = event.lose == robot
+                lost = event.at if event.lose == robot else None
         return lost
 
-    def _sudden(self, robot: int, thing: Thing) -> bool:
-        """Whether the obstacle appeared too near for the robot to stop."""
-        model = self._models[robot]
+    def _sudden(self, robot: int, thing: Thing, contact: float) -> bool:
+        """Whether the obstacle appeared too near on its way for the robot to stop, and was hit."""
         k = self._scene.cycle(thing.span.start)
         before = max(k - 1, 0)
-        step = self._poses[k, robot, :2] - self._poses[before, robot, :2]
-        speed = float(np.hypot(*step)) / max(self._time[k] - self._time[before], 1e-9)
-        braking = speed * LATENCY + speed**2 / (2.0 * model.max_acceleration)
-        body = transform_points(self._poses[k, robot], footprint_points(model))
-        return float(thing.shape.distance(body).min()) <= braking + TOUCH
+        moved = self._poses[k, robot, :2] - self._poses[before, robot, :2]
+        velocity = moved / max(self._time[k] - self._time[before], 1e-9)
+        braking = float(np.hypot(*velocity)) / self._models[robot].max_acceleration
+        stop = LATENCY + braking
+        if contact > self._time[k] + stop + GRACE:
+            return False
+        passed = np.arange(0.0, stop + _STEP, _STEP).clip(max=stop)
+        slowing = (passed - LATENCY).clip(min=0.0)
+        share = passed - slowing**2 / (2.0 * max(braking, 1e-9))
+        poses = np.tile(self._poses[k, robot], (len(passed), 1))
+        poses[:, :2] += share[:, None] * velocity
+        return not self._scene.apart(robot, poses, self._time[k] + passed, thing)
+
+
+def _changed(thing: Thing, since: float, until: float) -> bool:
+    """Whether it appeared or was moved in that time."""
+    span = thing.span
+    return span.start > since or span.offset_at(since) != span.offset_at(until)

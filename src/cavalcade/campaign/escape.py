@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cavalcade.geometry import Array, transform_points
 from cavalcade.robots import RobotModel
@@ -24,6 +25,8 @@ TOUCH = 0.02
 _STEP = 0.1
 _DIRECTIONS = 16
 _SPACING = 0.05
+_FINE = 0.002
+_SMALL = 1e-6
 
 
 @dataclass(frozen=True)
@@ -40,14 +43,19 @@ class Thing:
     span: ObstacleSpan
     shape: Shape
 
-    def apart(self, points: Array, times: Array) -> bool:
-        """Whether footprints `(T, P, 2)` keep off it wherever it is at each time."""
+    def apart(self, points: Array, times: Array, room: float = TOUCH) -> bool:
+        """Whether footprints `(T, P, 2)` keep `room` m off it wherever it is at each time."""
+        return bool((self.gaps(points, times) >= room).all())
+
+    def gaps(self, points: Array, times: Array) -> Array:
+        """Distance `(T,)` in m of footprints `(T, P, 2)`; inf while it is not there."""
+        gaps = np.full(len(times), np.inf)
         there = (times >= self.span.start) & (times < self.span.end)
-        if not there.any():
-            return True
-        offsets = np.array([self.span.offset_at(float(time)) for time in times[there]])
-        seen = (points[there] - offsets[:, None]).reshape(-1, 2)
-        return bool((self.shape.distance(seen) >= TOUCH).all())
+        if there.any():
+            offsets = np.array([self.span.offset_at(float(time)) for time in times[there]])
+            seen = points[there] - offsets[:, None]
+            gaps[there] = self.shape.distance(seen.reshape(-1, 2)).reshape(seen.shape[:2]).min(1)
+        return gaps
 
 
 class Scene:
@@ -78,7 +86,7 @@ class Scene:
         times = np.arange(begin, end + _STEP, _STEP)
         reach = model.max_speed_x * (end - begin) + model.length
         near = [
-            thing
+            (thing, self._room(robot, pose, times[:1], thing))
             for thing in self._things
             if not thing.span.fixed or thing.shape.distance(pose[None, :2])[0] <= reach
         ]
@@ -98,14 +106,43 @@ class Scene:
                 return f"it could have gone aside ({degrees:.0f} degrees for {duration:.1f} s)"
         return ""
 
-    def _free(self, robot: int, poses: Array, times: Array, things: Sequence[Thing]) -> bool:
-        """Whether the robot would touch nothing at these poses `(T, 3)` and times `(T,)`."""
+    def apart(self, robot: int, poses: Array, times: Array, thing: Thing) -> bool:
+        """Whether the robot would keep off it at these poses `(T, 3)` and times `(T,)`."""
+        return thing.apart(self._points(robot, poses), times)
+
+    def touching(
+        self, robot: int, thing: Thing, cycles: NDArray[np.bool_], gap: float
+    ) -> list[bool]:
+        """Whether the robot was within `gap` m of it, for each of the cycles chosen `(F,)`."""
+        footprint = _outline(self._models[robot])
+        return [
+            # The points miss a corner between them by half of their spacing at most.
+            bool(thing.gaps(transform_points(pose, footprint)[None], time)[0] <= gap + _FINE / 2.0)
+            for pose, time in zip(self._poses[cycles, robot], self._time[cycles, None], strict=True)
+        ]
+
+    def _points(self, robot: int, poses: Array) -> Array:
         footprint = footprint_points(self._models[robot])
-        points = np.stack([transform_points(pose, footprint) for pose in poses])
+        return np.stack([transform_points(pose, footprint) for pose in poses])
+
+    def _room(self, robot: int, pose: Array, time: Array, thing: Thing) -> float:
+        """How far to keep off it, m: no farther than the robot is at first, yet off it."""
+        first = float(thing.gaps(self._points(robot, pose[None]), time)[0])
+        return max(min(TOUCH, first - _SMALL), _SMALL)
+
+    def _free(
+        self, robot: int, poses: Array, times: Array, things: Sequence[tuple[Thing, float]]
+    ) -> bool:
+        """Whether the robot would touch nothing at these poses `(T, 3)` and times `(T,)`.
+
+        `things` come with the room that is to be kept to each, m.
+        """
+        points = self._points(robot, poses)
         if not self._on_free_ground(points.reshape(-1, 2)):
             return False
-        if not all(thing.apart(points, times) for thing in things):
+        if not all(thing.apart(points, times, room) for thing, room in things):
             return False
+        room = TOUCH
         for k, moment in enumerate(times):
             now = self._poses[self.cycle(moment)]
             others = [
@@ -113,7 +150,10 @@ class Scene:
                 for other, model in enumerate(self._models)
                 if other != robot
             ]
-            if (distance_to_shapes(others, points[k]) < TOUCH).any():
+            gap = float(distance_to_shapes(others, points[k]).min())
+            if k == 0:
+                room = max(min(TOUCH, gap - _SMALL), _SMALL)
+            if gap < room:
                 return False
         return True
 
@@ -138,6 +178,17 @@ def footprint_points(model: RobotModel) -> Array:
         count = int(np.ceil(length / _SPACING)) + 1
         sides.append(np.linspace(-length / 2.0, length / 2.0, count))
     return np.stack(np.meshgrid(*sides), axis=-1).reshape(-1, 2)
+
+
+def _outline(model: RobotModel) -> Array:
+    """The same, with its outline much finer."""
+    half = np.array([model.length, model.width]) / 2.0
+    sides = [np.linspace(-h, h, int(np.ceil(2.0 * h / _FINE)) + 1) for h in half]
+    parts = [footprint_points(model)]
+    for sign in (-1.0, 1.0):
+        parts.append(np.column_stack((sides[0], np.full(len(sides[0]), sign * half[1]))))
+        parts.append(np.column_stack((np.full(len(sides[1]), sign * half[0]), sides[1])))
+    return np.concatenate(parts)
 
 
 def _top_speed(model: RobotModel, direction: float) -> float:

@@ -81,8 +81,9 @@ def locked(folder: Path) -> int:
                 raise OutputError(f"{folder}: another campaign is at work in this folder") from None
             raise
         # Whoever had the lock takes the file away when done, perhaps after it was opened here.
-        if file.exists() and file.stat().st_ino == os.fstat(handle).st_ino:
-            return handle
+        with contextlib.suppress(FileNotFoundError):
+            if file.stat().st_ino == os.fstat(handle).st_ino:
+                return handle
         os.close(handle)
 
 

@@ -12,10 +12,11 @@ from pathlib import Path
 from typing import Any
 
 from cavalcade.campaign.draws import DataFolder
-from cavalcade.campaign.shipped import load_suite
-from cavalcade.campaign.suite import Suite, parse_suite
-from cavalcade.campaign.trial import Trial, check_overrides, trials_of
-from cavalcade.errors import InputError, RecordingError
+from cavalcade.campaign.shipped import find_suite, load_suite
+from cavalcade.campaign.suite import MOST_SEEDS, Suite, parse_suite
+from cavalcade.campaign.trial import Trial, check_worlds, trials_of
+from cavalcade.errors import InputError, RecordingError, ScenarioError
+from cavalcade.scenario.yaml_text import parse_yaml
 
 FILE = "campaign.json"
 _VARIANT = "planner.variant"
@@ -107,12 +108,16 @@ def make_plan(
 
     found = _changed(load_suite(suite), seed, seeds)
     found, rest = _with_variant(found, overrides)
-    named = None if data is None else str(data)
-    return Plan(found, rest, __version__, DataFolder.find(data), named)
+    folder = DataFolder.find(data)
+    for index, group in enumerate(found.worlds):
+        if group.seeds is None and group.draw.limit(folder) is None:
+            text = "missing; expected how many worlds are drawn"
+            raise ScenarioError(text, file=find_suite(suite), key=f"worlds[{index}].seeds")
+    return Plan(found, rest, __version__, folder, None if data is None else str(data))
 
 
 def check_plan(plan: Plan) -> None:
-    """See that there is something to run and that the overrides fit, before anything is run.
+    """See that there is something to run and that worlds and overrides fit, before anything is run.
 
     The suite's data must be there.
 
@@ -123,7 +128,7 @@ def check_plan(plan: Plan) -> None:
         raise InputError(
             f"suite {plan.suite.name} has no world from seed {plan.suite.seed} on", key="--seed"
         )
-    check_overrides(plan.suite, plan.overrides, plan.data)
+    check_worlds(plan.suite, plan.overrides, plan.data)
 
 
 def read_plan(folder: Path, data: str | Path | None = None) -> Plan:
@@ -142,7 +147,7 @@ def read_plan(folder: Path, data: str | Path | None = None) -> Plan:
         overrides = tuple(str(text) for text in said["overrides"])
         version = str(said["version"])
         named = None if said["data"] is None else str(said["data"])
-    except (KeyError, TypeError, InputError) as error:
+    except (KeyError, TypeError, ValueError, InputError) as error:
         text = f"not a campaign of this version: {error}"
         raise RecordingError(text, file=folder / FILE) from None
     named = str(data) if data is not None else named
@@ -162,7 +167,7 @@ def read_plain(folder: Path) -> dict[str, Any]:
         said = json.loads(file.read_text(encoding="utf-8"))
     except OSError as error:
         raise RecordingError(f"cannot be read: {error.strerror}", file=file) from None
-    except ValueError:
+    except (ValueError, RecursionError):
         raise RecordingError("expected JSON", file=file) from None
     if not isinstance(said, dict):
         raise RecordingError("expected a mapping", file=file)
@@ -186,15 +191,20 @@ def difference(plan: Plan, other: Mapping[str, Any]) -> str | None:
     if theirs.get("overrides") != mine["overrides"]:
         said = " ".join(map(str, theirs.get("overrides") or ())) or "none"
         return f"was begun with other overrides (--set): {said}"
-    keys = [key for key in mine["suite"] if mine["suite"][key] != (suite or {}).get(key)]
+    all_keys = {**mine["suite"], **(suite or {})}
+    keys = [key for key in all_keys if mine["suite"].get(key) != (suite or {}).get(key)]
     return f"was begun with other values in suite {name}: {', '.join(keys) or 'its definition'}"
 
 
 def _changed(suite: Suite, seed: int | None, seeds: int | None) -> Suite:
-    if seed is not None and seed < 0:
-        raise InputError(f"expected a whole number from 0 on, got {seed}", key="--seed")
-    if seeds is not None and seeds < 1:
-        raise InputError(f"expected a whole number from 1 on, got {seeds}", key="--seeds")
+    for key, value, least, most in (
+        ("--seed", seed, 0, 2**63 - 1),
+        ("--seeds", seeds, 1, MOST_SEEDS),
+    ):
+        if value is not None and not least <= value <= most:
+            raise InputError(
+                f"expected a whole number from {least} to {most}, got {value}", key=key
+            )
     if seeds is not None:
         suite = replace(suite, worlds=tuple(replace(group, seeds=seeds) for group in suite.worlds))
     return suite if seed is None else replace(suite, seed=seed)
@@ -206,7 +216,13 @@ def _with_variant(suite: Suite, overrides: Sequence[str]) -> tuple[Suite, tuple[
     for text in overrides:
         key, separator, value = str(text).partition("=")
         if separator and key.strip() == _VARIANT:
-            suite = parse_suite({**suite.plain(), "variants": [value.strip()]}, "--set")
+            variant = parse_yaml(value, key=f"--set {_VARIANT}")
+            try:
+                alone = {"variants": [variant], "references": {}}
+                suite = parse_suite({**suite.plain(), **alone})
+            except ScenarioError as error:
+                text = str(error).removeprefix(f"{error.key}: ")
+                raise ScenarioError(text, key=f"--set {_VARIANT}") from None
         else:
             rest.append(str(text))
     return suite, tuple(rest)

@@ -10,7 +10,7 @@ from cavalcade.campaign.carrying import Ran, carry_out_into
 from cavalcade.campaign.lines import Line, without_times
 from cavalcade.campaign.plan import read_plan
 from cavalcade.campaign.store import LINES
-from cavalcade.errors import InputError
+from cavalcade.errors import InputError, OutputError
 
 
 @dataclass(frozen=True)
@@ -53,13 +53,15 @@ def repeat_trial(
 
     Raises:
         InputError: There is no such campaign or trial, or its data are not there.
-        OutputError: `out` cannot be written.
+        OutputError: `out` cannot be written, or is the campaign's own folder.
     """
     plan = read_plan(Path(folder), data)
     missing = plan.suite.missing(plan.data)
     if missing is not None:
         raise InputError(missing)
     trial = plan.trial(trial_id)
+    if Path(out).resolve() == Path(folder).resolve():
+        raise OutputError(f"{out}: holds the campaign itself; name another folder")
     before = _line_of(Path(folder) / LINES, trial_id)
     line, ran = carry_out_into(trial, Path(out), force=force, quiet=quiet)
     # Through JSON, as the campaign's went.

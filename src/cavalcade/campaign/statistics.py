@@ -19,6 +19,9 @@ import numpy as np
 CONFIDENCE = 0.95
 """Of all intervals and bounds."""
 
+FEWEST = 6
+"""A sign test can tell nothing of fewer pairs, and whether they are normal nobody can."""
+
 
 @dataclass(frozen=True)
 class Estimate:
@@ -73,7 +76,8 @@ class PairedValues:
 
     Attributes:
         pairs: Number of pairs.
-        mean: Mean of second less first, with Student's t interval.
+        mean: Mean of second less first, with Student's t interval; fewer than `FEWEST` pairs are
+            too few for one.
         median: Median of second less first, with the sign test's interval, which supposes
             nothing about the distribution.
     """
@@ -205,11 +209,16 @@ def paired_values(
 
 
 def mean_interval(values: Sequence[float] | np.ndarray) -> Estimate:
-    """The mean of two values or more, `(P,)`, with Student's t interval."""
+    """The mean of one value or more, `(P,)`, with Student's t interval.
+
+    With fewer than `FEWEST` values it has no ends.
+    """
     from scipy.stats import t
 
     sample = np.asarray(values, dtype=float)
     mean = float(sample.mean())
+    if len(sample) < FEWEST:
+        return Estimate(mean, -math.inf, math.inf)
     error = float(sample.std(ddof=1)) / math.sqrt(len(sample))
     half = float(t.ppf(0.5 + CONFIDENCE / 2.0, len(sample) - 1)) * error
     return Estimate(mean, mean - half, mean + half)

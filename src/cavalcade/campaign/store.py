@@ -11,13 +11,12 @@ from types import TracebackType
 from typing import Any, Self
 
 from cavalcade.campaign.folder import locked, make_folders, remove_empty, unlock, write_whole
+from cavalcade.campaign.lines import Line, failure_line
 from cavalcade.campaign.plan import FILE, Plan, difference, read_plain
 from cavalcade.errors import OutputError
 
 LINES, CORRUPT = "trials.jsonl", "trials.corrupt.jsonl"
-_NEEDED = ("trial", "outcome", "success", "feasible", "summary")
-
-Line = dict[str, Any]
+_OF_THE_PLAN = ("trial", "suite", "scenario", "variant", "disturbance", "seed")
 
 
 class Store:
@@ -46,6 +45,7 @@ class Store:
         warn: Callable[[str], None] = lambda text: None,
     ) -> None:
         self.folder = Path(folder)
+        self._trials = plan.trials
         self._order = {trial.id: place for place, trial in enumerate(plan.trials)}
         self._done: set[str] = set()
         self._lock = -1
@@ -64,7 +64,7 @@ class Store:
                     raise OutputError(f"{self.folder}: {other}; name another folder")
             else:
                 text = json.dumps(plan.plain(), indent=2, ensure_ascii=False) + "\n"
-                write_whole(self.folder / FILE, text.encode())
+                write_whole(self.folder / FILE, _encoded(text))
             self._mend(warn)
             flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND
             self._file = os.open(self.folder / LINES, flags, 0o644)
@@ -93,7 +93,7 @@ class Store:
             OutputError: It is not, and nothing of it is; all lines before are.
         """
         text = json.dumps(line, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-        data = text.encode() + b"\n"
+        data = _encoded(text) + b"\n"
         try:
             written = 0
             while written < len(data):
@@ -124,7 +124,7 @@ class Store:
                     stream.seek(start)
                     yield json.loads(stream.readline())
         except OSError as error:
-            raise self._failed(error) from None
+            raise self._failed(error, "read") from None
 
     def __enter__(self) -> Self:
         """Itself."""
@@ -182,10 +182,17 @@ class Store:
             line = json.loads(raw, parse_constant=_refuse)
         except (ValueError, RecursionError):
             return None
-        if not isinstance(line, dict) or any(key not in line for key in _NEEDED):
+        trial = line.get("trial") if isinstance(line, dict) else None
+        if not isinstance(trial, str) or trial not in self._order:
             return None
-        trial = line["trial"]
-        return trial if isinstance(trial, str) and trial in self._order else None
+        # The report takes every line for whole.
+        model = failure_line(self._trials[self._order[trial]], "", "")
+        whole = all(
+            key in line and (type(line[key]) is type(value) or key in ("level", "level_name"))
+            for key, value in model.items()
+        )
+        same = whole and all(line[key] == model[key] for key in _OF_THE_PLAN)
+        return trial if same else None
 
     def _take_back(self) -> None:
         """Leave nothing of a line that could not be written whole."""
@@ -193,9 +200,9 @@ class Store:
         with contextlib.suppress(OSError):
             os.ftruncate(self._file, self._size)
 
-    def _failed(self, error: OSError) -> OutputError:
+    def _failed(self, error: OSError, what: str = "written") -> OutputError:
         place = Path(error.filename) if error.filename else self.folder / LINES
-        text = f"{place}: cannot be written: {error.strerror or error}"
+        text = f"{place}: cannot be {what}: {error.strerror or error}"
         if self._done:
             text += f"; the {len(self._done)} trials so far are kept, go on with --resume"
         return OutputError(text)
@@ -212,6 +219,11 @@ class Store:
 def _raw_lines(file: Path) -> Iterable[bytes]:
     with file.open("rb") as stream:
         yield from stream
+
+
+def _encoded(text: str) -> bytes:
+    # What a file's name has that is no text becomes what JSON reads as the same again.
+    return text.encode(errors="backslashreplace")
 
 
 def _refuse(constant: str) -> Any:

@@ -21,6 +21,9 @@ Name = Annotated[str, Field(pattern=rf"^[A-Za-z0-9][A-Za-z0-9_-]{{0,{LONGEST_NAM
 
 UNDISTURBED = "none"
 
+MOST_SEEDS = 1_000_000
+"""Of one group: a campaign holds the list of its trials in memory."""
+
 
 class Disturbance(Section):
     """What is set over every scenario's `execution`; null leaves the scenario's own."""
@@ -42,6 +45,7 @@ class _Head(Section):
     time_limit: Positive = 120.0
     seed: Seed = 0
     variants: Annotated[tuple[Variant, ...], Field(min_length=1)] = ("cavalcade",)
+    references: dict[Variant, Variant] = Field(default_factory=dict)
     disturbances: dict[Name, Disturbance] = Field(default_factory=dict)
     worlds: Annotated[tuple[dict[str, Any], ...], Field(min_length=1)]
 
@@ -53,17 +57,31 @@ class _Head(Section):
         return variants
 
     @model_validator(mode="after")
+    def _references(self) -> Self:
+        choices = ", ".join(self.variants)
+        for variant, reference in self.references.items():
+            key = f"references.{variant}"
+            for name in (variant, reference):
+                if name not in self.variants:
+                    raise expected(
+                        f"{short(name)} is none of the suite's variants ({choices})", key=key
+                    )
+            if variant == reference:
+                raise expected("a variant cannot be its own reference", key=key)
+        return self
+
+    @model_validator(mode="after")
     def _groups(self) -> Self:
         names = [group.get("name") for group in self.worlds]
         for index, name in enumerate(names):
-            if name in names[:index]:
+            if name is not None and name in names[:index]:
                 raise expected(f"{short(name)} is there already", key=f"worlds[{index}].name")
         return self
 
 
 class _GroupHead(Section):
     name: Name
-    seeds: Annotated[int, Strict(), Field(gt=0, le=10_000_000)] | None = None
+    seeds: Annotated[int, Strict(), Field(gt=0, le=MOST_SEEDS)] | None = None
 
 
 @dataclass(frozen=True)
@@ -72,7 +90,7 @@ class Group:
 
     Attributes:
         name: What the trials' lines call `scenario`.
-        seeds: How many worlds are drawn; None for all that there are.
+        seeds: How many worlds are drawn; None for all that there are, which must have an end.
         draw: Where they come from.
     """
 
@@ -85,7 +103,7 @@ class Group:
         limit = self.draw.limit(data)
         last = None if self.seeds is None else first + self.seeds
         ends = [end for end in (limit, last) if end is not None]
-        return range(first, max(min(ends), first))
+        return range(first, max(min(ends, default=first), first))
 
 
 @dataclass(frozen=True)
@@ -98,6 +116,7 @@ class Suite:
         time_limit: Of wall clock for one trial, s.
         seed: The first seed of every group.
         variants: Of the planner; every world is run with each.
+        references: What a variant is compared with; for those that are not in it the first one.
         disturbances: By name; empty where the suite names none.
         worlds: The groups.
     """
@@ -107,6 +126,7 @@ class Suite:
     time_limit: float
     seed: int
     variants: tuple[str, ...]
+    references: Mapping[str, str]
     disturbances: Mapping[str, Disturbance]
     worlds: tuple[Group, ...]
 
@@ -134,6 +154,7 @@ class Suite:
             "time_limit": self.time_limit,
             "seed": self.seed,
             "variants": list(self.variants),
+            "references": dict(self.references),
             "disturbances": {
                 name: disturbance.model_dump(mode="json", exclude_none=True)
                 for name, disturbance in self.disturbances.items()
@@ -162,6 +183,7 @@ def parse_suite(data: Mapping[str, Any], file: str | Path | None = None) -> Suit
         time_limit=head.time_limit,
         seed=head.seed,
         variants=head.variants,
+        references={str(name): str(other) for name, other in head.references.items()},
         disturbances=dict(head.disturbances),
         worlds=groups,
     )

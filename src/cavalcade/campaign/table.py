@@ -159,10 +159,11 @@ def write_table(folder: str | Path, lines: Sequence[Mapping[str, Any]]) -> Path:
 def _copy(source: Path, target: Path, columns: Mapping[str, str], filled: bool) -> str:
     if filled:
         kinds = ", ".join(f"{_quoted(name)}: '{kind}'" for name, kind in columns.items())
-        # A trial with many robots has long lists; no line comes near this limit.
+        # A trial with many robots has long lists; no line comes near this limit. A folder named
+        # like `seed=3` is no column.
         rows = (
             f"SELECT * FROM read_json({_quoted(str(source))}, format='newline_delimited', "
-            f"columns={{{kinds}}}, maximum_object_size=67108864)"
+            f"columns={{{kinds}}}, maximum_object_size=67108864, hive_partitioning=false)"
         )
     else:
         empty = ", ".join(f'NULL::{kind} AS "{name}"' for name, kind in columns.items())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from cavalcade.campaign.draws import DataFolder, Draw, Drawn
@@ -50,13 +50,18 @@ class Trial:
         """The scenario to run: the drawn one with variant, disturbance and overrides.
 
         Raises:
-            ScenarioError: The overrides do not fit.
+            ScenarioError: The overrides do not fit, or make it another trial than its line says.
         """
         data: dict[str, Any] = copy.deepcopy(dict(drawn.scenario))
         data["planner"] = {**data.get("planner", {}), "variant": self.variant}
         data["execution"] = self.disturbed.over({"seed": self.seed, **data.get("execution", {})})
         apply_overrides(data, self.overrides, None)
-        return parse_scenario(data)
+        scenario = parse_scenario(data)
+        if scenario.planner.variant != self.variant:
+            raise ScenarioError("give it by itself: planner.variant=NAME", key="planner.variant")
+        if scenario.seed != self.seed:
+            raise ScenarioError("every world has its own; use --seed", key="execution.seed")
+        return scenario
 
 
 def trials_of(suite: Suite, overrides: tuple[str, ...], data: DataFolder) -> Iterator[Trial]:
@@ -83,23 +88,32 @@ def trials_of(suite: Suite, overrides: tuple[str, ...], data: DataFolder) -> Ite
                     )
 
 
-def check_overrides(suite: Suite, overrides: tuple[str, ...], data: DataFolder) -> None:
-    """See that the overrides fit the suite's scenarios, before any of them is run.
+def check_worlds(suite: Suite, overrides: tuple[str, ...], data: DataFolder) -> None:
+    """See that worlds can be drawn and that the overrides fit them, before any trial is run.
 
-    They are tried on one world of each group.
+    The first world of each group is tried.
 
     Raises:
-        InputError: They do not.
+        InputError: One cannot be drawn, or an override does not fit.
     """
-    seen: set[str] = set()
-    for trial in trials_of(suite, overrides, data) if overrides else ():
-        if trial.group in seen:
-            continue
-        seen.add(trial.group)
-        try:
-            trial.scenario(trial.drawn())
-        except InputError as error:
-            key = error.key or ""
-            text = str(error).removeprefix(f"{key}: ") if key else str(error)
-            place = key if key.startswith("--set") else f"--set {key}".strip()
-            raise ScenarioError(text, key=place) from None
+    for index, group in enumerate(suite.worlds):
+        first = replace(suite, worlds=(replace(group, seeds=1),))
+        drawn: Drawn | None = None
+        for trial in trials_of(first, (), data):
+            try:
+                drawn = drawn or trial.drawn()
+                trial.scenario(drawn)
+            except InputError as error:
+                raise ScenarioError(str(error), key=f"worlds[{index}]") from None
+            if overrides:
+                _check_overrides(replace(trial, overrides=overrides), drawn)
+
+
+def _check_overrides(trial: Trial, drawn: Drawn) -> None:
+    try:
+        trial.scenario(drawn)
+    except InputError as error:
+        key = error.key or ""
+        text = str(error).removeprefix(f"{key}: ") if key else str(error)
+        place = key if key.startswith("--set") else f"--set {key}".strip()
+        raise ScenarioError(text, key=place) from None

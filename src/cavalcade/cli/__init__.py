@@ -1,4 +1,4 @@
-"""The command line: `cavalcade run`, `check`, `scenarios`, `show`, `schema`."""
+"""The command line: `cavalcade run`, `check`, `campaign`, `trial` and so on."""
 
 from __future__ import annotations
 

@@ -147,7 +147,10 @@ def _warn_of_difference(done: Repeated) -> None:
     from cavalcade import __version__
 
     why = "another machine or other versions of its packages?"
-    if done.version != __version__:
+    before = done.before or {}
+    if before.get("outcome") in ("crashed", "overtime"):
+        why = f"there it was {before['outcome']}: {before.get('detail')}"
+    elif done.version != __version__:
         why = f"it was run with version {done.version}, this is {__version__}"
     print(f"cavalcade: warning: not as in the campaign: {why}", file=sys.stderr)
 

@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import json
+import math
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -171,6 +173,32 @@ def test_crowds_take_turns(data):
     assert len(set(found)) == 18  # four shapes of two to five robots, a square and a triangle
     again = draw.draw_world(18, data).scenario["task"]["formation"]["shape"]
     assert again == found[0][0]
+
+
+def test_crowds_of_a_custom_shape(data):
+    slots = [[0.5, 0.0], [0.0, 0.25], [-0.5, -0.25]]
+    said = {"draw": "crowd", "shapes": ["custom"], "slots": slots, "spacing": [0.9, 1.0]}
+    drawn = section(said).draw_world(0, data)
+    formation = drawn.scenario["task"]["formation"]
+    assert formation["shape"] == "custom"
+    closest = min(math.dist(p, q) for p, q in combinations(formation["slots"], 2))
+    assert 0.898 <= closest <= 1.002
+    assert drawn.level == 3
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        {"shapes": ["custom"]},
+        {"slots": [[0.0, 0.0], [1.0, 0.0]]},
+        {"shapes": ["custom"], "slots": [[0.0, 0.0], [0.0, 0.0]]},
+        {"shapes": ["custom"], "slots": [[0.0, 0.0]]},
+        {"shapes": ["custom"], "slots": []},
+    ],
+)
+def test_bad_custom_shapes(said):
+    with pytest.raises(ValidationError):
+        section({"draw": "crowd", **said})
 
 
 def test_events_hold_all_that_happens(data):

@@ -1,6 +1,10 @@
 import pytest
 
+from cavalcade.campaign.report.blocks import Table
+from cavalcade.campaign.report.comparison_chart import draw_comparisons
+from cavalcade.campaign.report.comparison_tables import comparison_tables
 from cavalcade.campaign.report.comparisons import (
+    ALL,
     QUANTITIES,
     compare_disturbances,
     compare_variants,
@@ -66,7 +70,7 @@ def test_all_scenarios_together_where_there_are_several(make_lines, suite):
     trials = read_trials(make_lines(20))
     found = compare_variants(trials, Order.of(suite, trials))
     assert [(c.scenario, c.second) for c in found] == [
-        (s, v) for s in ("clutter", "forest", "all") for v in ("published", "no-springs")
+        (s, v) for s in ("clutter", "forest", "all scenarios") for v in ("published", "no-springs")
     ]
     assert found[4].collision.pairs == 40
 
@@ -84,3 +88,44 @@ def test_disturbances_are_compared_for_each_variant(make_lines, suite):
         ("none", "published"),
         ("late", "published"),
     ]
+
+
+def test_a_variant_may_have_another_reference():
+    names = ("cavalcade", "other", "part", "less")
+    trials = [trial(k, variant) for k in range(3) for variant in names]
+    references = {"part": "other", "less": "absent"}
+    order = Order(("a",), names, ("none",), references)
+    found = compare_variants(trials, order)
+    assert [(c.first, c.second) for c in found] == [("cavalcade", "other"), ("other", "part")]
+    tables = [b for b in comparison_tables(found, "variant", "") if isinstance(b, Table)]
+    assert all(table.head[:3] == ("scenario", "variant", "reference") for table in tables)
+    assert tables[0].rows[1][:3] == ("`a`", "`part`", "`other`")
+    assert "with reference" in tables[0].head
+    (single,) = {t.head[3] for t in comparison_tables(found[:1], "variant", "")[1:2]}
+    assert single == "`cavalcade`"
+
+
+def test_fewer_than_six_pairs_are_too_few_for_an_interval(tmp_path):
+    def found_in(pairs):
+        trials = [trial(k, "cavalcade") for k in range(pairs)]
+        trials += [trial(k, "other", time=12.0 + k) for k in range(pairs)]
+        return compare(trials)[0]
+
+    (few,), (enough,) = found_in(5), found_in(6)
+    assert value_words(few.values[0], QUANTITIES[0]) == "too few pairs"
+    assert value_words(enough.values[0], QUANTITIES[0]).startswith("slower by")
+    time = comparison_tables([few], "variant", "")[4]
+    assert time.rows[0][-1] == "too few pairs"
+    assert all("too few pairs" in text for text in time.rows[0][3:])
+    assert draw_comparisons([few], False, tmp_path, "few").png
+
+
+def test_a_group_called_all_is_a_group_like_others():
+    trials = [
+        trial(k, variant, scenario=scenario)
+        for scenario, number in (("all", 3), ("b", 4))
+        for k in range(number)
+        for variant in ("cavalcade", "other")
+    ]
+    found, _ = compare(trials)
+    assert [(c.scenario, c.success.pairs) for c in found] == [("all", 3), ("b", 4), (ALL, 7)]

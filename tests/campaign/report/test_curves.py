@@ -1,5 +1,6 @@
 import pytest
 
+from cavalcade.campaign.report.canvas import series_color, series_marker
 from cavalcade.campaign.report.curves import BINS, curves_of
 from cavalcade.campaign.report.trials import Order, Trial
 from cavalcade.campaign.report.verdict import cells_of
@@ -48,3 +49,8 @@ def test_nothing_to_draw_without_two_levels_in_feasible_worlds():
     assert curve([None] * 20) is None
     assert curve([3.0, 4.0] * 10, feasible=False) is None
     assert curve([3.0, 4.0]) is None  # too few to say anything
+
+
+def test_every_line_of_a_crowded_chart_looks_different():
+    looks = {(series_color(k), series_marker(k)) for k in range(24)}
+    assert len(looks) == 24

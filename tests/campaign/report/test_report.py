@@ -186,4 +186,34 @@ def test_many_cells_are_summed_up_over_all_scenarios(tmp_path, make_lines, suite
     write_report(tmp_path, suite, lines, pictures=False)
     text, _ = pages(tmp_path)
     done = sum(line["success"] for line in lines if line["variant"] == "cavalcade")
-    assert f"- `all scenarios`, `cavalcade`: {done} of " in text
+    assert f"- all scenarios, `cavalcade`: {done} of " in text
+
+
+def test_collisions_that_count_and_those_that_do_not_are_told_apart(tmp_path, make_lines, suite):
+    lines = make_lines(8, ("clutter",), variants=("cavalcade",))
+    excused = {"outcome": "collision", "success": True, "feasible": True, "contacts": 1}
+    for line in lines[:7]:
+        line |= {**excused, "avoidable": 0, "detail": "a lost robot was hit"}
+    lines[7] |= {**excused, "success": False, "avoidable": 1, "detail": "it stood"}
+    write_report(tmp_path, suite, lines, pictures=False)
+    text, _ = pages(tmp_path)
+    excuses = text.split("## Collisions that could not be avoided")[1].split("##")[0]
+    assert "7 in 7 trials" in excuses
+    assert "| a lost robot was hit | 7 |" in excuses
+    assert "and 2 more" in excuses
+    assert "it stood" not in excuses
+    assert "contacts 1, avoidable 0 (a lost robot was hit)" in text
+    assert "**1 with an avoidable collision** in 8 trials" in text
+
+
+def test_without_such_collisions_nothing_is_said_of_them(tmp_path, make_lines, suite):
+    write_report(tmp_path, suite, make_lines(3), pictures=False)
+    text, _ = pages(tmp_path)
+    assert "could not be avoided" not in text
+    assert "**Disturbances** are known" not in text
+
+
+def test_with_disturbances_it_is_said_what_the_planner_knows(tmp_path, make_lines, suite):
+    lines = make_lines(3, ("clutter",), ("none", "late"), ("cavalcade",))
+    write_report(tmp_path, suite, lines, pictures=False)
+    assert "**Disturbances** are known" in pages(tmp_path)[0]

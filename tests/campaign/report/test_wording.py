@@ -49,7 +49,7 @@ def test_signs():
     assert signed(3.0, 1) == "+3.0"
     assert number(-0.0001, 2) == "0.00"
     assert number(None) == "–"
-    assert difference(Estimate(1.0, -math.inf, math.inf), 1) == "+1.0 [–, –]"
+    assert difference(Estimate(1.0, -math.inf, math.inf), 1) == "+1.0 (too few pairs)"
 
 
 def test_p_values():

@@ -69,7 +69,7 @@ class BarnDraw(Section):
         team = self.teams[(index + turn) % len(self.teams)]
         field = load_barn(files[index], self.beyond)
         ground = DiscRegions(OccupancyMap.empty(field.size), field.circles)
-        slots = team.slots()
+        slots = team.places()
         middle = round(field.size[0] / 2.0, 4)
         start, goal = (middle, self.start, _UP), (middle, self.start + self.ahead, _UP)
         for pose, key in ((start, "start"), (goal, "ahead")):

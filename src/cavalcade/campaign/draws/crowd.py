@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import combinations
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -14,12 +15,12 @@ from cavalcade.campaign.draws.fields import Counts, Lengths, draw_length
 from cavalcade.campaign.draws.model import Drawn
 from cavalcade.campaign.draws.placing import draw_pose
 from cavalcade.campaign.draws.scenarios import scenario_data
-from cavalcade.campaign.draws.teams import TeamSection, placed
+from cavalcade.campaign.draws.teams import Slots, TeamSection, placed
 from cavalcade.errors import InputError
 from cavalcade.scenario.fields import Length, NotNegative, Positive, Section, expected
 from cavalcade.world import OccupancyMap, generate
 
-Shape = Literal["square", "triangle", "line", "column", "wedge", "circle"]
+Shape = Literal["square", "triangle", "line", "column", "wedge", "circle", "custom"]
 
 _OWN_COUNT = {"square": 4, "triangle": 3}
 _TAG = 4
@@ -32,7 +33,8 @@ class CrowdDraw(Section):
     """Every shape with every number of robots that it takes, in turn by the seed.
 
     The team crosses a band of `band` m with `density` obstacles per square metre, as high as it
-    takes to turn the shape in it. `spacing` is the least distance between two slots.
+    takes to turn the shape in it. `spacing` is the least distance between two slots; those of the
+    custom shape, `slots`, are scaled to it.
     """
 
     draw: Literal["crowd"]
@@ -45,6 +47,7 @@ class CrowdDraw(Section):
         "wedge",
         "circle",
     )
+    slots: Slots | None = None
     spacing: Lengths = (0.9, 1.1)
     band: Length = 8.0
     density: NotNegative = 0.2
@@ -54,6 +57,10 @@ class CrowdDraw(Section):
     def _some(self) -> Self:
         if self.robots[0] < 1 or self.robots[1] > 64:
             raise expected("expected teams of 1 to 64", key="robots")
+        if ("custom" in self.shapes) != (self.slots is not None):
+            raise expected("slots and the shape custom go together", key="slots")
+        if self.slots is not None and _closest(self.slots) == 0.0:
+            raise expected("two of them are the same", key="slots")
         if not self._teams():
             raise expected("no shape takes that many", key="robots")
         return self
@@ -80,8 +87,8 @@ class CrowdDraw(Section):
         rng = np.random.default_rng([seed, _TAG])
         teams = self._teams()
         shape, robots = teams[seed % len(teams)]
-        team = _team(shape, robots, draw_length(rng, self.spacing))
-        slots = team.slots()
+        team = self._team(shape, robots, draw_length(rng, self.spacing))
+        slots = team.places()
         reach = float(np.hypot(slots[:, 0], slots[:, 1]).max())
         zone = round(2.0 * (reach + _AROUND), 2)
         size = (round(self.band + 2.0 * zone, 2), round(max(2.0 * reach + 4.0, 7.0), 2))
@@ -112,19 +119,28 @@ class CrowdDraw(Section):
 
     def _teams(self) -> list[tuple[Shape, int]]:
         """Shapes with numbers of robots, the smaller teams first."""
+        own = _OWN_COUNT | ({"custom": len(self.slots)} if self.slots else {})
         return [
             (shape, robots)
             for robots in range(self.robots[0], self.robots[1] + 1)
             for shape in self.shapes
-            if _OWN_COUNT.get(shape, robots) == robots
+            if own.get(shape, robots) == robots
         ]
 
+    def _team(self, shape: Shape, robots: int, spacing: float) -> TeamSection:
+        """The team with neighbouring slots `spacing` m apart."""
+        if shape in _OWN_COUNT:
+            return TeamSection(shape=shape, side=spacing)
+        if self.slots is not None and shape == "custom":
+            # Rounded to whole millimetres.
+            scale = spacing / _closest(self.slots) if robots > 1 else 1.0
+            slots = tuple((round(scale * x, 3), round(scale * y, 3)) for x, y in self.slots)
+            return TeamSection(shape=shape, slots=slots)
+        if shape == "circle":
+            radius = spacing / (2.0 * math.sin(math.pi / robots)) if robots > 1 else spacing
+            return TeamSection(shape=shape, radius=round(radius, 3), robots=robots)
+        return TeamSection(shape=shape, spacing=spacing, robots=robots)
 
-def _team(shape: Shape, robots: int, spacing: float) -> TeamSection:
-    """The team with neighbouring slots `spacing` m apart."""
-    if shape in _OWN_COUNT:
-        return TeamSection(shape=shape, side=spacing)
-    if shape == "circle":
-        radius = spacing / (2.0 * math.sin(math.pi / robots)) if robots > 1 else spacing
-        return TeamSection(shape=shape, radius=round(radius, 3), robots=robots)
-    return TeamSection(shape=shape, spacing=spacing, robots=robots)
+
+def _closest(slots: Slots) -> float:
+    return min((math.dist(p, q) for p, q in combinations(slots, 2)), default=math.inf)

@@ -87,7 +87,7 @@ class EventsDraw(Section):
             InputError: The obstacles leave hardly ever a way.
         """
         rng = np.random.default_rng([seed, _TAG])
-        slots = _TEAM.slots()
+        slots = _TEAM.places()
         for _ in range(_ATTEMPTS):
             count = draw_count(rng, self.obstacles)
             number = int(rng.integers(2**31))
@@ -131,7 +131,7 @@ class EventsDraw(Section):
         events.append({"at": _time(rng, 8.0, 25.0), "goals": [list(goal)]})
         if len({event["at"] for event in events}) < len(events):
             return None  # the checker tells obstacles that appear by their time
-        if not _ground(shapes).connect(starts, placed(goal, changed.slots())):
+        if not _ground(shapes).connect(starts, placed(goal, changed.places())):
             return None
         return sorted(events, key=lambda event: float(event["at"]))
 

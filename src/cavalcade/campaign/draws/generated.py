@@ -155,7 +155,7 @@ class GeneratedDraw(Section):
         ground = DiscRegions(
             OccupancyMap.empty(world.size, world.resolution), world.shapes, step=_STEPS[self.kind]
         )
-        slots = self.team.slots()
+        slots = self.team.places()
         hints: tuple[Pose | None, Pose | None] = (None, None)
         if self.poses == "middle":
             hints = (world.start, world.goal)

@@ -99,7 +99,7 @@ class MapsDraw(Section):
             warnings.simplefilter("ignore", MapWarning)
             base = load_map(file, unknown="occupied")
         ground = DiscRegions(base)
-        found = _crossing(rng, ground, team.slots(), choice.way or self.way)
+        found = _crossing(rng, ground, team.places(), choice.way or self.way)
         if found is None:
             raise InputError(f"no way for a {team.shape} is found", file=file, key="way")
         start, goal, way = found
@@ -112,7 +112,7 @@ class MapsDraw(Section):
             round(_GRACE + way / _SLOWEST),
             seed,
         )
-        slots = team.slots()
+        slots = team.places()
         feasible = ground.connect(placed(start, slots), placed(goal, slots))
         return Drawn(data_, feasible, round(way, 2))
 

@@ -9,8 +9,11 @@ from pydantic import Field, PrivateAttr, Strict, ValidationError, model_validato
 
 from cavalcade.geometry import Array
 from cavalcade.robots import MODELS
-from cavalcade.scenario.fields import Length, Section, expected
+from cavalcade.scenario.fields import Length, Point, Section, expected
 from cavalcade.scenario.task import FormationSection, check_formation
+
+Slots = Annotated[tuple[Point, ...], Field(min_length=1, max_length=64)]
+"""Points of a custom shape in the formation's frame, m, the leader's first."""
 
 BODY = 0.36
 """A go1 or a spirit may stand at any yaw where its centre keeps this distance, m; it is half the
@@ -20,13 +23,15 @@ diagonal of a go1 and a little, and of a spirit less its last 3 cm."""
 class TeamSection(Section):
     """A shape with its size in m, as in a scenario file, and how many robots keep it.
 
-    Square and triangle say by themselves how many they are.
+    Square, triangle and custom shapes, which are lists of slots, say by themselves how many they
+    are.
     """
 
-    shape: Literal["square", "line", "column", "wedge", "triangle", "circle"]
+    shape: Literal["square", "line", "column", "wedge", "triangle", "circle", "custom"]
     side: Length | None = None
     spacing: Length | None = None
     radius: Length | None = None
+    slots: Slots | None = None
     robots: Annotated[int, Strict(), Field(ge=1, le=64)] = 0
 
     _formation: FormationSection = PrivateAttr()
@@ -37,13 +42,15 @@ class TeamSection(Section):
         if not isinstance(data, dict) or data.get("robots") is not None:
             return data
         own = {"square": 4, "triangle": 3}.get(str(data.get("shape")))
+        if data.get("shape") == "custom" and isinstance(data.get("slots"), list | tuple):
+            own = len(data["slots"])
         if own is None:
             raise expected("expected how many there are", key="robots")
         return {**data, "robots": own}
 
     @model_validator(mode="after")
     def _shape(self) -> Self:
-        sizes = {key: getattr(self, key) for key in ("side", "spacing", "radius")}
+        sizes = {key: getattr(self, key) for key in ("side", "spacing", "radius", "slots")}
         said = {key: value for key, value in sizes.items() if value is not None}
         try:
             self._formation = FormationSection.model_validate({"shape": self.shape, **said})
@@ -57,7 +64,7 @@ class TeamSection(Section):
         """The formation as a scenario file says it."""
         return self._formation.model_dump(mode="json", exclude_none=True)
 
-    def slots(self) -> Array:
+    def places(self) -> Array:
         """The slots `(N, 2)` in the formation's frame, m."""
         from cavalcade.running.team import formation_of
         from cavalcade.scenario import PlannerSection
@@ -66,7 +73,7 @@ class TeamSection(Section):
 
     def starts(self, pose: Sequence[float]) -> list[dict[str, Any]]:
         """The robots of a scenario file, in their slots around `pose` (x, y, yaw)."""
-        places = placed(pose, self.slots())
+        places = placed(pose, self.places())
         yaw = round(float(pose[2]), 6)
         return [
             {"model": "go1", "start": [round(x, 6), round(y, 6), yaw]} for x, y in places.tolist()

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import difflib
+import os
 
+from cavalcade.campaign.engines.process import cores
 from cavalcade.campaign.engines.protocol import Ended, Engine
 from cavalcade.errors import InputError
 
 ENGINES = ("local", "ray")
+
+MOST_PER_CORE = 16
+"""Processes; each takes some 200 MB."""
 
 __all__ = ["ENGINES", "Ended", "Engine", "make_engine"]
 
@@ -24,6 +29,11 @@ def make_engine(name: str, workers: int | None) -> Engine:
     """
     if workers is not None and workers < 1:
         raise InputError(f"expected a whole number from 1 on, got {workers}", key="--workers")
+    most = MOST_PER_CORE * cores()
+    here = name == "local" or not os.environ.get("RAY_ADDRESS")
+    if workers is not None and here and workers > most:
+        text = f"expected at most {most} on this machine's cores ({cores()}), got {workers}"
+        raise InputError(text, key="--workers")
     if name == "local":
         from cavalcade.campaign.engines.local import LocalEngine
 

@@ -17,6 +17,14 @@ ONE_THREAD = (
 """A trial is one core's work; the campaign has as many as it has cores."""
 
 
+def cores() -> int:
+    """How many cores this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:  # not on every system
+        return os.cpu_count() or 1
+
+
 def use_one_thread() -> None:
     """Let numerical packages that are imported from now on use one thread."""
     for name in ONE_THREAD:

@@ -56,8 +56,8 @@ def series_color(index: int) -> str:
 
 
 def series_marker(index: int) -> str:
-    """Tells series apart in grey, too."""
-    return MARKERS[index % len(MARKERS)]
+    """Tells series apart in grey, too, and those of the same colour where the colours run out."""
+    return MARKERS[(index + index // len(SERIES)) % len(MARKERS)]
 
 
 def rows_figure(

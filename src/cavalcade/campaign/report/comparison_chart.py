@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -22,8 +23,11 @@ def draw_comparisons(
         settings: Name the setting, too.
         folder, name: Where it is written.
     """
+    usual = comparisons[0].first
     labels = [
-        " · ".join([c.scenario, *([c.setting] if settings else []), c.second]) for c in comparisons
+        " · ".join([c.scenario, *([c.setting] if settings else []), c.second])
+        + (f" against {c.first}" if c.first != usual else "")
+        for c in comparisons
     ]
     titles = ["success (points)", *(f"{q.name} ({q.unit})" for q in QUANTITIES)]
     seconds = list(dict.fromkeys(c.second for c in comparisons))
@@ -35,7 +39,7 @@ def draw_comparisons(
             low, high = 0.0, 0.0
             for row, comparison in enumerate(comparisons):
                 estimate = _estimate(comparison, k)
-                if estimate is None:
+                if estimate is None or not math.isfinite(estimate.high - estimate.low):
                     continue
                 color = canvas.series_color(1 + seconds.index(comparison.second))
                 axis.plot([estimate.low, estimate.high], [row, row], color=color, linewidth=1.4)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from cavalcade.campaign.report.blocks import Block, Heading, Table, Text, code
-from cavalcade.campaign.report.comparisons import QUANTITIES, Comparison
+from cavalcade.campaign.report.comparisons import ALL, QUANTITIES, Comparison
 from cavalcade.campaign.report.wording import (
     collision_words,
     count,
@@ -46,13 +46,29 @@ def comparison_tables(comparisons: Sequence[Comparison], kind: str, setting: str
     return blocks
 
 
-def _names(comparison: Comparison, setting: str) -> tuple[str, ...]:
-    scenario = "all scenarios" if comparison.scenario == "all" else code(comparison.scenario)
-    return (scenario, *([code(comparison.setting)] if setting else []), code(comparison.second))
+def references(comparisons: Sequence[Comparison]) -> list[str]:
+    """What is compared with, each once."""
+    return list(dict.fromkeys(comparison.first for comparison in comparisons))
 
 
-def _head(setting: str, kind: str) -> tuple[str, ...]:
-    return ("scenario", *([setting] if setting else []), kind)
+def _names(comparison: Comparison, setting: str, several: bool) -> tuple[str, ...]:
+    scenario = ALL if comparison.scenario == ALL else code(comparison.scenario)
+    return (
+        scenario,
+        *([code(comparison.setting)] if setting else []),
+        code(comparison.second),
+        *([code(comparison.first)] if several else []),
+    )
+
+
+def _head(setting: str, kind: str, several: bool) -> tuple[str, ...]:
+    """Names of the columns; the reference has one where there are several."""
+    return (
+        "scenario",
+        *([setting] if setting else []),
+        kind,
+        *(["reference"] if several else []),
+    )
 
 
 def _proportions(
@@ -62,7 +78,9 @@ def _proportions(
     take: Callable[[Comparison], PairedProportions | None],
     words: Callable[[PairedProportions], str],
 ) -> Table:
-    head = _head(setting, kind)
+    firsts = references(comparisons)
+    several = len(firsts) > 1
+    head = _head(setting, kind, several)
     rows = []
     for comparison in comparisons:
         found = take(comparison)
@@ -70,7 +88,7 @@ def _proportions(
             continue
         rows.append(
             (
-                *_names(comparison, setting),
+                *_names(comparison, setting, several),
                 count(found.pairs),
                 share(found.both + found.first_only, found.pairs),
                 share(found.both + found.second_only, found.pairs),
@@ -83,7 +101,7 @@ def _proportions(
     columns = (
         *head,
         "pairs",
-        code(comparisons[0].first),
+        "with reference" if several else code(firsts[0]),
         f"this {kind}",
         "one only",
         "difference (points) [95\N{NO-BREAK SPACE}%]",
@@ -94,7 +112,8 @@ def _proportions(
 
 
 def _values(comparisons: Sequence[Comparison], kind: str, setting: str, index: int) -> Table:
-    head = _head(setting, kind)
+    several = len(references(comparisons)) > 1
+    head = _head(setting, kind, several)
     quantity = QUANTITIES[index]
     digits = quantity.digits + 1
     rows = []
@@ -104,7 +123,7 @@ def _values(comparisons: Sequence[Comparison], kind: str, setting: str, index: i
             continue
         rows.append(
             (
-                *_names(comparison, setting),
+                *_names(comparison, setting, several),
                 count(found.pairs),
                 difference(found.mean.scaled(quantity.factor), digits),
                 difference(found.median.scaled(quantity.factor), digits),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from cavalcade.campaign.report.trials import Order, Trial
@@ -13,8 +13,8 @@ from cavalcade.campaign.statistics import (
     paired_values,
 )
 
-ALL = "all"
-"""Scenario of a comparison over the worlds of all groups."""
+ALL = "all scenarios"
+"""Scenario of a comparison over the worlds of all groups; no group may be called so."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class Comparison:
     """Two treatments of the same worlds.
 
     Attributes:
-        scenario: Group of worlds, or `all`.
+        scenario: Group of worlds, or `ALL`.
         setting: What both have in common: a disturbance, or a variant.
         first, second: The names of what is compared; differences are second less first.
         success: In feasible worlds; None without pairs.
@@ -80,7 +80,10 @@ class Comparison:
 
 
 def compare_variants(trials: Sequence[Trial], order: Order) -> list[Comparison]:
-    """Each variant against the first, per scenario and over all, under each disturbance."""
+    """Each variant against its reference, per scenario and over all, under each disturbance.
+
+    The reference is the first variant unless the suite names another.
+    """
     return [
         comparison
         for disturbance in order.disturbances
@@ -90,6 +93,7 @@ def compare_variants(trials: Sequence[Trial], order: Order) -> list[Comparison]:
             order.variants,
             order.scenarios,
             disturbance,
+            order.references,
         )
     ]
 
@@ -105,6 +109,7 @@ def compare_disturbances(trials: Sequence[Trial], order: Order) -> list[Comparis
             order.disturbances,
             order.scenarios,
             variant,
+            {},
         )
     ]
 
@@ -115,6 +120,7 @@ def _compare(
     names: Sequence[str],
     scenarios: Sequence[str],
     setting: str,
+    references: Mapping[str, str],
 ) -> list[Comparison]:
     found = []
     groups = (*scenarios, ALL) if len(scenarios) > 1 else tuple(scenarios)
@@ -124,11 +130,14 @@ def _compare(
             name: {trial.world: trial for trial in inside if treatment(trial) == name}
             for name in names
         }
-        for name in names[1:]:
-            first, second = worlds[names[0]], worlds[name]
+        for name in names:
+            reference = references.get(name, names[0])
+            if reference == name:
+                continue
+            first, second = worlds.get(reference, {}), worlds[name]
             pairs = [(first[world], second[world]) for world in first if world in second]
             if pairs:
-                found.append(_comparison(scenario, setting, names[0], name, pairs))
+                found.append(_comparison(scenario, setting, reference, name, pairs))
     return found
 
 

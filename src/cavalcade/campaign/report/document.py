@@ -9,7 +9,7 @@ from cavalcade.campaign.report import charts, sections, tables
 from cavalcade.campaign.report.artist import MOST_ROWS, Artist
 from cavalcade.campaign.report.blocks import Block, Bullets, Folded, Heading, Text, code
 from cavalcade.campaign.report.comparison_chart import draw_comparisons
-from cavalcade.campaign.report.comparison_tables import comparison_tables
+from cavalcade.campaign.report.comparison_tables import comparison_tables, references
 from cavalcade.campaign.report.comparisons import (
     Comparison,
     compare_disturbances,
@@ -17,7 +17,7 @@ from cavalcade.campaign.report.comparisons import (
 )
 from cavalcade.campaign.report.curve_chart import FEW_CURVES, draw_curves
 from cavalcade.campaign.report.curves import curves_of
-from cavalcade.campaign.report.methods import NOTES
+from cavalcade.campaign.report.methods import DISTURBED, NOTES
 from cavalcade.campaign.report.repeating import Replay, pictures_of
 from cavalcade.campaign.report.trials import Order, Trial
 from cavalcade.campaign.report.verdict import Cell, cells_of
@@ -94,10 +94,12 @@ def compose(
     )
     blocks += _curves(cells, order, artist)
     blocks += sections.failures(trials, order)
+    blocks += sections.unavoidable(trials, order)
     chosen = worst_trials(trials, order)
     drawn, remarks = pictures_of(chosen, artist, replay)
     blocks += sections.worst(chosen, drawn, remarks)
-    return [*blocks, Heading("How to read this"), Bullets(NOTES)]
+    notes = (*NOTES, DISTURBED) if len(order.disturbances) > 1 else NOTES
+    return [*blocks, Heading("How to read this"), Bullets(notes)]
 
 
 def _comparisons(
@@ -110,22 +112,26 @@ def _comparisons(
 
     if not found:
         return []
+    firsts = references(found)
+    first = code(firsts[0]) if len(firsts) == 1 else "its reference"
     blocks: list[Block] = [
         Heading(f"{kind.capitalize()}s compared on the same worlds"),
         Text(
-            f"Each {kind} against {code(found[0].first)}: a positive difference is more of it than "
-            f"with {code(found[0].first)}. “One only” counts the pairs in which it happened only "
-            f"with {code(found[0].first)} / only with this {kind}."
+            f"Each {kind} against {first}: a positive difference is more of it than with {first}. "
+            f"“One only” counts the pairs in which it happened only with {first} / only with this "
+            f"{kind}."
         ),
     ]
     several = len(settings) > 1
+    against = first if len(firsts) == 1 else "the reference"
+    other = f" The reference is {code(firsts[0])} unless a row names another." * (len(firsts) > 1)
     for part in settings if len(found) > MOST_ROWS else ("",):
         rows = [comparison for comparison in found if part in ("", comparison.setting)]
         if rows:
             where = f" {setting.capitalize()} {code(part)}." if part else ""
             caption = (
-                f"Mean paired differences to {code(found[0].first)} with 95 % intervals; hollow "
-                f"where the interval includes zero.{where}"
+                f"Mean paired differences to {against} with 95 % intervals; hollow where the "
+                f"interval includes zero.{other}{where}"
             )
             name = f"{kind}s-{part}" if part else f"{kind}s"
             blocks += artist.figure(

@@ -18,6 +18,7 @@ from cavalcade.campaign.report.blocks import (
     code,
     plain,
 )
+from cavalcade.campaign.report.comparisons import ALL
 from cavalcade.campaign.report.tables import cell_names
 from cavalcade.campaign.report.trials import Order, Trial
 from cavalcade.campaign.report.verdict import Cell, in_order
@@ -93,7 +94,7 @@ def _over_scenarios(cells: Sequence[Cell], order: Order) -> list[Cell]:
                 for trial in cell.trials
             ]
             if same:
-                found.append(Cell("all scenarios", variant, disturbance, tuple(same)))
+                found.append(Cell(ALL, variant, disturbance, tuple(same)))
     return found
 
 
@@ -132,18 +133,37 @@ def failures(trials: Sequence[Trial], order: Order) -> list[Block]:
     for outcome in in_order(Counter(trial.outcome for trial in failed)):
         same = [trial for trial in failed if trial.outcome == outcome]
         for detail, group in _by_detail(same):
-            shown = ", ".join(code(trial.name) for trial in group[:MOST_EXAMPLES])
-            more = len(group) - MOST_EXAMPLES
-            rows.append(
-                (
-                    outcome,
-                    plain(detail) or "–",
-                    count(len(group)),
-                    shown + (f" and {count(more)} more" if more > 0 else ""),
-                )
-            )
+            rows.append((outcome, plain(detail) or "–", count(len(group)), _some(group)))
     table = Table(("reason", "detail", "trials", "which"), tuple(rows), left=2, words=(3,))
     return [*blocks, table]
+
+
+def unavoidable(trials: Sequence[Trial], order: Order) -> list[Block]:
+    """Collisions that are not held against the planner, by reason, with examples."""
+    touched = [trial for trial in order.sorted(trials) if trial.contacts > trial.avoidable]
+    if not touched:
+        return []
+    counted = sum(trial.contacts - trial.avoidable for trial in touched)
+    noun = "trial" if len(touched) == 1 else "trials"
+    rows = [
+        (plain(detail) or "–", count(len(group)), _some(group))
+        for detail, group in _by_detail(touched)
+    ]
+    return [
+        Heading("Collisions that could not be avoided"),
+        Text(
+            f"{count(counted)} in {count(len(touched))} {noun}. Such a trial ends as `collision`, "
+            "yet it is a success if the team then arrived."
+        ),
+        Table(("why", "trials", "which"), tuple(rows), left=1, words=(2,)),
+    ]
+
+
+def _some(trials: Sequence[Trial]) -> str:
+    """The names of the first few."""
+    shown = ", ".join(code(trial.name) for trial in trials[:MOST_EXAMPLES])
+    more = len(trials) - MOST_EXAMPLES
+    return shown + (f" and {count(more)} more" if more > 0 else "")
 
 
 def _by_detail(trials: Sequence[Trial]) -> list[tuple[str, list[Trial]]]:
@@ -211,7 +231,8 @@ def _facts(trial: Trial) -> str:
     if trial.gap is not None:
         parts.append(f"smallest gap {number(trial.gap, 3)} m")
     if trial.contacts:
-        parts.append(f"contacts {trial.contacts}, avoidable {trial.avoidable}")
+        why = f" ({plain(trial.said)})" if trial.success and trial.said else ""
+        parts.append(f"contacts {trial.contacts}, avoidable {trial.avoidable}{why}")
     text = ", ".join(parts)
     return f"{_capital(text)}." if text else ""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cavalcade.campaign.report.blocks import Table, code, without_empty_columns
+from cavalcade.campaign.report.comparisons import ALL
 from cavalcade.campaign.report.curves import Curve
 from cavalcade.campaign.report.trials import Order
 from cavalcade.campaign.report.verdict import Cell, Spread, in_order
@@ -23,7 +24,7 @@ def head_of(order: Order) -> tuple[str, ...]:
 
 def cell_names(cell: Cell, order: Order) -> tuple[str, ...]:
     """The content of these columns."""
-    names = [code(cell.scenario)]
+    names = [cell.scenario if cell.scenario == ALL else code(cell.scenario)]
     if len(order.disturbances) > 1:
         names.append(code(cell.disturbance))
     if len(order.variants) > 1:

@@ -124,11 +124,17 @@ def _trial(name: str, line: Mapping[str, Any]) -> Trial:
 
 @dataclass(frozen=True)
 class Order:
-    """The order in which the suite names its scenarios, variants and disturbances."""
+    """The order in which the suite names its scenarios, variants and disturbances.
+
+    Attributes:
+        scenarios, variants, disturbances: Those that there are.
+        references: What a variant is compared with, where that is not the first one.
+    """
 
     scenarios: tuple[str, ...]
     variants: tuple[str, ...]
     disturbances: tuple[str, ...]
+    references: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
     def of(cls, suite: object, trials: Sequence[Trial]) -> Order:
@@ -146,6 +152,7 @@ class Order:
             _arranged(named, {trial.scenario for trial in trials}),
             _arranged(variants, {trial.variant for trial in trials}),
             _arranged(disturbances, {trial.disturbance for trial in trials}),
+            dict(getattr(suite, "references", None) or {}),
         )
 
     def sorted(self, trials: Iterable[Trial]) -> list[Trial]:

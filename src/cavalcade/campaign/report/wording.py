@@ -10,6 +10,7 @@ from cavalcade.campaign.statistics import Estimate, PairedProportions, PairedVal
 NONE = "–"
 MINUS = "\N{MINUS SIGN}"
 NO_DIFFERENCE = "no difference shown"
+TOO_FEW = "too few pairs"
 
 
 def number(value: float | None, digits: int = 2, factor: float = 1.0) -> str:
@@ -57,7 +58,7 @@ def bound(value: float, trials: int) -> str:
 def difference(estimate: Estimate, digits: int) -> str:
     """With its sign and interval."""
     if math.isinf(estimate.low) or math.isinf(estimate.high):
-        return f"{signed(estimate.value, digits)} [–, –]"
+        return f"{signed(estimate.value, digits)} ({TOO_FEW})"
     ends = f"[{signed(estimate.low, digits)}, {signed(estimate.high, digits)}]"
     return f"{signed(estimate.value, digits)} {ends}"
 
@@ -95,6 +96,8 @@ def collision_words(found: PairedProportions) -> str:
 
 def value_words(found: PairedValues, quantity: Quantity) -> str:
     """What the comparison of a quantity comes to."""
+    if math.isinf(found.mean.high):
+        return TOO_FEW
     if found.mean.includes_zero:
         return NO_DIFFERENCE
     amount = abs(found.mean.value) * quantity.factor
