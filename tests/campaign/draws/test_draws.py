@@ -57,7 +57,7 @@ def test_laws_of_every_draw(name, data):
         assert drawn == draw.draw_world(seed, data)
         assert isinstance(drawn.feasible, bool)
         assert (drawn.level is None) == (draw.level_name is None)
-        assert "planner" not in drawn.scenario
+        assert ("planner" in drawn.scenario) == (name == "shipped")
         assert drawn.scenario["execution"]["seed"] == seed
         assert drawn.scenario["execution"]["timeout"] > 0
         plain = json.loads(json.dumps(drawn.scenario))
@@ -229,3 +229,9 @@ def test_no_data_needed():
         draw = section(WORLDS[name])
         assert draw.missing(nothing) is None
         assert draw.limit(nothing) is None
+
+
+def test_a_scenario_keeps_what_it_says_of_the_planner(data):
+    drawn = section({"draw": "shipped", "scenario": "triangle-lab"}).draw_world(3, data)
+    assert drawn.scenario["planner"]["preset"] == "laboratory"
+    assert drawn.scenario["planner"]["lookahead"] == 2.5

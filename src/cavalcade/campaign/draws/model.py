@@ -13,7 +13,8 @@ class Drawn:
     """A world with a team and its task.
 
     Attributes:
-        scenario: As a scenario file says it, without a planner section; file names are absolute.
+        scenario: As a scenario file says it; file names are absolute. A planner section is that
+            of the file it came from; its variant gives way to the trial's.
         feasible: A disc of 0.30 m radius gets from every start to every slot at the goal, see
             `feasibility`. The planner has no part in it.
         level: Where it lies on the suite's curve, such as how many obstacles there are; None if

@@ -60,7 +60,6 @@ class ShippedDraw(Section):
 
         scenario = load_scenario(self.scenario, seed=seed)
         said: dict[str, Any] = scenario.model_dump(mode="json", exclude_none=True)
-        said.pop("planner")
         for source in ("map", "movingai", "barn"):
             if source in said["world"]:
                 said["world"][source] = _absolute(said["world"][source])
