@@ -80,6 +80,7 @@ evidence: $(VENV)/.stamp
 			*) failed="$$failed $$name" ;; \
 		esac; \
 	done; \
+	$(BIN)/python benchmarks/results_table.py $$(dirname $(RUNS)/evidence/*/trials.parquet); \
 	test -z "$$absent" || echo "Left out, their data are not there:$$absent"; \
 	test -z "$$failed" || { echo "Failed:$$failed"; exit 1; }
 

@@ -1,6 +1,6 @@
 """The table of docs/results.md from finished campaigns.
 
-Run as `python benchmarks/results_table.py runs/evidence/clutter runs/evidence/forest ...`.
+Run as `python benchmarks/results_table.py runs/evidence/*/`; `make evidence` ends with it.
 """
 
 from __future__ import annotations
