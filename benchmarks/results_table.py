@@ -26,7 +26,7 @@ QUERY = """
            median("cycle_ms.p50"), median("cycle_ms.p99")
     from read_parquet(?, file_row_number = true)
     group by suite, variant, disturbance
-    order by min(file_row_number)
+    order by disturbance <> 'none', min(file_row_number)
 """
 HEAD = (
     "suite", "variant", "disturbance", "worlds", "feasible", "success of feasible", "95 %",
