@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 _PATH = re.compile(
-    r"(?:\bfile://|(?<![\w./~-]))(?:~|\.{1,2})?(?:/[\w.+@%=,-]+)+/?"  # /a/x, ~/x, ../x, URLs of files
+    r"(?:\bfile://|(?<![\w./~-]))(?:~|\.{1,2})?(?:/[\w.+@%=,-]+)+/?"  # /a/x, ~/x, ../x, file URLs
     r"|\b[A-Za-z]:[\\/](?:[^\s\\/:;,'\"]+[\\/])*[^\s\\/:;,'\"]*"  # C:\Users\x
 )
 _PROCESS = re.compile(r"\b(pid|process|worker)(?:\s*[=:#]\s*|\s+)\d+\b", re.IGNORECASE)
