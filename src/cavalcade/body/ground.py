@@ -1,0 +1,67 @@
+"""The ground as body planners' kernels take it: solid obstacles, heights, traversability.
+
+Everything is in the grid's own frame: x, y in m from the lower-left corner of cell [0, 0].
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cavalcade.eikonal import surface_distance
+from cavalcade.geometry import Array
+from cavalcade.world import OccupancyMap, Terrain
+
+
+class Ground(NamedTuple):
+    """Arrays on one grid, `[row, col]` = `[y, x]`; a value stands at its cell's centre.
+
+    Attributes:
+        cell: Side of a cell, m.
+        solid: `(rows, cols)` obstacles of unlimited height; all beyond the grid is one, too.
+        clearance: `(rows, cols)` from the cell's centre to the nearest solid's surface, m.
+        flat: No heights: the five arrays below are `(1, 1)` and of no interest.
+        height: `(rows, cols)` of the ground, m.
+        smooth: `(rows, cols)` smoothed height, which the body follows, m.
+        slope_x, slope_y: `(rows, cols)` derivatives of `smooth`.
+        traversability: `(rows, cols)` 0 (no foot may stand) to 1.
+    """
+
+    cell: float
+    solid: NDArray[np.bool_]
+    clearance: Array
+    flat: bool
+    height: Array
+    smooth: Array
+    slope_x: Array
+    slope_y: Array
+    traversability: Array
+
+
+def make_ground(map: OccupancyMap, terrain: Terrain | None = None) -> Ground:
+    """The ground of a world.
+
+    Args:
+        map: What is solid.
+        terrain: Heights on the same grid; None for flat ground.
+    """
+    solid = np.ascontiguousarray(map.occupied)
+    clearance = np.ascontiguousarray(surface_distance(solid, map.resolution))
+    if terrain is None:
+        none = np.zeros((1, 1))
+        one = np.ones((1, 1))
+        return Ground(map.resolution, solid, clearance, True, none, none, none, none, one)
+    normal_z = np.maximum(terrain.normals[..., 2], 1e-6)
+    return Ground(
+        map.resolution,
+        solid,
+        clearance,
+        False,
+        np.ascontiguousarray(terrain.height),
+        np.ascontiguousarray(terrain.smooth),
+        np.ascontiguousarray(-terrain.normals[..., 0] / normal_z),
+        np.ascontiguousarray(-terrain.normals[..., 1] / normal_z),
+        np.ascontiguousarray(terrain.traversability),
+    )

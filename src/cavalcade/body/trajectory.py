@@ -1,0 +1,64 @@
+"""A timed body trajectory of one robot: what a body planner returns and everything else reads."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cavalcade.geometry import Array
+
+WALK, TAKE_OFF, FLIGHT, LANDING = 0, 1, 2, 3
+"""Phases, as `plan.npz` numbers them."""
+
+STEP = 0.03
+"""Largest time between two samples, s (the paper's dt)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Samples of a body's motion; the robot stands at its last pose for good afterwards.
+
+    Positions are of the body's centre in the frame of the planner's ground or, where it says so,
+    the map. Between samples the motion is the cubic that both ends' velocities give.
+
+    Attributes:
+        time: `(T,)` s, increasing, from 0, at most `STEP` apart; ends of phases are samples.
+        position: `(T, 3)` m.
+        velocity: `(T, 3)` m/s.
+        yaw: `(T,)` rad, continuous (not wrapped).
+        phase: `(T,)` `WALK`, `TAKE_OFF`, `FLIGHT` or `LANDING`: of the motion from this sample
+            to the next.
+    """
+
+    time: Array
+    position: Array
+    velocity: Array
+    yaw: Array
+    phase: NDArray[np.int8]
+
+    @property
+    def duration(self) -> float:
+        """Until the robot is at its goal for good, s."""
+        return float(self.time[-1])
+
+    @property
+    def length(self) -> float:
+        """Of the way of the body's centre in space, m."""
+        steps = np.diff(self.position, axis=0)
+        return float(np.sqrt((steps * steps).sum(axis=1)).sum())
+
+    def poses_at(self, times: Array) -> Array:
+        """Poses `(K, 3)` x, y, yaw at times `(K,)` s; before the start and after the end it stands.
+
+        Linear between samples: within 1 mm at walking speeds.
+        """
+        return np.stack(
+            [
+                np.interp(times, self.time, self.position[:, 0]),
+                np.interp(times, self.time, self.position[:, 1]),
+                np.interp(times, self.time, self.yaw),
+            ],
+            axis=1,
+        )

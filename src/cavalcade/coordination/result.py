@@ -1,0 +1,40 @@
+"""What a coordinator answers: a plan for the team, or the reason why there is none."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from cavalcade.body.trajectory import Trajectory
+
+
+@dataclass(frozen=True)
+class TeamPlan:
+    """The answer to a `TeamProblem`; "no plan" is an answer, too.
+
+    Attributes:
+        reason: `solved`; `infeasible`: there is no plan, and `detail` says why; `budget`: none
+            was found before the budget was spent.
+        detail: One line, empty where there is nothing to add.
+        involved: The robots that `detail` is about.
+        trajectories: One per robot in the map frame. Of an unsolved problem the best that is
+            known: each robot's own plan regardless of the others, or None.
+        method: Which coordinator found it; of `auto` the one that it fell back on.
+        iterations: Expansions of searches and trees, what the iteration budget counts.
+        planning_time: s of wall time.
+        counts: Further figures of the method, such as nodes of the conflict tree.
+    """
+
+    reason: str
+    detail: str
+    involved: tuple[int, ...]
+    trajectories: tuple[Trajectory | None, ...]
+    method: str
+    iterations: int
+    planning_time: float
+    counts: Mapping[str, int] = field(default_factory=dict)
+
+    @property
+    def solved(self) -> bool:
+        """Whether every robot has a trajectory and none meets another."""
+        return self.reason == "solved"
