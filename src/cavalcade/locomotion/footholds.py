@@ -1,0 +1,155 @@
+"""Where each foot stands: below its hip over the stance, on ground that carries it.
+
+The wanted place is the hip's mean position over the stance, moved by the capture point's
+sqrt(h / g) times how much faster the body is at touch-down than over the stance (Raibert's rule
+with a planned motion in the place of a commanded one), then the nearest traversable cell.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from cavalcade.body.ground import Ground
+from cavalcade.body.trajectory import Trajectory
+from cavalcade.geometry import Array, inverse_transform_points, transform_points
+from cavalcade.locomotion._kernels import interpolate, place_feet, stretch
+from cavalcade.locomotion.gait import stances
+from cavalcade.robots import RobotModel
+from cavalcade.robots.legs import LegModel
+
+FARTHEST = 0.25
+"""How far a foot may be put from the wanted place to find ground that carries it, m."""
+
+LEAST_TRAVERSABILITY = 0.3
+"""Of ground that carries a foot."""
+
+GRAVITY = 9.81
+_REST = 1.0
+"""How long a robot is taken to stand before its start and after its end, s."""
+
+_SAMPLES = 17
+Pose = tuple[float, float, float]
+
+
+def plan_footholds(
+    trajectory: Trajectory,
+    model: RobotModel,
+    ground: Ground,
+    origin: Pose = (0.0, 0.0, 0.0),
+) -> Array:
+    """The footholds of a whole trajectory.
+
+    Args:
+        trajectory: Of the body's centre, in the map frame.
+        model: The robot; one without legs has no footholds.
+        ground: What carries feet.
+        origin: Pose (x m, y m, yaw rad) of the ground's frame in the map frame.
+
+    Returns:
+        `(M, 6)` t_down, t_up (s), leg (0 front left, 1 front right, 2 rear left, 3 rear right),
+        x, y, z (m, map frame), sorted by t_down and leg. The last foothold of each leg is kept
+        for good; its t_up is the trajectory's end.
+    """
+    if model.legs is None:
+        return np.zeros((0, 6))
+    times = stances(trajectory, model.legs)
+    wanted = _wanted(trajectory, model.legs, times)
+    places = place_feet(
+        np.ascontiguousarray(inverse_transform_points(origin, wanted)),
+        ground.cell,
+        ground.solid,
+        ground.height,
+        ground.traversability,
+        ground.flat,
+        LEAST_TRAVERSABILITY,
+        FARTHEST,
+    )
+    places[:, :2] = transform_points(origin, places[:, :2])
+    return np.column_stack([times, places])
+
+
+def leg_lengths(
+    footholds: Array,
+    trajectory: Trajectory,
+    model: RobotModel,
+    ground: Ground,
+    origin: Pose = (0.0, 0.0, 0.0),
+) -> Array:
+    """How far each leg must stretch: the longest distance of its hip from the standing foot.
+
+    Hips are at the height of the body's centre, pitched as the smoothed ground is along the
+    heading. Compare with `model.legs.h_max`.
+
+    Returns:
+        `(M,)` m.
+    """
+    if model.legs is None or not len(footholds):
+        return np.zeros(0)
+    hips = _hips(trajectory, model.legs, ground, origin)
+    return np.asarray(
+        stretch(
+            np.ascontiguousarray(trajectory.time),
+            hips,
+            np.ascontiguousarray(footholds[:, 0]),
+            np.ascontiguousarray(footholds[:, 1]),
+            np.ascontiguousarray(footholds[:, 2:]),
+        )
+    )
+
+
+def _wanted(trajectory: Trajectory, legs: LegModel, times: Array) -> Array:
+    """`(M, 2)` wanted places, map frame."""
+    down, up, leg = times[:, 0], times[:, 1], times[:, 2].astype(int)
+    # At both ends the robot stands for longer than the plan says.
+    down = np.where(down <= 0.0, down - _REST, down)
+    up = np.where(up >= trajectory.duration - 1e-9, up + _REST, up)
+    moments = down[:, None] + (up - down)[:, None] * (np.arange(_SAMPLES) + 0.5) / _SAMPLES
+    poses = trajectory.poses_at(moments.ravel()).reshape(len(times), _SAMPLES, 3)
+    offset = _offsets(legs)[leg]
+    c, s = np.cos(poses[..., 2]), np.sin(poses[..., 2])
+    x = poses[..., 0] + c * offset[:, None, 0] - s * offset[:, None, 1]
+    y = poses[..., 1] + s * offset[:, None, 0] + c * offset[:, None, 1]
+    below = np.column_stack([x.mean(axis=1), y.mean(axis=1)])
+    ends = trajectory.poses_at(np.concatenate([down, up])).reshape(2, len(times), 3)
+    mean = (ends[1] - ends[0])[:, :2] / np.maximum(up - down, 1e-9)[:, None]
+    at_touch = np.column_stack(
+        [
+            np.interp(times[:, 0], trajectory.time, trajectory.velocity[:, axis], left=0.0)
+            for axis in (0, 1)
+        ]
+    )
+    # A foot that stood or that is to stand for long has nothing to catch.
+    short = ((up - down) < 2.0 * legs.gait_period)[:, None]
+    return np.asarray(
+        below + np.where(short, math.sqrt(legs.h_nom / GRAVITY) * (at_touch - mean), 0.0)
+    )
+
+
+def _hips(trajectory: Trajectory, legs: LegModel, ground: Ground, origin: Pose) -> Array:
+    """`(T, 4, 3)` map frame, m."""
+    c, s = np.cos(trajectory.yaw)[:, None], np.sin(trajectory.yaw)[:, None]
+    offset = _offsets(legs)
+    hips = np.empty((len(trajectory.time), 4, 3))
+    hips[..., 0] = trajectory.position[:, :1] + c * offset[:, 0] - s * offset[:, 1]
+    hips[..., 1] = trajectory.position[:, 1:2] + s * offset[:, 0] + c * offset[:, 1]
+    hips[..., 2] = trajectory.position[:, 2:]
+    if not ground.flat:
+        local = inverse_transform_points(origin, trajectory.position[:, :2])
+        heading = trajectory.yaw - origin[2]
+        slope = np.array(
+            [
+                math.cos(yaw) * interpolate(x, y, ground.cell, ground.slope_x)
+                + math.sin(yaw) * interpolate(x, y, ground.cell, ground.slope_y)
+                for (x, y), yaw in zip(local, heading, strict=True)
+            ]
+        )
+        hips[..., 2] += slope[:, None] * offset[:, 0]
+    return hips
+
+
+def _offsets(legs: LegModel) -> Array:
+    """`(4, 2)` hips in the body frame, in the order of the legs."""
+    signs = np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]])
+    return signs * (legs.hip_x, legs.hip_y)
