@@ -74,7 +74,7 @@ def check_arrival(
 
 
 def _task_at(scenario: Scenario, end: float) -> _Task:
-    goals, formation = scenario.task.goals, scenario.task.formation
+    goals, formation = scenario.task.goals, scenario.task.the_formation
     lost: set[int] = set()
     for event in scenario.execution.events:
         if event.at > end:

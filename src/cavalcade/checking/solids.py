@@ -95,7 +95,7 @@ def _ground(scenario: Scenario) -> Ground:
         return read_movingai(Path(world.movingai.file), world.movingai.resolution)
     if world.empty is None:
         raise ValueError("the scenario is not resolved")
-    return Ground(world.empty.size, (0.0, 0.0, 0.0), np.empty((0, 4)))
+    return Ground(world.empty.size, (*(world.empty.origin or (0.0, 0.0)), 0.0), np.empty((0, 4)))
 
 
 def _solid(span: ObstacleSpan, key: str) -> Solid:

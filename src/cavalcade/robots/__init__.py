@@ -1,5 +1,7 @@
 """Robot models as data."""
 
-from cavalcade.robots.model import MODELS, RobotModel, robot_model
+from cavalcade.robots.catalogue import MODELS, robot_model
+from cavalcade.robots.legs import LegModel
+from cavalcade.robots.model import Drive, RobotModel
 
-__all__ = ["MODELS", "RobotModel", "robot_model"]
+__all__ = ["MODELS", "Drive", "LegModel", "RobotModel", "robot_model"]

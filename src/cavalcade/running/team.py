@@ -45,7 +45,7 @@ def make_planner(scenario: Scenario, world: World) -> FormationPlanner:
     try:
         planner = FormationPlanner(
             world.map,
-            formation_of(scenario.task.formation, len(scenario.robots), section),
+            formation_of(scenario.task.the_formation, len(scenario.robots), section),
             robots=len(scenario.robots),
             model=max(scenario.models, key=lambda model: model.length * model.width),
             settings=settings_of(section),

@@ -11,6 +11,8 @@ import yaml
 
 from cavalcade.errors import OutputError
 from cavalcade.scenario.model import Scenario
+from cavalcade.scenario.settings import FORMATION_KEYS, TEAM_KEYS
+from cavalcade.scenario.task import INDIVIDUAL
 from cavalcade.scenario.worlds import resolve_scenario
 
 
@@ -37,8 +39,9 @@ def dump_scenario(scenario: Scenario, path: str | Path) -> None:
     """Write a scenario with every default and override written out.
 
     A `generate` or `barn` source becomes `empty` with the obstacles listed, so that the file
-    alone says where they stand; names of map files are written relative to the new file. Reading
-    the file gives `resolve_scenario(scenario)`.
+    alone says where they stand; generated terrain is written with its seed. Names of map and
+    terrain files are written relative to the new file. Reading the file gives
+    `resolve_scenario(scenario)`.
 
     Raises:
         ScenarioError, MapError: The world cannot be made.
@@ -80,14 +83,23 @@ def _plain(scenario: Scenario, folder: Path) -> dict[str, Any]:
     world = scenario.world.model_dump(mode="json", exclude_none=True)
     if scenario.world.map is not None:
         world["map"] = _relative(scenario.world.map, folder)
+    if scenario.world.terrain is not None:
+        world["terrain"] = _relative(scenario.world.terrain, folder)
+    if scenario.world.generate is not None:
+        world["generate"] = scenario.world.generate.words
     if scenario.world.movingai is not None:
         world["movingai"]["file"] = _relative(scenario.world.movingai.file, folder)
     world["obstacles"] = [_OneLine(obstacle) for obstacle in world["obstacles"]]
     robots = [
         _OneLine(robot.model_dump(mode="json", exclude_none=True)) for robot in scenario.robots
     ]
-    task = data["task"]
-    task["formation"] = _formation(task["formation"])
+    task, planner = data["task"], data["planner"]
+    if scenario.task.individual:
+        task = data["task"] = {"goals": INDIVIDUAL}
+    else:
+        task["formation"] = _formation(task["formation"])
+    others = FORMATION_KEYS if scenario.task.individual else TEAM_KEYS
+    data["planner"] = {key: value for key, value in planner.items() if key not in others}
     execution = data["execution"]
     execution["events"] = [_event(event) for event in execution["events"]]
     head = {key: data[key] for key in ("version", "name", "description")}

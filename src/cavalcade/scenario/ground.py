@@ -9,10 +9,12 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, Strict, model_validator
 
 from cavalcade.scenario.fields import (
+    Coordinate,
     File,
     Fraction,
     Length,
     NotNegative,
+    Point,
     Section,
     Seed,
     Size,
@@ -29,28 +31,57 @@ KIND_OPTIONS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "rooms": ("room", "door", "wall", "extra"),
     }
 )
-"""What each kind of generated world may be told."""
+"""What each kind of generated world of obstacles may be told."""
+
+TERRAIN_OPTIONS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "gap": ("width", "depth", "at"),
+        "rough": ("height", "spacing", "zone"),
+        "slope": ("angle", "length", "at"),
+        "stairs": ("steps", "height", "tread", "at"),
+        "step": ("height", "at"),
+        "stepping-stones": ("stone", "width", "height", "depth", "zone"),
+    }
+)
+"""What each kind of generated terrain may be told."""
+
+_ONLY_OBSTACLES = ("radius", "require_feasible")
+"""What makes sense for generated obstacles alone."""
 
 Count = Annotated[int, Strict(), Field(ge=0, le=100_000)]
 
-SOURCES = ("map", "generate", "empty", "movingai", "barn")
+SOURCES = ("map", "terrain", "generate", "empty", "movingai", "barn")
 
 
 class EmptySource(Section):
-    """Free ground: width (x) and height (y) in m, lower left corner at (0, 0)."""
+    """Free ground: width (x) and height (y) in m; its lower left corner is `origin`, or (0, 0)."""
 
     size: Size
+    origin: Point | None = None
 
 
 class GenerateSource(Section):
-    """A seeded random world; its lower left corner is at (0, 0).
+    """A seeded random world or terrain; its lower left corner is at (0, 0).
 
-    `seed: null` takes the scenario's own seed. `require_feasible` draws again until a disc of
-    `radius` m gets from one end to the other. The other options are those of the kind, see
-    `cavalcade.world.generators`; null is the generator's default.
+    `seed: null` takes the scenario's own seed. Of worlds of obstacles `require_feasible` draws
+    again until a disc of `radius` m gets from one end to the other. The other options are those
+    of the kind, see `cavalcade.world.generators` and `cavalcade.world.terrain.generators`; null
+    is the generator's default.
     """
 
-    kind: Literal["clutter", "forest", "rooms", "corridor", "maze"]
+    kind: Literal[
+        "clutter",
+        "forest",
+        "rooms",
+        "corridor",
+        "maze",
+        "gap",
+        "step",
+        "stairs",
+        "slope",
+        "rough",
+        "stepping-stones",
+    ]
     size: Size
     seed: Seed | None = None
     radius: Length = 0.30
@@ -65,23 +96,54 @@ class GenerateSource(Section):
     extra: Fraction | None = None
     width: Length | None = None
     bends: Count | None = None
-    angle: NotNegative | None = None
+    angle: Coordinate | None = None
     passage: Length | None = None
     loops: Fraction | None = None
+    height: Coordinate | None = None
+    depth: Length | None = None
+    length: Length | None = None
+    tread: Length | None = None
+    stone: Length | None = None
+    steps: Count | None = None
+    at: Coordinate | None = None
 
     @model_validator(mode="after")
     def _known_options(self) -> Self:
-        known = KIND_OPTIONS[self.kind]
-        for name in sorted(set().union(*KIND_OPTIONS.values()) - set(known)):
+        known = self._known
+        every = {name for kind in (KIND_OPTIONS, TERRAIN_OPTIONS) for name in _names(kind)}
+        for name in sorted(every - set(known)):
             if getattr(self, name) is not None:
                 raise expected(f"a {self.kind} has no such option", key=name, choices=known)
+        if self.is_terrain:
+            for name in _ONLY_OBSTACLES:
+                if getattr(self, name) != type(self).model_fields[name].default:
+                    raise expected(f"a {self.kind} has no such option", key=name, choices=known)
         return self
+
+    @property
+    def is_terrain(self) -> bool:
+        """Whether it has heights instead of obstacles."""
+        return self.kind in TERRAIN_OPTIONS
 
     @property
     def options(self) -> dict[str, Any]:
         """The options of the kind that are given."""
-        found = {name: getattr(self, name) for name in KIND_OPTIONS[self.kind]}
+        found = {name: getattr(self, name) for name in self._known}
         return {name: value for name, value in found.items() if value is not None}
+
+    @property
+    def words(self) -> dict[str, Any]:
+        """What a scenario file says of it."""
+        said = self.model_dump(mode="json", exclude_none=True)
+        return {k: v for k, v in said.items() if not (self.is_terrain and k in _ONLY_OBSTACLES)}
+
+    @property
+    def _known(self) -> tuple[str, ...]:
+        return TERRAIN_OPTIONS[self.kind] if self.is_terrain else KIND_OPTIONS[self.kind]
+
+
+def _names(kinds: Mapping[str, tuple[str, ...]]) -> set[str]:
+    return set().union(*kinds.values())
 
 
 class MovingAISource(Section):
@@ -100,11 +162,12 @@ class BarnSource(Section):
 class WorldSection(Section):
     """Exactly one source, then optional extra obstacles.
 
-    `resolution` (m per cell) is for worlds that don't bring one; `unknown` says what the unknown
-    cells of a map count as.
+    `resolution` (m per cell) is for worlds that don't bring one, and for terrain, which is brought
+    to it; `unknown` says what the unknown cells of a map count as.
     """
 
     map: File | None = None
+    terrain: File | None = None
     generate: GenerateSource | None = None
     empty: EmptySource | None = None
     movingai: MovingAISource | None = None
@@ -112,13 +175,6 @@ class WorldSection(Section):
     resolution: Annotated[Length, Field(ge=0.001)] = 0.05
     unknown: Literal["occupied", "free"] = "occupied"
     obstacles: Annotated[tuple[Obstacle, ...], Field(max_length=100_000)] = ()
-
-    @model_validator(mode="before")
-    @classmethod
-    def _terrain(cls, data: Any) -> Any:
-        if isinstance(data, dict) and "terrain" in data:
-            raise expected("terrain arrives with body planning", key="terrain", choices=SOURCES)
-        return data
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
@@ -130,3 +186,8 @@ class WorldSection(Section):
     def source(self) -> str:
         """Which of the sources it is."""
         return next(name for name in SOURCES if getattr(self, name) is not None)
+
+    @property
+    def has_heights(self) -> bool:
+        """Whether the ground is terrain."""
+        return self.terrain is not None or (self.generate is not None and self.generate.is_terrain)

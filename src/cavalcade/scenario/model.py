@@ -7,7 +7,7 @@ the whole with what must hold between them.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, PrivateAttr, field_validator, model_validator
 from pydantic_core import PydanticCustomError
@@ -22,6 +22,7 @@ from cavalcade.scenario.ground import (
     MovingAISource,
     WorldSection,
 )
+from cavalcade.scenario.kinds import check_kind, with_planner_defaults
 from cavalcade.scenario.obstacles import Box, Circle, Obstacle, Polygon
 from cavalcade.scenario.settings import Budget, Delay, ExecutionSection, Noise, PlannerSection
 from cavalcade.scenario.task import (
@@ -55,11 +56,22 @@ class Scenario(Section):
             raise expected("expected one line of text")
         return text
 
+    @model_validator(mode="before")
+    @classmethod
+    def _planner_of_the_task(cls, data: Any) -> Any:
+        return with_planner_defaults(data)
+
     @model_validator(mode="after")
-    def _team(self) -> Self:
+    def _consistent(self) -> Self:
+        check_kind(self)
+        if not self.task.individual:
+            self._check_formations()
+        return self
+
+    def _check_formations(self) -> None:
         width = min(model.width for model in self.models)
         try:
-            check_formation(self.task.formation, len(self.robots), width)
+            check_formation(self.task.the_formation, len(self.robots), width)
         except PydanticCustomError as error:
             raise _below("task.formation", error) from None
         lost: set[int] = set()
@@ -72,7 +84,6 @@ class Scenario(Section):
                     check_formation(event.formation, team, width, accepted=(whole,))
                 except PydanticCustomError as error:
                     raise _below(f"{place}.formation", error) from None
-        return self
 
     def _check_roll(self, event: Event, lost: set[int], place: str) -> None:
         """Follow who is lost at the moment; `events` are in order of time."""
@@ -120,6 +131,11 @@ class Scenario(Section):
     def starts(self) -> tuple[tuple[float, float, float], ...]:
         """The start (x, y, yaw) of each robot: m, m, rad, map frame."""
         return tuple(robot.start for robot in self.robots)
+
+    @property
+    def goals(self) -> tuple[tuple[float, float, float], ...]:
+        """The goal (x, y, yaw) of each robot if goals are individual; else none."""
+        return tuple(robot.goal for robot in self.robots if robot.goal is not None)
 
     @property
     def seed(self) -> int:

@@ -36,11 +36,41 @@ Variant = Literal[
     "virtual-structure",
     "behaviour-based",
 ]
-_BODY_METHODS = ("sequential", "joint", "cbs", "auto")
+Method = Literal["formation", "sequential", "joint", "cbs", "auto"]
+
+TEAM_METHODS = ("sequential", "joint", "cbs", "auto")
+"""Planners of individual goals."""
+
+TEAM_VARIANTS = ("cavalcade", "published")
+"""Variants of these."""
+
+FORMATION_KEYS = (
+    "preset",
+    "lookahead",
+    "r_max",
+    "d_safe_a",
+    "d_safe_b",
+    "d_switch",
+    "w_min_partial",
+    "w_min_avoid",
+    "v_max_x",
+    "v_max_y",
+    "v_min",
+    "d_slowdown",
+    "expect",
+)
+"""Keys of `planner` for formations alone."""
+
+TEAM_KEYS = ("constraints", "conflict", "leaps", "improve")
+"""Keys of `planner` for individual goals alone."""
 
 
 class Budget(Section):
-    """Limits on planning: cycles of the planner, and seconds of it; null is no limit."""
+    """Limits on planning: iterations and seconds; null is no limit, or the planner's own.
+
+    Iterations are cycles of a formation's planner, expansions of searches and trees with
+    individual goals.
+    """
 
     iterations: Annotated[int, Strict(), Field(gt=0)] | None = None
     seconds: Positive | None = None
@@ -71,15 +101,26 @@ class Expectations(Section):
 class PlannerSection(Section):
     """The planner, its variant and the paper's parameters; null is the preset's or the default.
 
+    `method` is `formation` for formations and one of the others, by default `auto`, for
+    individual goals. These have `constraints` (`timed`: bodies of others count while they are
+    there; `static`: always), `conflict` (which one is resolved first), `leaps` (whether legged
+    robots may leap) and `improve` (iterations spent on a better plan once there is one); the
+    variant `published` means `static` and `first` unless they are given. What follows `budget`
+    is for formations.
+
     Units: lengths m, speeds m/s, `lookahead` and `d_switch` seconds of normalised time; the `w_`
     values are velocities of the map between 0 and 1.
     """
 
-    method: Literal["formation"] = "formation"
+    method: Method = "formation"
     variant: Variant = "cavalcade"
+    constraints: Literal["timed", "static"] | None = None
+    conflict: Literal["costly", "earliest", "first"] | None = None
+    leaps: Annotated[bool, Strict()] | None = None
+    improve: Annotated[int, Strict(), Field(ge=0, le=10**9)] | None = None
+    budget: Budget = Budget()
     preset: Literal["simulation", "laboratory"] | None = None
     lookahead: Annotated[Number, Field(gt=0, le=1e4)] | None = None
-    budget: Budget = Budget()
     r_max: Length | None = None
     d_safe_a: Length | None = None
     d_safe_b: Length | None = None
@@ -91,13 +132,6 @@ class PlannerSection(Section):
     v_min: NotNegative | None = None
     d_slowdown: Length | None = None
     expect: Expectations = Expectations()
-
-    @field_validator("method", mode="before")
-    @classmethod
-    def _method(cls, value: Any) -> Any:
-        if value in _BODY_METHODS:
-            raise expected(f"method {value} arrives with body planning; expected formation")
-        return value
 
 
 class ExecutionSection(Section):

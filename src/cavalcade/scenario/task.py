@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
+from cavalcade.errors import InputError
 from cavalcade.robots import MODELS
 from cavalcade.scenario.fields import Index, Length, NotNegative, Point, Pose, Section, expected
 
@@ -22,11 +23,11 @@ _SIZE_KEY = {
 }
 _SIZES = {"triangle": 1.15}  # the paper's; 1 m for all others
 _SLOTS = {"square": 4, "triangle": 3}
-_LATER = "individual goals arrive with body planning; expected poses [x, y, yaw] of the formation"
+INDIVIDUAL = "individual"
 
 
 class RobotSection(Section):
-    """One robot: the name of its model and its start (x, y, yaw) in the map frame."""
+    """One robot: the name of its model, its start (x, y, yaw) in the map frame, maybe its goal."""
 
     model: str = "go1"
     start: Pose
@@ -38,13 +39,6 @@ class RobotSection(Section):
         if name not in MODELS:
             raise expected(f"unknown robot model {name!r}", choices=MODELS)
         return name
-
-    @field_validator("goal")
-    @classmethod
-    def _not_yet(cls, goal: Pose | None) -> Pose | None:
-        if goal is not None:
-            raise expected("goals of single robots arrive with body planning")
-        return goal
 
 
 class ConnectionSection(Section):
@@ -129,18 +123,58 @@ class FormationSection(Section):
         return self.side or self.spacing or 0.0
 
 
-class TaskSection(Section):
-    """The formation and the poses of its centre to visit, in order."""
+def _goals_schema(schema: dict[str, Any]) -> None:
+    """A list of poses, or the one word."""
+    kept = {
+        key: schema.pop(key) for key in ("type", "items", "minItems", "maxItems") if key in schema
+    }
+    schema["anyOf"] = [{**kept, "minItems": 1}, {"const": INDIVIDUAL, "type": "string"}]
 
-    formation: FormationSection
-    goals: Annotated[tuple[Pose, ...], Field(min_length=1, max_length=1000)]
+
+class TaskSection(Section):
+    """A formation and the poses of its centre to visit, in order; or `goals: individual`.
+
+    With individual goals each robot has a `goal`, there is no formation, and `goals` is empty.
+    """
+
+    formation: FormationSection | None = None
+    goals: Annotated[tuple[Pose, ...], Field(max_length=1000, json_schema_extra=_goals_schema)]
 
     @field_validator("goals", mode="before")
     @classmethod
     def _poses(cls, value: Any) -> Any:
-        if value == "individual":
-            raise expected(_LATER)
+        if isinstance(value, str):
+            if value != INDIVIDUAL:
+                raise expected("expected poses [x, y, yaw] of the formation, or individual")
+            return ()
+        if isinstance(value, list) and not value:
+            raise expected("expected at least 1, got 0")
         return value
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Self:
+        if self.individual and self.formation is not None:
+            raise expected("individual goals take no formation", key="formation")
+        if not self.individual and self.formation is None:
+            wanted = ", ".join(FormationSection.model_fields)
+            raise expected(f"missing; expected a mapping with {wanted}", key="formation")
+        return self
+
+    @property
+    def individual(self) -> bool:
+        """Whether each robot has its own goal."""
+        return not self.goals
+
+    @property
+    def the_formation(self) -> FormationSection:
+        """The formation of a task that has one.
+
+        Raises:
+            InputError: Goals are individual.
+        """
+        if self.formation is None:
+            raise InputError("goals are individual; expected a formation", key="task.formation")
+        return self.formation
 
 
 def check_formation(

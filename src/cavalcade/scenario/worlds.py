@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from cavalcade.errors import InputError, ScenarioError
 from cavalcade.scenario.ground import EmptySource, GenerateSource
@@ -22,6 +25,9 @@ from cavalcade.world import (
     shape_to_mapping,
 )
 
+if TYPE_CHECKING:
+    from cavalcade.world import Terrain
+
 
 @dataclass(frozen=True)
 class World:
@@ -35,6 +41,7 @@ class World:
         spans: Every obstacle over time, first those of `shapes` in the same order, then those
             that events bring.
         source_map: The map file that `base` was read from, None for worlds without one.
+        terrain: The heights, on the grid of `map`; None for level ground.
     """
 
     map: OccupancyMap
@@ -42,31 +49,21 @@ class World:
     shapes: tuple[Shape, ...]
     spans: tuple[ObstacleSpan, ...]
     source_map: Path | None
+    terrain: Terrain | None = None
 
 
 def build_world(scenario: Scenario) -> World:
     """Make the world and see that the robots can stand in it.
 
     Raises:
-        MapError: A map file cannot be used.
+        MapError: A map or terrain file cannot be used.
         ScenarioError: A source or an obstacle cannot be made, an event removes what is not there,
-            or a start is outside, in an obstacle or in another robot.
+            or a start is outside, in an obstacle, in a hole or in another robot.
     """
     scenario = resolve_scenario(scenario)
     world = scenario.world
-    source_map: Path | None = None
-    if world.map is not None:
-        source_map = world.map
-        base = load_map(world.map, unknown=world.unknown)
-    elif world.movingai is not None:
-        source_map = world.movingai.file
-        base = load_movingai(world.movingai.file, world.movingai.resolution)
-    else:
-        size = world.empty.size if world.empty is not None else (0.0, 0.0)
-        try:
-            base = OccupancyMap.empty(size, world.resolution)
-        except InputError as error:
-            raise _at(scenario, "world.empty.size", error) from None
+    base, terrain = _ground(scenario)
+    source_map = world.map if world.movingai is None else world.movingai.file
     shapes = tuple(
         _shape(scenario, obstacle, f"world.obstacles[{k}]")
         for k, obstacle in enumerate(world.obstacles)
@@ -77,18 +74,61 @@ def build_world(scenario: Scenario) -> World:
             if said is not None:
                 _shape(scenario, said, f"execution.events[{index}].{kind}")
     spans = obstacle_spans(scenario)
-    check_starts(scenario, base, shapes)
-    return World(base.with_shapes(shapes), base, shapes, spans, source_map)
+    check_starts(scenario, base, shapes, terrain)
+    return World(base.with_shapes(shapes), base, shapes, spans, source_map, terrain)
+
+
+def _ground(scenario: Scenario) -> tuple[OccupancyMap, Terrain | None]:
+    """The source alone."""
+    world = scenario.world
+    if world.map is not None:
+        return load_map(world.map, unknown=world.unknown), None
+    if world.movingai is not None:
+        return load_movingai(world.movingai.file, world.movingai.resolution), None
+    if world.empty is not None:
+        try:
+            base = OccupancyMap.empty(world.empty.size, world.resolution)
+        except InputError as error:
+            raise _at(scenario, "world.empty.size", error) from None
+        return replace(base, origin=(*(world.empty.origin or (0.0, 0.0)), 0.0)), None
+    terrain = _terrain(scenario)
+    free = np.zeros(terrain.height.shape, dtype=bool)
+    return OccupancyMap(free, terrain.resolution, terrain.origin), terrain
+
+
+def _terrain(scenario: Scenario) -> Terrain:
+    from cavalcade.world import generate_terrain, load_terrain
+
+    world = scenario.world
+    if world.terrain is not None:
+        return load_terrain(world.terrain, world.resolution)
+    source = world.generate
+    if source is None:
+        raise ScenarioError("has no source", file=scenario.file, key="world")
+    try:
+        seed = scenario.seed if source.seed is None else source.seed
+        return generate_terrain(source.kind, source.size, seed, world.resolution, **source.options)
+    except InputError as error:
+        own = error.key == "resolution"
+        place = "world.resolution" if own else f"world.generate.{error.key or 'kind'}"
+        raise _at(scenario, place, error) from None
 
 
 def resolve_scenario(scenario: Scenario) -> Scenario:
     """The same scenario with every obstacle listed: `generate` and `barn` become `empty`.
+
+    Generated terrain stays what it is, with its seed written out.
 
     Raises:
         MapError: The BARN file cannot be used.
         ScenarioError: The generator refuses its options.
     """
     world = scenario.world
+    if world.generate is not None and world.generate.is_terrain:
+        seed = scenario.seed if world.generate.seed is None else world.generate.seed
+        source = world.generate.model_copy(update={"seed": seed})
+        changed = world.model_copy(update={"generate": source})
+        return scenario.model_copy(update={"world": changed})
     if world.generate is not None:
         size, shapes = _generated(scenario, world.generate)
     elif world.barn is not None:

@@ -60,7 +60,7 @@ class ShippedDraw(Section):
 
         scenario = load_scenario(self.scenario, seed=seed)
         said: dict[str, Any] = scenario.model_dump(mode="json", exclude_none=True)
-        for source in ("map", "movingai", "barn"):
+        for source in ("map", "terrain", "movingai", "barn"):
             if source in said["world"]:
                 said["world"][source] = _absolute(said["world"][source])
         return Drawn(said, _feasible(scenario))
@@ -79,7 +79,7 @@ def _feasible(scenario: Scenario) -> bool:
 
     world = build_world(scenario)
     ground = DiscRegions(world.base, world.shapes)
-    formation = formation_of(scenario.task.formation, len(scenario.robots), scenario.planner)
+    formation = formation_of(scenario.task.the_formation, len(scenario.robots), scenario.planner)
     starts = [start[:2] for start in scenario.starts]
     return all(
         ground.connect(starts, transform_points(goal, formation.slots))

@@ -61,7 +61,7 @@ def draw_overview(scenario: Scenario, world: World, path: Path) -> Path:
         team = f"{len(models)} {models[0].name}" if len({m.name for m in models}) == 1 else "mixed"
         axes.set_title(str(scenario.name), loc="left", pad=3)
         axes.set_title(
-            f"{team}, {scenario.task.formation.shape}",
+            f"{team}, {scenario.task.the_formation.shape}",
             loc="right",
             pad=3,
             fontsize=7,
@@ -73,7 +73,7 @@ def draw_overview(scenario: Scenario, world: World, path: Path) -> Path:
 
 def _slots(scenario: Scenario) -> Array:
     """Slots `(S, 2)` of the formation in its own frame, m."""
-    section = scenario.task.formation
+    section = scenario.task.the_formation
     if section.slots is not None:
         return np.array(section.slots, dtype=float)
     from cavalcade.running.team import formation_of

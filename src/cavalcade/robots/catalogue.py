@@ -1,0 +1,112 @@
+"""The robot models there are, with the sources of their figures."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from cavalcade.errors import InputError
+from cavalcade.robots.legs import GO1, GO2, SPIRIT, LegModel
+from cavalcade.robots.model import Drive, RobotModel
+
+_PAPER = "Norén et al., Role-Adaptive Collaborative Formation Planning"
+_DB_CBS = "db-CBS (IMRCLab/db-CBS, src/robots.cpp)"
+
+
+def _quadruped(
+    name: str, size: tuple[float, float, float], legs: LegModel, source: str
+) -> RobotModel:
+    """A walking robot of `size` length, width, height with the speeds of the formation paper."""
+    length, width, height = size
+    return RobotModel(
+        name,
+        length,
+        width,
+        height,
+        max_speed_x=0.50,
+        max_speed_y=0.20,
+        max_yaw_rate=1.2,
+        max_acceleration=1.0,
+        max_yaw_acceleration=2.0,
+        source=source,
+        legs=legs,
+    )
+
+
+def _unicycle(
+    name: str, drive: Drive, size: tuple[float, float], acceleration: float, source: str
+) -> RobotModel:
+    """A robot on wheels with 0.5 m/s and 0.5 rad/s, forwards and backwards; square: a disc."""
+    return RobotModel(
+        name,
+        length=size[0],
+        width=size[1],
+        height=0.25,
+        max_speed_x=0.5,
+        max_speed_y=0.0,
+        max_yaw_rate=0.5,
+        max_acceleration=acceleration,
+        max_yaw_acceleration=acceleration,
+        source=f"{_DB_CBS}: {source}",
+        drive=drive,
+        round=size[0] == size[1],
+    )
+
+
+def _integrator(
+    name: str, drive: Drive, radius: float, acceleration: float, source: str
+) -> RobotModel:
+    """A disc that moves in all directions with 0.5 m/s; how it is turned is of no account."""
+    return RobotModel(
+        name,
+        length=2.0 * radius,
+        width=2.0 * radius,
+        height=0.25,
+        max_speed_x=0.5,
+        max_speed_y=0.5,
+        max_yaw_rate=0.5,
+        max_acceleration=acceleration,
+        max_yaw_acceleration=math.inf,
+        source=f"{_DB_CBS}: {source}",
+        drive=drive,
+        round=True,
+    )
+
+
+_QUADRUPEDS = (
+    _quadruped("go1", (0.65, 0.28, 0.40), GO1, f"{_PAPER}: body and speeds"),
+    _quadruped("go2", (0.70, 0.31, 0.40), GO2, "Unitree's data sheet of Go2: body; speeds as go1"),
+    _quadruped(
+        "spirit", (0.70, 0.35, 0.35), SPIRIT, "Ghost Robotics Spirit 40: body; speeds as go1"
+    ),
+)
+
+# The integrators' published limits hold for x and y apart; taken for the length of the vector,
+# they are met a fortiori. Radius of the double integrator: 0.15 m there, 0.1 m in dynobench.
+_PLANAR = (
+    _unicycle("unicycle", "unicycle", (0.5, 0.25), math.inf, "unicycle_first_order_0, ±0.5 m/s"),
+    _unicycle("unicycle-sphere", "unicycle", (0.8, 0.8), math.inf, "unicycle_first_order_0_sphere"),
+    _unicycle(
+        "unicycle-2", "unicycle-2", (0.5, 0.25), 0.25, "unicycle_second_order_0, ±0.25 m/s², rad/s²"
+    ),
+    _integrator("single-integrator", "integrator", 0.1, math.inf, "single_integrator_0, ±0.5 m/s"),
+    _integrator("double-integrator", "integrator-2", 0.15, 2.0, "double_integrator_0, ±2 m/s²"),
+)
+
+MODELS: Mapping[str, RobotModel] = MappingProxyType(
+    {model.name: model for model in (*_QUADRUPEDS, *_PLANAR)}
+)
+"""Name to model."""
+
+
+def robot_model(name: str) -> RobotModel:
+    """The model of that name.
+
+    Raises:
+        InputError: There is none; the message lists those there are.
+    """
+    try:
+        return MODELS[name]
+    except KeyError:
+        raise InputError(f"unknown robot model {name!r}", choices=MODELS) from None
