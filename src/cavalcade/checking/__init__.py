@@ -1,10 +1,11 @@
-"""The independent checker: what a run left behind is judged here, and by nothing else.
+"""The independent checker: what a run or a plan left behind is judged here, and by nothing else.
 
-It reads the recorded true poses, the scenario's own obstacle shapes and the map file; its
-distances, its map decoder and its idea of a formation are its own.
+It reads the recorded true poses or the planned motion, the scenario's own obstacle shapes and the
+map file; its distances, its map decoder, its idea of a formation and of legs are its own.
 """
 
 from cavalcade.checking.check import check
+from cavalcade.checking.plans import judge_plan
 from cavalcade.checking.report import Report, Violation
 
-__all__ = ["Report", "Violation", "check"]
+__all__ = ["Report", "Violation", "check", "judge_plan"]

@@ -57,8 +57,32 @@ def check_arrival(
         limit = float(np.hypot(*(slots - centre).T).max()) + DISTANCE + goal_moved
         words = "the goal"
     turns = np.abs(wrap_angle(final[:, 2] - task.goal[2]))
+    return standing(scenario, tracks, task.present, errors, turns, end, words, limit)
+
+
+def standing(
+    scenario: Scenario,
+    tracks: tuple[Track, ...],
+    robots: tuple[int, ...],
+    errors: Array,
+    turns: Array,
+    end: float,
+    words: str,
+    limit: float = DISTANCE,
+) -> list[Violation]:
+    """Robots that are too far off, turned or not yet still.
+
+    Args:
+        scenario: Whose cycle counts.
+        tracks: Of all robots.
+        robots: Those that take part.
+        errors, turns: Of each of them, m and rad.
+        end: When that is, s.
+        words: What the distance is from.
+        limit: Of the distance, m.
+    """
     result = []
-    for robot, error, turn in zip(task.present, errors, turns, strict=True):
+    for robot, error, turn in zip(robots, errors, turns, strict=True):
         where = f"robot {robot} claims to have arrived"
         if error > limit + _SLACK:
             text = f"{where} but stands {error:.3f} m from {words}"

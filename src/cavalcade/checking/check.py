@@ -9,8 +9,11 @@ from typing import Any
 
 from cavalcade.checking.arrival import check_arrival
 from cavalcade.checking.contact import find_contacts
-from cavalcade.checking.limits import Effort, exceeded, measure
+from cavalcade.checking.limits import TOLERANCE, Effort, exceeded, measure
 from cavalcade.checking.motion import bodies, common_clock
+from cavalcade.checking.own_goals import check_own_arrival, with_own_limits
+from cavalcade.checking.plans import judge_plan, read_plan
+from cavalcade.checking.plans.terrainfile import read_heights
 from cavalcade.checking.report import Figures, Report, Violation
 from cavalcade.checking.samples import disordered, incomplete, misplaced
 from cavalcade.checking.solids import build_scene
@@ -18,16 +21,23 @@ from cavalcade.checking.tracks import Track, read_tracks
 from cavalcade.errors import InputError, RecordingError
 from cavalcade.scenario import Scenario, load_scenario, resolve_scenario
 
+OWN_SPEEDING = 0.05
+"""Robots on the way to goals of their own may exceed speed and yaw rate by this fraction."""
+
+RECORDING, PLAN = "recording.mcap", "plan.npz"
+
 
 def check(directory: str | Path) -> Report:
-    """Judge what a run left behind, by its recorded true poses alone.
+    """Judge what `run` or `plan` left behind: recorded true poses or planned motion.
 
     Checked are contact of the swept, oriented footprints with obstacles, the map's occupied
     cells, its border and each other; the limits of speed and acceleration; completeness of the
-    recording; the starts; and, where the summary claims success, arrival.
+    recording; the starts; and, where the summary claims success, arrival. Of plans also dynamics,
+    forces, the ground and the footholds, see `judge_plan`.
 
     Args:
-        directory: With `scenario.yaml`, `recording.mcap` and `summary.json`.
+        directory: With `scenario.yaml`, `summary.json` and `recording.mcap` or `plan.npz`; where
+            both are there, both are judged.
 
     Raises:
         RecordingError: One of them, or the map file that the scenario names, cannot be read.
@@ -37,8 +47,18 @@ def check(directory: str | Path) -> Report:
         raise RecordingError("there is no such folder", file=folder)
     scenario = _read_scenario(folder / "scenario.yaml")
     summary = _read_summary(folder / "summary.json")
-    tracks = read_tracks(folder / "recording.mcap", len(scenario.robots))
-    return judge(scenario, tracks, summary)
+    recording, plan = folder / RECORDING, folder / PLAN
+    if not plan.is_file() and (recording.is_file() or not scenario.task.individual):
+        return judge(scenario, read_tracks(recording, len(scenario.robots)), summary)
+    if not scenario.task.individual:
+        raise RecordingError("there is a plan, but the scenario has a formation", file=plan)
+    if not recording.is_file():
+        return judge_plan(scenario, read_plan(plan), summary)
+    tracks = read_tracks(recording, len(scenario.robots))
+    run = judge(scenario, tracks, summary)
+    # The summary is that of the run: it says nothing of the plan's figures.
+    planned = judge_plan(scenario, read_plan(plan), summary, figures=False)
+    return _report([*run.violations, *planned.violations], run.figures)
 
 
 def judge(scenario: Scenario, tracks: tuple[Track, ...], summary: dict[str, Any]) -> Report:
@@ -53,20 +73,29 @@ def judge(scenario: Scenario, tracks: tuple[Track, ...], summary: dict[str, Any]
     Raises:
         RecordingError: The map file cannot be read.
     """
-    scene = build_scene(scenario)
+    place = None
+    if (heights := read_heights(scenario)) is not None:
+        place = heights.size, heights.origin
+    scene = build_scene(scenario, place)
     violations = disordered(tracks)
     if violations:
         return _report(violations, None)
-    models = scenario.models
+    models, speeding = scenario.models, TOLERANCE
+    if scenario.task.individual:
+        leaps = scenario.world.has_heights
+        models = tuple(with_own_limits(model, leaps) for model in models)
+        speeding = OWN_SPEEDING
     efforts = [measure(track, model) for track, model in zip(tracks, models, strict=True)]
     ticks = common_clock(tracks, scene.solids)
     contacts, gap = find_contacts(scene, bodies(tracks, models, ticks), ticks)
     violations += contacts
     for robot, (effort, model) in enumerate(zip(efforts, models, strict=True)):
-        violations += exceeded(effort, model, robot)
+        violations += exceeded(effort, model, robot, speeding)
     violations += misplaced(tracks, scenario.starts)
     violations += incomplete(tracks, scenario.execution.rate, _number(summary, "sim_time_s"))
-    if summary.get("success"):
+    if summary.get("success") and scenario.task.individual:
+        violations += check_own_arrival(scenario, tracks)
+    elif summary.get("success"):
         violations += check_arrival(scenario, tracks, _number(summary, "goal_moved_m") or 0.0)
     duration = float(ticks[-1] - ticks[0])
     return _report(violations, _figures(efforts, duration, gap))

@@ -51,7 +51,7 @@ class Pairing:
 
 
 def find_contacts(
-    scene: Scene, team: tuple[Body, ...], ticks: Array
+    scene: Scene, team: tuple[Body, ...], ticks: Array, among: bool = True
 ) -> tuple[list[Violation], float]:
     """Every contact, and the smallest gap in m, at most `FARTHEST`.
 
@@ -61,11 +61,12 @@ def find_contacts(
         scene: What may be touched.
         team: The robots.
         ticks: `(T + 1,)` s, the ends of the intervals.
+        among: Whether robots are seen by each other.
     """
     for margin in _MARGINS:
         violations: list[Violation] = []
         gap = FARTHEST
-        for pairing in _pairings(scene, team, ticks, margin):
+        for pairing in _pairings(scene, team, ticks, margin, among):
             found = closest_approach(pairing.distance, pairing.reach, pairing.lower, gap)
             gap = found.gap
             if len(found.contact):
@@ -110,7 +111,7 @@ def _events(
 
 
 def _pairings(
-    scene: Scene, team: tuple[Body, ...], ticks: Array, margin: float
+    scene: Scene, team: tuple[Body, ...], ticks: Array, margin: float, among: bool
 ) -> Iterator[Pairing]:
     for body in team:
         yield _with_border(body, scene)
@@ -118,7 +119,7 @@ def _pairings(
         for solid in scene.solids:
             if solid.moves:
                 yield _with_moving(body, solid, ticks, margin)
-    for one, two in combinations(team, 2):
+    for one, two in combinations(team, 2) if among else ():
         yield _with_robot(one, two, margin)
 
 
@@ -133,7 +134,7 @@ def _with_border(body: Body, scene: Scene) -> Pairing:
         pose[:, :2] = inverse_transform_points(scene.origin, pose[:, :2])
         pose[:, 2] -= yaw
         corner = distance.corners(pose, body.half)
-        inside: Array = np.minimum(corner, size - corner).min(axis=(1, 2))
+        inside: Array = np.minimum(corner, size - corner).min(axis=(1, 2)) - body.skin
         return np.maximum(inside, 0.0)
 
     lower = np.minimum(centre, size - centre).min(axis=1) - body.radius - reach / 2.0
@@ -217,11 +218,13 @@ def _with_robot(one: Body, two: Body, margin: float) -> Pairing:
     centre = one.begin[:, :2] - two.begin[:, :2] + relative / 2.0
     lower = np.hypot(centre[:, 0], centre[:, 1]) - one.radius - two.radius - reach / 2.0
     interval = np.flatnonzero(lower <= margin)
+    skin = one.skin + two.skin
 
     def to_other(rows: NDArray[np.int64], fraction: Array) -> Array:
         at = interval[rows]
         other = distance.corners(two.at(at, fraction), two.half)
-        return distance.to_polygons(one.half, distance.seen_from(one.at(at, fraction), other))
+        seen = distance.seen_from(one.at(at, fraction), other)
+        return np.maximum(distance.to_polygons(one.half, seen) - skin, 0.0)
 
     return Pairing(
         "robot-robot",
@@ -238,5 +241,5 @@ def _with_robot(one: Body, two: Body, margin: float) -> Pairing:
 def _footprint_to(body: Body, seen: Array, radius: float) -> Array:
     """Distance `(M,)` of what is seen at points `(M, P, 2)`: a disc if P is 1."""
     if seen.shape[1] == 1:
-        return np.maximum(distance.to_points(body.half, seen[:, 0]) - radius, 0.0)
-    return distance.to_polygons(body.half, seen)
+        return np.maximum(distance.to_points(body.half, seen[:, 0]) - radius - body.skin, 0.0)
+    return np.maximum(distance.to_polygons(body.half, seen) - body.skin, 0.0)

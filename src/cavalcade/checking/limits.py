@@ -62,8 +62,17 @@ def measure(track: Track, model: RobotModel) -> Effort:
     )
 
 
-def exceeded(effort: Effort, model: RobotModel, robot: int) -> list[Violation]:
-    """One violation per limit and uninterrupted stretch beyond it, at its first moment."""
+def exceeded(
+    effort: Effort, model: RobotModel, robot: int, speeding: float = TOLERANCE
+) -> list[Violation]:
+    """One violation per limit and uninterrupted stretch beyond it, at its first moment.
+
+    Args:
+        effort: What the robot did.
+        model: With its limits; infinite ones don't hold.
+        robot: Which.
+        speeding: By this fraction speed and yaw rate may exceed theirs.
+    """
     rules: tuple[tuple[Kind, Array, float, str], ...] = (
         ("speed", effort.speed_ratio, 1.0, "times the speed that its ellipse allows"),
         ("yaw-rate", effort.yaw_rate, model.max_yaw_rate, "rad/s of yaw rate"),
@@ -78,14 +87,28 @@ def exceeded(effort: Effort, model: RobotModel, robot: int) -> list[Violation]:
     return [
         violation
         for kind, values, limit, words in rules
-        for violation in _stretches(kind, values, limit, words, effort.time, robot)
+        for violation in _stretches(
+            kind,
+            values,
+            limit,
+            words,
+            effort.time,
+            robot,
+            speeding if kind in ("speed", "yaw-rate") else TOLERANCE,
+        )
     ]
 
 
 def _stretches(
-    kind: Kind, values: Array, limit: float, words: str, time: Array, robot: int
+    kind: Kind,
+    values: Array,
+    limit: float,
+    words: str,
+    time: Array,
+    robot: int,
+    tolerance: float,
 ) -> list[Violation]:
-    beyond = np.concatenate(([False], values > limit * (1.0 + TOLERANCE), [False]))
+    beyond = np.concatenate(([False], values > limit * (1.0 + tolerance), [False]))
     edges = np.flatnonzero(np.diff(beyond.astype(np.int8)))
     result = []
     for begin, end in zip(edges[::2], edges[1::2], strict=True):

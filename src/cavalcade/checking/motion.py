@@ -19,25 +19,29 @@ class Body:
 
     Attributes:
         index: Which robot.
-        half: `(2,)` half of its length and of its width, m.
+        half: `(2,)` half of its length and of its width, m; zero for a disc.
         begin: `(T, 3)` pose at the start of each interval.
         change: `(T, 3)` change of the pose over it.
+        skin: How far the footprint reaches beyond the rectangle of `half` on all sides, m: the
+            radius of a disc, otherwise 0.
     """
 
     index: int
     half: Array
     begin: Array
     change: Array
+    skin: float = 0.0
 
     @property
     def radius(self) -> float:
         """Of the circle around the footprint, m."""
-        return float(np.hypot(*self.half))
+        return float(np.hypot(*self.half)) + self.skin
 
     @property
     def turning(self) -> Array:
         """`(T,)` bound on how far a point of the footprint moves about the centre, m."""
-        return self.radius * np.abs(self.change[:, 2])
+        turn: Array = float(np.hypot(*self.half)) * np.abs(self.change[:, 2])
+        return turn
 
     @property
     def bounds(self) -> Array:
@@ -72,6 +76,14 @@ def bodies(
     result = []
     for k, (track, model) in enumerate(zip(tracks, models, strict=True)):
         pose = track.at(ticks)
-        half = np.array([model.length, model.width]) / 2.0
-        result.append(Body(k, half, pose[:-1], np.diff(pose, axis=0)))
+        result.append(body_of(k, model, pose))
     return tuple(result)
+
+
+def body_of(index: int, model: RobotModel, pose: Array) -> Body:
+    """The footprint of robot `index` that moves evenly from pose to pose `(T + 1, 3)`."""
+    half = np.array([model.length, model.width]) / 2.0
+    skin = 0.0
+    if model.round:
+        half, skin = np.zeros(2), model.length / 2.0
+    return Body(index, half, pose[:-1], np.diff(pose, axis=0), skin)

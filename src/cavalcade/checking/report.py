@@ -16,8 +16,21 @@ Kind = Literal[
     "start",
     "samples",
     "arrival",
+    "plan",
+    "phase",
+    "dynamics",
+    "ballistics",
+    "force",
+    "heading",
+    "belly",
+    "reach",
+    "traversability",
+    "foothold",
+    "flight-over-robot",
+    "summary",
 ]
-"""`robot-map` is contact with an occupied cell of the map or with its border."""
+"""`robot-map` is contact with an occupied cell of the map or with its border. Those from `plan`
+on are about plans only; `plan` is an array that is missing or malformed."""
 
 
 @dataclass(frozen=True)
@@ -56,10 +69,12 @@ class Figures:
             obstacle or the border, at any time, also between samples; at most 0.1 mm too large,
             and 1 m if nothing came closer than that.
         max_speed_ratio: Largest speed as a fraction of what the velocity ellipse allows in that
-            direction.
+            direction, or of the largest speed of robots with goals of their own.
         max_yaw_rate: Largest, rad/s.
         max_acceleration: Largest, m/s².
         max_yaw_acceleration: Largest, rad/s².
+        min_belly_clearance_m: Of plans of legged robots: smallest distance of the trunk from the
+            ground below it, m.
     """
 
     robots: int
@@ -69,6 +84,7 @@ class Figures:
     max_yaw_rate: float
     max_acceleration: float
     max_yaw_acceleration: float
+    min_belly_clearance_m: float | None = None
 
 
 @dataclass(frozen=True)

@@ -68,14 +68,22 @@ class Scene:
     origin: tuple[float, float, float]
 
 
-def build_scene(scenario: Scenario) -> Scene:
+Place = tuple[tuple[float, float], tuple[float, float, float]]
+
+
+def build_scene(scenario: Scenario, place: Place | None = None) -> Scene:
     """The scene of a resolved scenario.
+
+    Args:
+        scenario: What stands where.
+        place: Size (width, height) in m and origin (x, y, yaw) of ground with heights, which has
+            no occupied cells.
 
     Raises:
         RecordingError: A map file cannot be read.
         ScenarioError: An event removes what is not there.
     """
-    ground = _ground(scenario)
+    ground = _ground(scenario) if place is None else Ground(*place, np.empty((0, 4)))
     fixed = len(scenario.world.obstacles)
     solids = tuple(
         _solid(span, f"world.obstacles[{k}]" if k < fixed else f"event at {span.start:g} s")

@@ -1,0 +1,178 @@
+"""The motion of robots without legs: unicycles and integrators, of first and second order.
+
+Of first-order drives velocities may jump; then a sample holds that before or that after.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cavalcade.checking.plans.motion import Motion
+from cavalcade.checking.plans.stretches import excesses
+from cavalcade.checking.report import Violation
+from cavalcade.geometry import Array
+from cavalcade.robots import RobotModel
+
+TOLERANCE = 0.02
+"""Limits may be exceeded by this fraction."""
+
+SIDEWAYS = 0.02
+"""A unicycle's sideways speed as a fraction of its largest speed: rounding, and the turning
+within one interval."""
+
+_ROUNDING = 2e-5
+_SPEED_ROUNDING = 1e-4
+_REST = 0.02
+
+
+def check_driven(motion: Motion, model: RobotModel) -> list[Violation]:
+    """Everything about the motion of a robot without legs.
+
+    Args:
+        motion: With increasing times.
+        model: With a drive other than `legged`.
+    """
+    second = model.drive.endswith("-2")
+    turning = model.drive.startswith("unicycle")
+    violations = _level(motion)
+    if second:
+        violations += _rest(motion)
+    if len(motion.time) > 1:
+        violations += _integrated(motion, model, second)
+        violations += _speeds(motion, model)
+        if turning:
+            violations += _sideways(motion, model)
+        if second:
+            violations += _accelerations(motion, model, turning)
+    return violations
+
+
+def _level(motion: Motion) -> list[Violation]:
+    away = np.abs(motion.position[:, 2] - motion.position[0, 2])
+    moving = np.abs(motion.velocity[:, 2])
+    return excesses(
+        "dynamics",
+        motion.robot,
+        motion.time,
+        np.maximum(away, moving),
+        0.0,
+        "rises or sinks by {value:.4f} m or m/s, but has no legs",
+        1e-6,
+    )
+
+
+def _rest(motion: Motion) -> list[Violation]:
+    result = []
+    for k, words in ((0, "begins"), (-1, "ends")):
+        speed = float(np.hypot(*motion.velocity[k, :2]))
+        if speed > _REST:
+            text = f"robot {motion.robot} {words} its plan at {speed:.3f} m/s instead of at rest"
+            time = float(motion.time[k])
+            result.append(Violation("dynamics", time, (motion.robot,), text, speed, _REST))
+    return result
+
+
+def _integrated(motion: Motion, model: RobotModel, second: bool) -> list[Violation]:
+    """Positions must change by the integral of the velocity."""
+    dt = motion.steps[:, None]
+    one, two = motion.velocity[:-1, :2], motion.velocity[1:, :2]
+    moved = np.diff(motion.position[:, :2], axis=0)
+    # Along an arc velocity turns: its mean is shorter than that of both ends by this part at most.
+    turn = np.abs(np.diff(motion.yaw))[:, None]
+    bend = model.max_speed_x * dt * turn * turn / 8.0
+    if second:
+        allowed = _ROUNDING + bend + 2.0 * model.max_acceleration * dt * dt / 8.0
+        defect = np.abs(moved - (one + two) / 2.0 * dt)
+    else:
+        allowed = _ROUNDING + bend
+        low, high = np.minimum(one, two) * dt, np.maximum(one, two) * dt
+        defect = np.maximum(np.maximum(low - moved, moved - high), 0.0)
+    worst = (defect - allowed).argmax(axis=1)[:, None]
+    return excesses(
+        "dynamics",
+        motion.robot,
+        motion.time[:-1],
+        np.take_along_axis(defect, worst, axis=1)[:, 0],
+        np.take_along_axis(np.broadcast_to(allowed, defect.shape), worst, axis=1)[:, 0],
+        "is {value:.5f} m off from where its velocity takes it within one interval",
+    )
+
+
+def _speeds(motion: Motion, model: RobotModel) -> list[Violation]:
+    robot, time, dt = motion.robot, motion.time, motion.steps
+    moved = np.diff(motion.position[:, :2], axis=0) / dt[:, None]
+    fastest = np.hypot(motion.velocity[:, 0], motion.velocity[:, 1])
+    fastest[:-1] = np.maximum(fastest[:-1], np.hypot(moved[:, 0], moved[:, 1]))
+    result = excesses(
+        "speed",
+        robot,
+        time,
+        fastest,
+        model.max_speed_x,
+        "moves at {value:.3f} m/s; the limit is {limit:.3f}",
+        TOLERANCE * model.max_speed_x,
+    )
+    if model.round and not model.drive.startswith("unicycle"):
+        return result  # nobody can see how a disc that goes anywhere is turned
+    return result + excesses(
+        "yaw-rate",
+        robot,
+        time[:-1],
+        np.abs(motion.yaw_rate),
+        model.max_yaw_rate,
+        "turns at {value:.3f} rad/s; the limit is {limit:.3f}",
+        TOLERANCE * model.max_yaw_rate + _SPEED_ROUNDING / dt,
+    )
+
+
+def _sideways(motion: Motion, model: RobotModel) -> list[Violation]:
+    """A unicycle moves along its heading, at each sample and on average in between."""
+    slack = SIDEWAYS * model.max_speed_x + _SPEED_ROUNDING
+    words = "moves sideways at {value:.3f} m/s, but is a unicycle"
+    sideways = _across(motion.velocity[:, :2], motion.yaw)
+    moved = np.diff(motion.position[:, :2], axis=0) / motion.steps[:, None]
+    middle = (motion.yaw[1:] + motion.yaw[:-1]) / 2.0
+    sideways[:-1] = np.maximum(sideways[:-1], _across(moved, middle))
+    return excesses("dynamics", motion.robot, motion.time, sideways, 0.0, words, slack)
+
+
+def _across(vector: Array, yaw: Array) -> Array:
+    return np.abs(np.cos(yaw) * vector[:, 1] - np.sin(yaw) * vector[:, 0])
+
+
+def _accelerations(motion: Motion, model: RobotModel, turning: bool) -> list[Violation]:
+    robot, dt = motion.robot, motion.steps
+    velocity = motion.velocity[:, :2]
+    if turning:
+        # What changes speed counts, not what changes direction.
+        forward = velocity[:, 0] * np.cos(motion.yaw) + velocity[:, 1] * np.sin(motion.yaw)
+        change = np.abs(np.diff(forward))
+    else:
+        step = np.diff(velocity, axis=0)
+        change = np.hypot(step[:, 0], step[:, 1])
+    most = model.max_acceleration
+    result = excesses(
+        "acceleration",
+        robot,
+        motion.time[:-1],
+        change / dt,
+        most,
+        "accelerates with {value:.3f} m/s²; the limit is {limit:.3f}",
+        TOLERANCE * most + _SPEED_ROUNDING / dt,
+    )
+    if not turning:
+        return result
+    # Yaw rates are known as means only, at the middle of each interval, and are 0 at both ends.
+    rate = np.concatenate(([0.0], motion.yaw_rate, [0.0]))
+    half = np.concatenate(([0.0], dt, [0.0])) / 2.0
+    between = half[1:] + half[:-1]
+    most = model.max_yaw_acceleration
+    return result + excesses(
+        "yaw-acceleration",
+        robot,
+        motion.time,
+        np.abs(np.diff(rate)) / between,
+        most,
+        "turns ever faster with {value:.3f} rad/s²; the limit is {limit:.3f}",
+        TOLERANCE * most + 2.0 * _SPEED_ROUNDING / between,
+    )

@@ -1,0 +1,227 @@
+"""Raw heights of the ground, and what follows from them for legs, computed on its own.
+
+The constants are those of the method (Norby et al., 2022: the filters of Quad-SDK); the way they
+are applied is not the planner's, so values near edges differ a little: those who ask allow for it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cavalcade.geometry import Array, inverse_transform_points
+
+SMOOTH, STEEP, LEVEL = 0.2, 0.15, 0.4
+"""Radii in m of the smoothed height, of the fit that judges slopes, and of that to the smoothed
+height, along which bodies are pitched."""
+
+ROUGHNESS, SLOPE, LEAST = 0.1, 0.4, 0.02
+"""Roughness in m and slope in rad that forbid half each, and what is left of the worst ground."""
+
+HOLE = 0.075
+"""Feet keep this distance from holes, m."""
+
+PIT_DEPTH, PIT_WIDTH = 0.5, 1.25
+"""Ground this far below what is around it, and narrower than that, is a hole, m."""
+
+_MARGIN = 1.5
+"""Around the places asked for, m: further than any of the above reaches."""
+
+Origin = tuple[float, float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Heights:
+    """A grid of heights as its source says it.
+
+    Attributes:
+        height: `(rows, cols)` m, `[row, col]` = `[y, x]`, at the centres of cells; nan in holes.
+        cell: Side of a cell, m.
+        origin: Pose (x, y, yaw) of the lower left corner of cell [0, 0] in the map frame.
+    """
+
+    height: Array
+    cell: float
+    origin: Origin = (0.0, 0.0, 0.0)
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Width and height of the grid, m."""
+        rows, cols = self.height.shape
+        return cols * self.cell, rows * self.cell
+
+
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """Layers of part of the ground; places are given in the map frame.
+
+    Attributes:
+        cell, origin: As of `Heights`, of this part.
+        height: `(rows, cols)` m, finite: holes without a height are filled from around.
+        slope_x, slope_y: `(rows, cols)` of the smoothed height along the grid's axes.
+        best: `(rows, cols)` the largest traversability in a cell and its eight neighbours.
+    """
+
+    cell: float
+    origin: Origin
+    height: Array
+    slope_x: Array
+    slope_y: Array
+    best: Array
+
+    def heights_at(self, places: Array) -> Array:
+        """Heights `(...)` in m at places `(..., 2)`, bilinear."""
+        return _bilinear(self.height, self._cells(places))
+
+    def highest_at(self, places: Array, reach: float) -> Array:
+        """The largest height `(...)` within about `reach` m of places `(..., 2)`."""
+        around = reach * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]], dtype=float)
+        return self.heights_at(places[..., None, :] + around).max(axis=-1)
+
+    def range_at(self, places: Array) -> tuple[Array, Array]:
+        """Lowest and highest `(...)` of the four cells around places `(..., 2)`, m."""
+        row, col, right, above = _around(self.height.shape, self._cells(places))[:4]
+        four = np.stack(
+            [self.height[r, c] for r, c in ((row, col), (row, right), (above, col), (above, right))]
+        )
+        return four.min(axis=0), four.max(axis=0)
+
+    def slope_at(self, places: Array, yaw: Array) -> Array:
+        """Slope `(...)` of the smoothed height along headings `(...)` at places `(..., 2)`."""
+        cells, heading = self._cells(places), yaw - self.origin[2]
+        x, y = _bilinear(self.slope_x, cells), _bilinear(self.slope_y, cells)
+        return np.cos(heading) * x + np.sin(heading) * y
+
+    def best_at(self, places: Array) -> Array:
+        """The kindest traversability `(...)` next to places `(..., 2)`."""
+        cells = np.rint(self._cells(places)).astype(np.int64)
+        rows, cols = self.best.shape
+        best: Array = self.best[
+            np.clip(cells[..., 1], 0, rows - 1), np.clip(cells[..., 0], 0, cols - 1)
+        ]
+        return best
+
+    def _cells(self, places: Array) -> Array:
+        """Places in cells from the centre of cell [0, 0], x and y."""
+        local = inverse_transform_points(self.origin, places.reshape(-1, 2))
+        return local.reshape(places.shape) / self.cell - 0.5
+
+
+def ground_around(heights: Heights, places: Array) -> Ground:
+    """The layers around places `(N, 2)` of the map frame."""
+    rows, cols = heights.height.shape
+    local = inverse_transform_points(heights.origin, places) / heights.cell
+    margin = int(np.ceil(_MARGIN / heights.cell))
+    low = np.floor(local.min(axis=0)).astype(np.int64) - margin
+    high = np.ceil(local.max(axis=0)).astype(np.int64) + margin
+    x0, y0 = int(np.clip(low[0], 0, cols - 2)), int(np.clip(low[1], 0, rows - 2))
+    x1, y1 = int(np.clip(high[0], x0 + 2, cols)), int(np.clip(high[1], y0 + 2, rows))
+    part = heights.height[y0:y1, x0:x1]
+    x, y, yaw = heights.origin
+    dx, dy = x0 * heights.cell, y0 * heights.cell
+    corner = (x + np.cos(yaw) * dx - np.sin(yaw) * dy, y + np.sin(yaw) * dx + np.cos(yaw) * dy)
+    origin = (float(corner[0]), float(corner[1]), yaw)
+    return _layers(part, heights.cell, origin)
+
+
+def _layers(raw: Array, cell: float, origin: Origin) -> Ground:
+    from scipy.ndimage import binary_dilation, maximum_filter
+
+    unknown = np.isnan(raw)
+    height = _filled(raw, unknown)
+    holes = unknown | _pits(height, cell)
+    over = _filled(raw, holes)
+    smooth = _mean(over, SMOOTH / cell)
+    x, y = _slopes(over, STEEP / cell, cell)
+    steep = np.arctan(np.hypot(x, y))
+    along, across = _slopes(smooth, LEVEL / cell, cell)
+    # Whether slopes are judged before or after smoothing is the planner's choice.
+    steep = np.minimum(steep, np.arctan(np.hypot(along, across)))
+    rough = np.abs(over - smooth)
+    good = np.clip(0.5 * (1.0 - rough / ROUGHNESS) + 0.5 * (1.0 - steep / SLOPE), 0.0, None)
+    good = np.minimum(good + LEAST, 1.0)
+    if holes.any():
+        good[binary_dilation(holes, _disc(HOLE / cell))] = 0.0
+    best = maximum_filter(good, size=3, mode="nearest")
+    return Ground(cell, origin, height, along, across, best)
+
+
+def _filled(height: Array, holes: NDArray[np.bool_]) -> Array:
+    """Holes spanned from around: each cell in them the mean of its neighbours, roughly."""
+    from scipy.ndimage import distance_transform_edt, uniform_filter
+
+    if not holes.any() or holes.all():
+        return np.nan_to_num(height, nan=0.0)
+    nearest = distance_transform_edt(holes, return_distances=False, return_indices=True)
+    out: Array = height[tuple(nearest)]
+    for _ in range(60):
+        out = np.where(holes, uniform_filter(out, 5, mode="nearest"), out)
+    return out
+
+
+def _pits(height: Array, cell: float) -> NDArray[np.bool_]:
+    from scipy.ndimage import maximum_filter, minimum_filter
+
+    if float(np.ptp(height)) < PIT_DEPTH:
+        return np.zeros(height.shape, dtype=bool)
+    width = 2 * round(PIT_WIDTH / cell / 2.0) + 1
+    rim = minimum_filter(maximum_filter(height, width, mode="nearest"), width, mode="nearest")
+    pits: NDArray[np.bool_] = rim - height >= PIT_DEPTH
+    return pits
+
+
+def _disc(radius: float) -> NDArray[np.bool_]:
+    reach = int(radius + 1e-9)
+    y, x = np.mgrid[-reach : reach + 1, -reach : reach + 1]
+    disc: NDArray[np.bool_] = x * x + y * y <= radius * radius + 1e-9
+    return disc
+
+
+def _mean(field: Array, radius: float) -> Array:
+    from scipy.signal import oaconvolve
+
+    kernel = _disc(radius).astype(float)
+    edge = kernel.shape[0] // 2
+    wide = np.pad(field - field.mean(), edge, mode="edge")
+    mean: Array = oaconvolve(wide, kernel / kernel.sum(), mode="valid")
+    return mean + field.mean()
+
+
+def _slopes(field: Array, radius: float, cell: float) -> tuple[Array, Array]:
+    """Slopes along x and y of the planes that fit the discs around each cell best."""
+    from scipy.signal import oaconvolve
+
+    disc = _disc(radius)
+    edge = disc.shape[0] // 2
+    if edge == 0:
+        return np.zeros_like(field), np.zeros_like(field)
+    steps = np.arange(-edge, edge + 1) * disc * cell
+    kernel = steps / (steps * steps).sum()
+    wide = np.pad(field - field.mean(), edge, mode="edge")
+    # Convolution turns the kernel round.
+    x: Array = oaconvolve(wide, -kernel, mode="valid")
+    y: Array = oaconvolve(wide, -kernel.T, mode="valid")
+    return x, y
+
+
+def _around(
+    shape: tuple[int, ...], cells: Array
+) -> tuple[
+    NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], Array, Array
+]:
+    rows, cols = shape
+    u = np.clip(cells[..., 0], 0.0, cols - 1.0)
+    v = np.clip(cells[..., 1], 0.0, rows - 1.0)
+    col = np.minimum(u.astype(np.int64), cols - 2)
+    row = np.minimum(v.astype(np.int64), rows - 2)
+    return row, col, col + 1, row + 1, u - col, v - row
+
+
+def _bilinear(field: Array, cells: Array) -> Array:
+    row, col, right, above, s, t = _around(field.shape, cells)
+    low = field[row, col] * (1.0 - s) + field[row, right] * s
+    high = field[above, col] * (1.0 - s) + field[above, right] * s
+    value: Array = low * (1.0 - t) + high * t
+    return value

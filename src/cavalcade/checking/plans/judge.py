@@ -1,0 +1,162 @@
+"""The verdict on a plan."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cavalcade.checking.contact import find_contacts
+from cavalcade.checking.motion import bodies, common_clock
+from cavalcade.checking.plans.body import belly_clearance, check_body
+from cavalcade.checking.plans.claims import check_figures, check_goal, check_missing, check_start
+from cavalcade.checking.plans.drives import check_driven
+from cavalcade.checking.plans.footholds import check_footholds
+from cavalcade.checking.plans.heights import Ground, Heights, ground_around
+from cavalcade.checking.plans.legged import check_legged, top_speed
+from cavalcade.checking.plans.motion import FLIGHT, Motion
+from cavalcade.checking.plans.structure import read_motions
+from cavalcade.checking.plans.terrainfile import read_heights
+from cavalcade.checking.report import Figures, Report, Violation
+from cavalcade.checking.solids import Scene, build_scene
+from cavalcade.geometry import Array
+from cavalcade.robots import RobotModel
+from cavalcade.scenario import Scenario
+
+
+def judge_plan(
+    scenario: Scenario,
+    arrays: Mapping[str, NDArray[Any]],
+    summary: Mapping[str, Any],
+    *,
+    figures: bool = True,
+) -> Report:
+    """The verdict on a plan, nothing written or read but the ground's own files.
+
+    If the summary claims success, every robot must have a motion that ends at its goal, and none
+    may touch another. Otherwise what there is is partial knowledge, each robot's motion
+    regardless of the others: then each is judged by itself.
+
+    Args:
+        scenario: A resolved one with a goal for each robot.
+        arrays: As in `plan.npz`.
+        summary: What the plan says of itself.
+        figures: Whether its lengths and durations are those of the plan.
+
+    Raises:
+        RecordingError: A file of the ground cannot be read.
+    """
+    models = scenario.models
+    motions, violations = read_motions(arrays, models)
+    known = tuple(motion for motion in motions if motion is not None)
+    solved = bool(summary.get("success"))
+    heights = read_heights(scenario)
+    bellies: list[float] = []
+    for motion in known:
+        violations += _alone(scenario, motion, models[motion.robot], heights, bellies)
+    gap = np.inf
+    if known:
+        place = None if heights is None else (heights.size, heights.origin)
+        contacts, gap = _contacts(build_scene(scenario, place), models, known, solved)
+        violations += contacts
+    if solved:
+        for motion in known:
+            violations += check_goal(motion, models[motion.robot], scenario.goals[motion.robot])
+        violations += check_missing(motions)
+        if figures:
+            violations += check_figures(motions, summary)
+    ordered = tuple(sorted(violations, key=lambda violation: violation.time))
+    return Report(ordered, _figures(known, models, gap, bellies) if known else None)
+
+
+def _alone(
+    scenario: Scenario,
+    motion: Motion,
+    model: RobotModel,
+    heights: Heights | None,
+    bellies: list[float],
+) -> list[Violation]:
+    """What is wrong with a robot's motion without looking at the others.
+
+    The least clearance of its belly goes into `bellies`.
+    """
+    violations = check_start(motion, model, scenario.starts[motion.robot])
+    if model.legs is None or model.drive != "legged":
+        return violations + check_driven(motion, model)
+    ground = _ground(motion, heights)
+    violations += check_legged(motion, model, scenario.planner.variant == "published")
+    clearance = belly_clearance(motion, model.legs, ground)
+    bellies.append(float(clearance.min()))
+    violations += check_body(motion, model.legs, ground, clearance)
+    return violations + check_footholds(motion, model.legs, ground)
+
+
+def _ground(motion: Motion, heights: Heights | None) -> Ground | None:
+    if heights is None:
+        return None
+    return ground_around(heights, np.vstack((motion.position[:, :2], motion.footholds[:, 3:5])))
+
+
+def _contacts(
+    scene: Scene, models: tuple[RobotModel, ...], motions: tuple[Motion, ...], solved: bool
+) -> tuple[list[Violation], float]:
+    """Contact of swept footprints until the last robot stands: then nothing moves any more."""
+    tracks = tuple(motion.track for motion in motions)
+    ticks = common_clock(tracks, scene.solids)
+    own = tuple(models[motion.robot] for motion in motions)
+    team = tuple(
+        replace(body, index=motion.robot)
+        for body, motion in zip(bodies(tracks, own, ticks), motions, strict=True)
+    )
+    found, gap = find_contacts(scene, team, ticks, among=solved)
+    by_robot = {motion.robot: motion for motion in motions}
+    return [_named(violation, by_robot) for violation in found], gap
+
+
+def _named(contact: Violation, motions: Mapping[int, Motion]) -> Violation:
+    """Contact between robots of which one flies: over the other or into it, it must not be."""
+    if contact.kind != "robot-robot":
+        return contact
+    for robot in contact.robots:
+        if motions[robot].phase_at(contact.time) == FLIGHT:
+            other = next(k for k in contact.robots if k != robot)
+            text = f"robot {robot} flies over robot {other}, or into it: {contact.message}"
+            return replace(contact, kind="flight-over-robot", message=text)
+    return contact
+
+
+def _figures(
+    motions: tuple[Motion, ...],
+    models: tuple[RobotModel, ...],
+    gap: float,
+    bellies: list[float],
+) -> Figures:
+    def largest(values: Array) -> float:
+        return float(values.max(initial=0.0))
+
+    tops = [top_speed(models[motion.robot]) for motion in motions]
+    moving = [motion for motion in motions if len(motion.time) > 1]
+    return Figures(
+        robots=len(motions),
+        duration_s=max(float(motion.time[-1]) for motion in motions),
+        min_footprint_gap_m=gap,
+        max_speed_ratio=max(
+            largest(np.hypot(motion.velocity[:, 0], motion.velocity[:, 1])) / top
+            for motion, top in zip(motions, tops, strict=True)
+        ),
+        max_yaw_rate=max((largest(np.abs(m.yaw_rate)) for m in moving), default=0.0),
+        max_acceleration=max(
+            (largest(np.hypot(m.acceleration[:, 0], m.acceleration[:, 1])) for m in moving),
+            default=0.0,
+        ),
+        max_yaw_acceleration=max((largest(_yaw_accelerations(m)) for m in moving), default=0.0),
+        min_belly_clearance_m=min(bellies, default=None),
+    )
+
+
+def _yaw_accelerations(motion: Motion) -> Array:
+    dt = motion.steps
+    return np.abs(np.diff(motion.yaw_rate)) / ((dt[1:] + dt[:-1]) / 2.0)

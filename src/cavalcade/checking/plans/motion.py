@@ -1,0 +1,66 @@
+"""One robot's planned motion, as `plan.npz` holds it, in order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cavalcade.checking.tracks import Track
+from cavalcade.geometry import Array
+
+WALK, TAKE_OFF, FLIGHT, LANDING = 0, 1, 2, 3
+NAMES = ("walk", "take-off", "flight", "landing")
+
+GRAVITY = 9.81
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Samples that are complete, finite and in order of time; afterwards the robot stands.
+
+    Attributes:
+        robot: Which.
+        time: `(T,)` s, from 0.
+        position, velocity: `(T, 3)` m and m/s, map frame.
+        yaw: `(T,)` rad, without jumps.
+        phase: `(T,)` of the motion from this sample to the next.
+        footholds: `(M, 6)` t_down, t_up, leg, x, y, z; s and m.
+    """
+
+    robot: int
+    time: Array
+    position: Array
+    velocity: Array
+    yaw: Array
+    phase: NDArray[np.int64]
+    footholds: Array
+
+    @property
+    def steps(self) -> Array:
+        """`(T - 1,)` time between samples, s."""
+        return np.diff(self.time)
+
+    @property
+    def acceleration(self) -> Array:
+        """`(T - 1, 3)` mean over each interval, m/s²."""
+        mean: Array = np.diff(self.velocity, axis=0) / self.steps[:, None]
+        return mean
+
+    @property
+    def yaw_rate(self) -> Array:
+        """`(T - 1,)` mean over each interval, rad/s."""
+        mean: Array = np.diff(self.yaw) / self.steps
+        return mean
+
+    @property
+    def track(self) -> Track:
+        """The motion seen from above."""
+        return Track(self.time, np.column_stack((self.position[:, :2], self.yaw)))
+
+    def phase_at(self, time: float) -> int:
+        """The phase at a time in s; walking, which includes standing, outside the plan."""
+        if not self.time[0] <= time < self.time[-1]:
+            return WALK
+        return int(self.phase[np.searchsorted(self.time, time, side="right") - 1])

@@ -1,0 +1,173 @@
+"""Whether a plan's arrays are complete, of the right shapes, finite and in order of time."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cavalcade.checking.plans.motion import FLIGHT, LANDING, NAMES, TAKE_OFF, WALK, Motion
+from cavalcade.checking.report import Violation
+from cavalcade.robots import RobotModel
+
+LONGEST_STEP = 0.03
+"""Between two samples, s."""
+
+_SHAPES = {"t": (), "position": (3,), "velocity": (3,), "yaw": (), "phase": ()}
+_KEY = re.compile(rf"({'|'.join(_SHAPES)}|footholds)_(\d+)")
+_LARGEST = 1e6
+_TINY = 1e-6
+
+_FOLLOWS = {
+    WALK: (WALK, TAKE_OFF),
+    TAKE_OFF: (TAKE_OFF, FLIGHT),
+    FLIGHT: (FLIGHT, LANDING),
+    LANDING: (LANDING, WALK, TAKE_OFF),
+}
+"""What may come after each phase; one leap may follow another."""
+
+
+def read_motions(
+    arrays: Mapping[str, NDArray[Any]], models: tuple[RobotModel, ...]
+) -> tuple[tuple[Motion | None, ...], list[Violation]]:
+    """The robots' motions, None where there is none that could be judged; and what is wrong.
+
+    A robot without any array is no violation here: a plan that was not found may lack some.
+    """
+    violations: list[Violation] = []
+    known = range(len(models))
+    numbers = {int(match[2]) for name in arrays if (match := _KEY.fullmatch(name))}
+    for robot in sorted(numbers - set(known)):
+        text = f"there is motion of robot {robot}; the scenario has {len(models)} robots"
+        violations.append(Violation("plan", 0.0, (robot,), text, robot, len(models) - 1))
+    motions: list[Motion | None] = []
+    for robot, model in enumerate(models):
+        if robot not in numbers:
+            motions.append(None)
+            continue
+        wrong = _malformed(arrays, robot, model)
+        motion = None
+        if wrong is None:
+            motion = _motion(arrays, robot)
+            wrong = _disordered(motion)
+        if wrong is not None:
+            violations.append(wrong)
+            motion = None
+        motions.append(motion)
+    for motion, model in zip(motions, models, strict=True):
+        if motion is not None:
+            violations += _long_steps(motion) + _odd_phases(motion, model)
+    return tuple(motions), violations
+
+
+def _malformed(
+    arrays: Mapping[str, NDArray[Any]], robot: int, model: RobotModel
+) -> Violation | None:
+    """The first array of a robot that cannot be used."""
+
+    def bad(text: str) -> Violation:
+        return Violation("plan", 0.0, (robot,), f"robot {robot}: {text}", 0.0, 0.0)
+
+    count = None
+    for name, rest in _SHAPES.items():
+        key = f"{name}_{robot}"
+        if key not in arrays:
+            return bad(f"there is no {key}")
+        array = arrays[key]
+        if array.dtype.kind not in "fiu":
+            return bad(f"{key} holds no numbers")
+        if array.ndim != 1 + len(rest) or array.shape[1:] != rest or not len(array):
+            return bad(f"{key} has the shape {array.shape}, expected {_said(rest)}")
+        count = len(array) if count is None else count
+        if len(array) != count:
+            return bad(f"{key} has {len(array)} samples, t_{robot} has {count}")
+        if not _measured(array):
+            return bad(f"{key} is not finite or beyond all measure")
+    key = f"footholds_{robot}"
+    if key not in arrays:
+        return bad(f"there is no {key}") if model.drive == "legged" else None
+    array = arrays[key]
+    if array.dtype.kind not in "fiu" or array.ndim != 2 or array.shape[1] != 6:
+        return bad(f"{key} has the shape {array.shape}, expected (M, 6)")
+    return None if _measured(array) else bad(f"{key} is not finite or beyond all measure")
+
+
+def _said(rest: tuple[int, ...]) -> str:
+    return f"(T, {rest[0]})" if rest else "(T,)"
+
+
+def _measured(array: NDArray[Any]) -> bool:
+    # Written so that nan is bad too.
+    return bool((np.abs(array.astype(float)) < _LARGEST).all())
+
+
+def _motion(arrays: Mapping[str, NDArray[Any]], robot: int) -> Motion:
+    def table(name: str) -> NDArray[np.float64]:
+        return np.asarray(arrays[f"{name}_{robot}"], dtype=float)
+
+    phase = table("phase")
+    whole = np.where(np.isin(phase, range(4)), phase, -1).astype(np.int64)
+    steps = table("footholds") if f"footholds_{robot}" in arrays else np.empty((0, 6))
+    return Motion(
+        robot,
+        table("t"),
+        table("position"),
+        table("velocity"),
+        np.unwrap(table("yaw")),
+        whole,
+        steps,
+    )
+
+
+def _disordered(motion: Motion) -> Violation | None:
+    robot, time = motion.robot, motion.time
+    if abs(time[0]) > _TINY:
+        text = f"the plan of robot {robot} begins at {time[0]:.3f} s instead of 0"
+        return Violation("samples", float(time[0]), (robot,), text, float(time[0]), 0.0)
+    back = np.flatnonzero(motion.steps <= 0.0)
+    if len(back):
+        step = float(motion.steps[back[0]])
+        text = f"the times of robot {robot} do not increase"
+        return Violation("samples", float(time[back[0] + 1]), (robot,), text, step, 0.0)
+    unknown = np.flatnonzero(motion.phase < 0)
+    if len(unknown):
+        text = f"robot {robot} is in a phase that is none of 0 to 3"
+        return Violation("phase", float(time[unknown[0]]), (robot,), text, 0.0, 3.0)
+    return None
+
+
+def _long_steps(motion: Motion) -> list[Violation]:
+    steps, robot = motion.steps, motion.robot
+    result = []
+    wide = np.flatnonzero(steps > LONGEST_STEP + _TINY)
+    if len(wide):
+        worst = float(steps.max())
+        text = f"robot {robot} has samples {worst:.4f} s apart; at most {LONGEST_STEP} s"
+        time = float(motion.time[wide[0]])
+        result.append(Violation("samples", time, (robot,), text, worst, LONGEST_STEP))
+    return result
+
+
+def _odd_phases(motion: Motion, model: RobotModel) -> list[Violation]:
+    """Phases that cannot follow each other, or that the robot does not have."""
+    robot, phase, time = motion.robot, motion.phase, motion.time
+
+    def odd(k: int, text: str) -> Violation:
+        return Violation("phase", float(time[k]), (robot,), f"robot {robot} {text}", phase[k], 0.0)
+
+    if model.drive != "legged":
+        leaps = np.flatnonzero(phase != WALK)
+        return [odd(int(leaps[0]), f"leaps, but is a {model.drive}")] if len(leaps) else []
+    result = []
+    if phase[0] not in (WALK, TAKE_OFF):
+        result.append(odd(0, f"begins in {NAMES[phase[0]]}"))
+    for k in np.flatnonzero(np.diff(phase)) + 1:
+        before, after = int(phase[k - 1]), int(phase[k])
+        if after not in _FOLLOWS[before]:
+            result.append(odd(int(k), f"goes from {NAMES[before]} to {NAMES[after]}"))
+    if phase[-1] not in (WALK, LANDING):
+        result.append(odd(len(phase) - 1, f"ends in {NAMES[phase[-1]]}"))
+    return result
