@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
+    from cavalcade.body.trajectory import Trajectory
     from cavalcade.checking import Report, Violation, check
+    from cavalcade.coordination.result import TeamPlan
     from cavalcade.eikonal import arrival_times
     from cavalcade.errors import (
         CavalcadeError,
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
     )
     from cavalcade.robots import RobotModel, robot_model
     from cavalcade.running import RunResult, read_recording, run
+    from cavalcade.running.plans import PlanResult, plan
     from cavalcade.scenario import (
         Scenario,
         build_world,
@@ -39,7 +42,16 @@ if TYPE_CHECKING:
         parse_scenario,
         scenario_names,
     )
-    from cavalcade.world import Box, Circle, OccupancyMap, Polygon, generate, load_map, save_map
+    from cavalcade.world import (
+        Box,
+        Circle,
+        OccupancyMap,
+        Polygon,
+        Terrain,
+        generate,
+        load_map,
+        save_map,
+    )
 
 _HOME = {
     "Box": "world",
@@ -55,6 +67,7 @@ _HOME = {
     "MovingObstacle": "formation",
     "OccupancyMap": "world",
     "OutputError": "errors",
+    "PlanResult": "running.plans",
     "Polygon": "world",
     "RecordingError": "errors",
     "Report": "checking",
@@ -62,6 +75,9 @@ _HOME = {
     "RunResult": "running",
     "Scenario": "scenario",
     "ScenarioError": "errors",
+    "TeamPlan": "coordination.result",
+    "Terrain": "world",
+    "Trajectory": "body.trajectory",
     "Violation": "checking",
     "arrival_times": "eikonal",
     "build_world": "scenario",
@@ -71,6 +87,7 @@ _HOME = {
     "load_map": "world",
     "load_scenario": "scenario",
     "parse_scenario": "scenario",
+    "plan": "running.plans",
     "read_recording": "running",
     "robot_model": "robots",
     "run": "running",
@@ -92,6 +109,7 @@ __all__ = [
     "MovingObstacle",
     "OccupancyMap",
     "OutputError",
+    "PlanResult",
     "Polygon",
     "RecordingError",
     "Report",
@@ -99,6 +117,9 @@ __all__ = [
     "RunResult",
     "Scenario",
     "ScenarioError",
+    "TeamPlan",
+    "Terrain",
+    "Trajectory",
     "Violation",
     "__version__",
     "arrival_times",
@@ -109,6 +130,7 @@ __all__ = [
     "load_map",
     "load_scenario",
     "parse_scenario",
+    "plan",
     "read_recording",
     "robot_model",
     "run",

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cavalcade.cli import campaigns, options
+from cavalcade.cli import campaigns, options, plans
 from cavalcade.cli.printing import print_json
 
 if TYPE_CHECKING:
@@ -147,8 +147,8 @@ def _later(name: str, what: str) -> None:
 
 app.command()(campaigns.campaign)
 app.command()(campaigns.trial)
+app.command()(plans.plan)
 
-_later("plan", "body planning")
 _later("import", "body planning")
 _later("studio", "the studio")
 

@@ -1,6 +1,6 @@
 """From bodies' motion to feet: when and where each of them stands."""
 
-from cavalcade.locomotion.footholds import leg_lengths, plan_footholds
+from cavalcade.locomotion.footholds import leg_lengths, longest_leg, plan_footholds
 from cavalcade.locomotion.gait import FRONT_LEFT, FRONT_RIGHT, REAR_LEFT, REAR_RIGHT, stances
 
 __all__ = [
@@ -9,6 +9,7 @@ __all__ = [
     "REAR_LEFT",
     "REAR_RIGHT",
     "leg_lengths",
+    "longest_leg",
     "plan_footholds",
     "stances",
 ]

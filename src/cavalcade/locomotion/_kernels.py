@@ -81,25 +81,27 @@ def place_feet(wanted, cell, solid, height, traversability, flat, least, reach):
 
 
 @njit(cache=True)
-def stretch(times, hips, down, up, feet):
+def stretch(times, hips, needed, down, up, feet):
     """Longest distance of a hip from its standing foot.
 
     Args:
         times: `(T,)` s.
         hips: `(T, 4, 3)` m, of each leg.
+        needed: `(T, 4)` whether the leg has to reach its foothold then.
         down, up: `(M,)` s.
         feet: `(M, 4)` leg, x, y, z.
 
     Returns:
-        `(M,)` m, over the samples during each stance; the nearest sample where there is none.
+        `(M,)` m, over the samples during each stance; 0 where there is none.
     """
     longest = np.zeros(len(down))
     for m in range(len(down)):
         leg = int(feet[m, 0])
         first = np.searchsorted(times, down[m] - 1e-9)
         last = np.searchsorted(times, up[m] + 1e-9)
-        first = min(first, len(times) - 1)
-        for k in range(first, max(last, first + 1)):
+        for k in range(first, last):
+            if not needed[k, leg]:
+                continue
             away = math.sqrt(
                 (hips[k, leg, 0] - feet[m, 1]) ** 2
                 + (hips[k, leg, 1] - feet[m, 2]) ** 2

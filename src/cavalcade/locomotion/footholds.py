@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from cavalcade.body.ground import Ground
-from cavalcade.body.trajectory import Trajectory
+from cavalcade.body.trajectory import FLIGHT, LANDING, TAKE_OFF, Trajectory
 from cavalcade.geometry import Array, inverse_transform_points, transform_points
 from cavalcade.locomotion._kernels import interpolate, place_feet, stretch
 from cavalcade.locomotion.gait import stances
@@ -24,6 +24,10 @@ FARTHEST = 0.25
 
 LEAST_TRAVERSABILITY = 0.3
 """Of ground that carries a foot."""
+
+_STRETCHED = 1.2
+"""A stretched leg as a multiple of the reach that bodies are planned with: thigh and shank of Go1
+measure 0.43 m together, of Spirit 0.41 m; plans count on 0.375 m."""
 
 GRAVITY = 9.81
 _REST = 1.0
@@ -80,7 +84,8 @@ def leg_lengths(
     """How far each leg must stretch: the longest distance of its hip from the standing foot.
 
     Hips are at the height of the body's centre, pitched as the smoothed ground is along the
-    heading. Compare with `model.legs.h_max`.
+    heading. During take-off the front legs may hang, during landing the rear ones: then they
+    reach for nothing. Compare with `longest_leg`.
 
     Returns:
         `(M,)` m.
@@ -88,15 +93,24 @@ def leg_lengths(
     if model.legs is None or not len(footholds):
         return np.zeros(0)
     hips = _hips(trajectory, model.legs, ground, origin)
+    needed = np.repeat((trajectory.phase != FLIGHT)[:, None], 4, axis=1)
+    needed[trajectory.phase == TAKE_OFF, :2] = False
+    needed[trajectory.phase == LANDING, 2:] = False
     return np.asarray(
         stretch(
             np.ascontiguousarray(trajectory.time),
             hips,
+            needed,
             np.ascontiguousarray(footholds[:, 0]),
             np.ascontiguousarray(footholds[:, 1]),
             np.ascontiguousarray(footholds[:, 2:]),
         )
     )
+
+
+def longest_leg(legs: LegModel) -> float:
+    """Of a leg that is stretched, m."""
+    return _STRETCHED * legs.h_max
 
 
 def _wanted(trajectory: Trajectory, legs: LegModel, times: Array) -> Array:

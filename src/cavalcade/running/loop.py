@@ -86,7 +86,7 @@ def run(
         OutputError: The results cannot be written; nothing is left behind then.
         KeyboardInterrupt: As it came; the team was commanded to stop and nothing is left behind.
     """
-    loaded = _loaded(scenario, seed, overrides, backend)
+    loaded = load_for_running(scenario, seed, overrides, backend)
     with ExitStack() as stack:
         folder = stack.enter_context(OutputFolder(out, force)) if out is not None else None
         reporter = stack.enter_context(Reporter(loaded.name, quiet))
@@ -121,12 +121,17 @@ def run(
     return RunResult(summary, done.recording, None if folder is None else folder.path, files)
 
 
-def _loaded(
+def load_for_running(
     scenario: Scenario | str | Path,
     seed: int | None,
     overrides: Sequence[str] | Mapping[str, Any],
     backend: str | None,
 ) -> Scenario:
+    """The scenario with what the caller says over it; arguments as of `run`.
+
+    Raises:
+        InputError: It or an argument cannot be used.
+    """
     if not isinstance(scenario, Scenario):
         scenario = load_scenario(scenario, overrides=overrides, seed=seed)
     elif overrides:

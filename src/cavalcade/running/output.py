@@ -15,14 +15,15 @@ from cavalcade.errors import OutputError
 from cavalcade.scenario import Scenario, dump_scenario
 
 _STAGE = ".cavalcade-"
-SCENARIO, SUMMARY, RECORDING, REPLAY, FIGURES = (
+SCENARIO, SUMMARY, RECORDING, PLAN, REPLAY, FIGURES = (
     "scenario.yaml",
     "summary.json",
     "recording.mcap",
+    "plan.npz",
     "replay.html",
     "figures",
 )
-_PRODUCTS = (SCENARIO, SUMMARY, RECORDING, REPLAY, "plan.npz")
+_PRODUCTS = (SCENARIO, SUMMARY, RECORDING, PLAN, REPLAY)
 
 
 class OutputFolder:
@@ -100,7 +101,7 @@ class OutputFolder:
         except OSError as error:
             raise OutputError(f"{self.path}: cannot be written: {_reason(error)}") from None
         self._made.clear()
-        order = (SUMMARY, SCENARIO, RECORDING, FIGURES, REPLAY)
+        order = (SUMMARY, SCENARIO, RECORDING, PLAN, FIGURES, REPLAY)
         ranked = sorted(staged, key=lambda name: (_rank(name, order), name))
         return tuple(self.path / name for name in ranked)
 

@@ -72,23 +72,23 @@ def summarise(
         "reason": reason,
         "detail": outcome.detail or None,
         "involved": list(outcome.involved),
-        "sim_time_s": _number(recording.time[-1] if len(recording.time) else 0.0),
-        "wall_time_s": _number(outcome.wall_time),
+        "sim_time_s": rounded(recording.time[-1] if len(recording.time) else 0.0),
+        "wall_time_s": rounded(outcome.wall_time),
         "makespan_s": _makespan(durations) if arrived else None,
-        "min_obstacle_distance_m": _number(near.obstacle_distance),
-        "min_robot_distance_m": _number(near.robot_distance),
-        "min_footprint_gap_m": _number(near.footprint_gap),
+        "min_obstacle_distance_m": rounded(near.obstacle_distance),
+        "min_robot_distance_m": rounded(near.robot_distance),
+        "min_footprint_gap_m": rounded(near.footprint_gap),
         "collisions": {"robot_robot": near.robot_robot, "robot_obstacle": near.robot_obstacle},
         "falls": 0,
         "formation_error_m": _formation_error(recording),
         "leader_changes": leader_changes(recording),
         "role_changes": role_changes(recording),
         "cycle_ms": {
-            "p50": _number(np.percentile(cycles, 50)) if len(cycles) else None,
-            "p99": _number(np.percentile(cycles, 99)) if len(cycles) else None,
-            "max": _number(cycles.max()) if len(cycles) else None,
+            "p50": rounded(np.percentile(cycles, 50)) if len(cycles) else None,
+            "p99": rounded(np.percentile(cycles, 99)) if len(cycles) else None,
+            "max": rounded(cycles.max()) if len(cycles) else None,
         },
-        "planning_time_s": _number(outcome.planning.sum()),
+        "planning_time_s": rounded(outcome.planning.sum()),
         "path_length_m": _numbers(_path_lengths(recording)),
         "lower_bound_m": _lower_bounds(scenario, world, recording),
         "duration_s": durations,
@@ -153,7 +153,7 @@ def _durations(recording: Recording, ends: Array | None) -> list[float | None]:
         there &= np.abs(wrap_angle(off[:, 2])) <= limit.heading
         away = np.flatnonzero(~there)
         first = 0 if len(away) == 0 else int(away[-1]) + 1
-        result.append(_number(recording.time[first]) if first < len(there) else None)
+        result.append(rounded(recording.time[first]) if first < len(there) else None)
     return result
 
 
@@ -172,7 +172,7 @@ def _goal_errors(recording: Recording, ends: Array | None) -> list[float | None]
 
 def _goal_moved(recording: Recording) -> float | None:
     moved = [status.goal_moved for status in recording.status if status.goal is not None]
-    return _number(max(moved)) if moved else None
+    return rounded(max(moved)) if moved else None
 
 
 def _formation_error(recording: Recording) -> dict[str, float | None]:
@@ -181,9 +181,9 @@ def _formation_error(recording: Recording) -> dict[str, float | None]:
     if not len(values):
         return {"mean": None, "p95": None, "max": None}
     return {
-        "mean": _number(values.mean()),
-        "p95": _number(np.percentile(values, 95)),
-        "max": _number(values.max()),
+        "mean": rounded(values.mean()),
+        "p95": rounded(np.percentile(values, 95)),
+        "max": rounded(values.max()),
     }
 
 
@@ -211,7 +211,7 @@ def _lower_bounds(scenario: Scenario, world: World, recording: Recording) -> lis
             ways[model.width] = ShortestWays(world.map, model.width / 2.0)
         legs = [ways[model.width].length(a, b) for a, b in pairwise(stops)]
         known = [leg for leg in legs if leg is not None]
-        result.append(_number(sum(known)) if len(known) == len(legs) else None)
+        result.append(rounded(sum(known)) if len(known) == len(legs) else None)
     return result
 
 
@@ -227,10 +227,11 @@ def _leg_ends(recording: Recording) -> list[Array]:
     return [end for end in ends if end is not None]
 
 
-def _number(value: float) -> float | None:
+def rounded(value: float) -> float | None:
+    """As summaries give it; None for what is not finite."""
     number = float(value)
     return round(number, _DIGITS) if math.isfinite(number) else None
 
 
 def _numbers(values: Array) -> list[float | None]:
-    return [_number(value) for value in values]
+    return [rounded(value) for value in values]
