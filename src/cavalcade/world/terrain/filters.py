@@ -94,11 +94,15 @@ def filled(heights: Array, holes: NDArray[np.bool_]) -> Array:
 
 def find_pits(height: Array, cell: float) -> NDArray[np.bool_]:
     """Cells `(rows, cols)` of narrow ground at least `PIT_DEPTH` below what is around it."""
+    low, high = float(height.min()), float(height.max())
+    if high - low < PIT_DEPTH:
+        return np.zeros(height.shape, dtype=bool)
     from scipy.ndimage import grey_closing
 
-    width = 2 * round(PIT_WIDTH / cell / 2.0) + 1
-    if float(height.max() - height.min()) < PIT_DEPTH:
-        return np.zeros(height.shape, dtype=bool)
-    closed = grey_closing(height, size=(width, width), mode="nearest")
-    deep: NDArray[np.bool_] = closed - height >= PIT_DEPTH
+    half = round(PIT_WIDTH / cell / 2.0)
+    # Low ground all around: what lies between high ground and the border is no pit.
+    wider = np.pad(height, 2 * half, constant_values=low)
+    closed = grey_closing(wider, size=(2 * half + 1, 2 * half + 1))
+    inner = slice(2 * half, -2 * half)
+    deep: NDArray[np.bool_] = closed[inner, inner] - height >= PIT_DEPTH
     return deep

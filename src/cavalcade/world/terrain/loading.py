@@ -1,17 +1,162 @@
-"""Terrain files: a description in YAML, or a mesh by itself."""
+"""Terrain files: a description in YAML, or a file that says enough by itself.
+
+Keys of a description, beside `file`: `resolution` (m between heights), `height` (m of black and
+white of a picture), `scale` (m of one unit of any other file), `origin` (pose of the lower-left
+corner in the map frame), `first_row` and `holes`; see docs/terrain.md.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+from typing import Any, Literal
 
 from cavalcade.errors import MapError
-from cavalcade.world.terrain.terrain import RESOLUTION, Terrain
+from cavalcade.world._files import read_head
+from cavalcade.world._yaml import as_float, choice, in_file, load_mapping, numbers
+from cavalcade.world.occupancy import checked_origin, checked_resolution
+from cavalcade.world.terrain.meshes import read_mesh
+from cavalcade.world.terrain.pictures import SIGNATURE, read_picture
+from cavalcade.world.terrain.samples import Samples, to_grid
+from cavalcade.world.terrain.tables import read_archive, read_table, read_triple
+from cavalcade.world.terrain.terrain import RESOLUTION, Terrain, checked_cell
+
+Kind = Literal["picture", "archive", "mesh", "table", "description"]
+
+KEYS = ("file", "x", "y", "resolution", "height", "scale", "origin", "first_row", "holes")
+"""Keys of a description."""
+
+_TABLES = ("x_data.csv", "y_data.csv", "z_data.csv")
 
 
 def load_terrain(path: str | Path, resolution: float = RESOLUTION) -> Terrain:
-    """Read a terrain.
+    """Read a terrain and bring it to cells of `resolution` m.
+
+    Args:
+        path: A description (YAML), a mesh (STL or PLY), an NPZ archive that gives its resolution,
+            or a folder with x_data.csv, y_data.csv and z_data.csv.
+        resolution: Side of the terrain's cells, m.
 
     Raises:
-        MapError: The file cannot be used; the message is one line.
+        MapError: The file cannot be used; the message is one line that says which and why.
     """
-    raise MapError("not yet", file=path)
+    path = Path(path)
+    cell = checked_cell(resolution)
+    try:
+        if path.is_dir():
+            return _terrain(read_triple(*(path / name for name in _TABLES)), cell, {})
+        kind = _kind_of(path)
+        if kind == "description":
+            return _described(path, cell)
+        if kind in ("picture", "table"):
+            raise MapError(f"a {kind} needs a description in YAML with file and resolution")
+        return _terrain(_read(kind, path, cell, {}), cell, {})
+    except MapError as error:
+        raise (in_file(error, path) if error.file is None else error) from None
+    except MemoryError:
+        raise MapError("is too large for the memory there is", file=path) from None
+
+
+def _described(path: Path, cell: float) -> Terrain:
+    said = load_mapping(path, "file and resolution")
+    for key in said:
+        if key not in KEYS:
+            raise MapError("unknown key", file=path, key=str(key)[:40], choices=KEYS)
+    file = _name(said, "file", path)
+    try:
+        if "x" in said or "y" in said:
+            samples = read_triple(_name(said, "x", path), _name(said, "y", path), file)
+        else:
+            kind = _kind_of(file)
+            if kind == "description":
+                raise MapError("expected a PNG, NPZ, CSV, STL or PLY file", key="file")
+            samples = _read(kind, file, cell, said)
+        return _terrain(samples, cell, said)
+    except MapError as error:
+        if error.file is not None:
+            raise
+        # What concerns a key stands in the description, the rest in the file itself.
+        raise in_file(error, path if error.key in KEYS else file) from None
+
+
+def _read(kind: Kind, file: Path, cell: float, said: dict[str, Any]) -> Samples:
+    if kind == "picture":
+        low, high = _range(said)
+        samples = read_picture(file)
+        samples = replace(samples, heights=low + (high - low) * samples.heights)
+        return _turned(samples, said, "top")
+    for key in ("height",):
+        if key in said:
+            raise MapError("is for pictures; expected scale", key=key)
+    scale = _positive(said, "scale", 1.0)
+    if kind == "mesh":
+        for key in ("resolution", "first_row"):
+            if key in said:
+                raise MapError("a mesh has none", key=key)
+        return read_mesh(file, cell, scale)
+    samples = read_archive(file) if kind == "archive" else read_table(file)
+    samples = replace(samples, heights=scale * samples.heights)
+    return _turned(samples, said, "bottom")
+
+
+def _terrain(samples: Samples, cell: float, said: dict[str, Any]) -> Terrain:
+    if "resolution" in said:
+        samples = replace(
+            samples, step=checked_resolution(as_float(said["resolution"], "resolution"))
+        )
+    corner = samples.corner or (0.0, 0.0)
+    origin = checked_origin(numbers(said, "origin")) if "origin" in said else (*corner, 0.0)
+    holes = choice(said, "holes", ("keep", "fill"), "keep") == "keep"
+    return Terrain.from_heights(to_grid(samples, cell, holes), cell, origin)
+
+
+def _kind_of(file: Path) -> Kind:
+    """Told by the content, where that is possible."""
+    head = read_head(file, 512)
+    tests: tuple[tuple[Kind, Callable[[], bool]], ...] = (
+        ("picture", lambda: head.startswith(SIGNATURE)),
+        ("archive", lambda: head.startswith(b"PK\x03\x04")),
+        ("mesh", lambda: head.startswith((b"ply\n", b"ply\r"))),
+        ("mesh", lambda: file.suffix.lower() == ".stl" or head.startswith(b"solid")),
+        ("table", lambda: file.suffix.lower() in (".csv", ".txt")),
+    )
+    return next((kind for kind, holds in tests if holds()), "description")
+
+
+def _turned(samples: Samples, said: dict[str, Any], usual: str) -> Samples:
+    """Row 0 of the file is at the lowest y (pictures: the last one) unless told otherwise."""
+    if choice(said, "first_row", ("bottom", "top"), usual) == usual:
+        return samples
+    return replace(samples, heights=samples.heights[::-1])
+
+
+def _range(said: dict[str, Any]) -> tuple[float, float]:
+    """Heights of black and white."""
+    if "scale" in said:
+        raise MapError(
+            "a picture has none; expected height: metres of black and white", key="scale"
+        )
+    value = said.get("height")
+    if value is None:
+        raise MapError("is missing; expected metres of white, or [black, white]", key="height")
+    if isinstance(value, list):
+        if len(value) != 2:
+            raise MapError("expected [black, white]: 2 numbers", key="height")
+        return as_float(value[0], "height"), as_float(value[1], "height")
+    return 0.0, as_float(value, "height")
+
+
+def _positive(said: dict[str, Any], key: str, usual: float) -> float:
+    number = as_float(said[key], key) if key in said else usual
+    if not 1e-6 <= number <= 1e6:
+        raise MapError("expected a number from 1e-6 to 1e6", key=key)
+    return number
+
+
+def _name(said: dict[str, Any], key: str, path: Path) -> Path:
+    """The file that a key names, relative to the description."""
+    value = said.get(key)
+    if not isinstance(value, str) or not value.strip() or not value.isprintable():
+        raise MapError("expected the name of a file", file=path, key=key)
+    return path.parent / value

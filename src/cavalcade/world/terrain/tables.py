@@ -1,0 +1,134 @@
+"""Heights as numbers: CSV grids, x, y and z tables, and NPZ archives."""
+
+from __future__ import annotations
+
+import io
+import re
+import zipfile
+from pathlib import Path
+
+import numpy as np
+
+from cavalcade.errors import MapError
+from cavalcade.geometry import Array
+from cavalcade.world._files import read_bytes
+from cavalcade.world.terrain.samples import Samples, check_sample_count
+
+MAX_BYTES = 128_000_000
+"""Largest file that is read."""
+
+_EVEN = 1e-3
+"""Distances of samples may differ by this share of themselves."""
+
+_NAMES = ("height", "elevation", "z")
+
+
+def read_table(path: Path) -> Samples:
+    """A grid of numbers, one row a line, row 0 first; empty fields and `nan` are holes.
+
+    Separated by commas, semicolons or white space; lines that begin with `#` are skipped.
+
+    Raises:
+        MapError: Not such a file, or too large.
+    """
+    return Samples(_numbers(path))
+
+
+def read_triple(x: Path, y: Path, z: Path) -> Samples:
+    """Heights `z` at places `x`, `y`, three tables of one shape, as Quad-SDK writes them.
+
+    Raises:
+        MapError: The tables differ in shape, or the places are no even grid.
+    """
+    along, across, heights = _numbers(x), _numbers(y), _numbers(z)
+    if not along.shape == across.shape == heights.shape:
+        raise MapError(f"differs in shape from {x.name} and {y.name}")
+    if min(heights.shape) < 2:
+        raise MapError("expected at least 2 x 2 heights")
+    places = []
+    for name, table in ((x.name, along), (y.name, across.T)):
+        line = table[0]
+        steps = np.diff(line)
+        step = float(steps.mean())
+        with np.errstate(invalid="ignore"):
+            even = step != 0.0 and bool((np.abs(steps - step) <= _EVEN * abs(step)).all())
+            even = even and bool((np.abs(table - line) <= _EVEN * abs(step)).all())
+        if not even:
+            raise MapError(f"{name} gives no even grid: expected x along lines and y down them")
+        places.append((float(line.min()), step))
+    (x0, dx), (y0, dy) = places
+    if abs(abs(dx) - abs(dy)) > _EVEN * abs(dx):
+        raise MapError(f"expected the same distance in x and y, not {abs(dx):g} and {abs(dy):g} m")
+    heights = heights[:: 1 if dy > 0 else -1, :: 1 if dx > 0 else -1]
+    return Samples(heights, abs(dx), (x0, y0), cells=False)
+
+
+def read_archive(path: Path) -> Samples:
+    """The array `height` (or `elevation`, `z`, or the only one) of an NPZ archive.
+
+    `resolution` (m) and `origin` (x, y) are taken from it if they are there; row 0 is the first.
+
+    Raises:
+        MapError: Not such an archive, or too large.
+    """
+    content = read_bytes(path, MAX_BYTES)
+    try:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            if sum(member.file_size for member in archive.infolist()) > 4 * MAX_BYTES:
+                raise MapError(f"unpacks to more than {4 * MAX_BYTES // 1_000_000} MB")
+        with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
+            found = {name: np.asarray(arrays[name]) for name in arrays.files}
+    except (MapError, MemoryError):
+        raise
+    except Exception:
+        # Damaged archives are answered with errors of zipfile, zlib, struct, numpy and more.
+        raise MapError("not a readable NPZ archive of plain arrays") from None
+    grids = [name for name, array in found.items() if array.ndim == 2]
+    name = next((name for name in _NAMES if name in grids), None)
+    if name is None and len(grids) == 1:
+        name = grids[0]
+    if name is None:
+        raise MapError("expected an array `height` of two dimensions in the archive")
+    if found[name].dtype.kind not in "fiub":
+        raise MapError(f"expected numbers in the array {name[:40]!r}")
+    check_sample_count(*found[name].shape)
+    step = _given(found, "resolution", 1)
+    corner = _given(found, "origin", 2, 3)
+    return Samples(
+        found[name].astype(np.float64),
+        None if step is None else step[0],
+        None if corner is None else (corner[0], corner[1]),
+    )
+
+
+def _given(found: dict[str, Array], name: str, *counts: int) -> list[float] | None:
+    if name not in found:
+        return None
+    array = found[name].ravel()
+    if array.dtype.kind not in "fiu" or array.size not in counts or not np.isfinite(array).all():
+        raise MapError(f"expected {counts[0]} finite number(s) in the array {name!r}")
+    return [float(value) for value in array]
+
+
+def _numbers(path: Path) -> Array:
+    """The numbers of a text file `(rows, cols)`; nan where a field is empty or says so."""
+    try:
+        text = read_bytes(path, MAX_BYTES).decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise MapError("expected a text file of numbers", file=path) from None
+    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    if not lines:
+        raise MapError("there is no number in it", file=path)
+    mark = next((mark for mark in (",", ";") if mark in lines[0]), None)
+    check_sample_count(len(lines), lines[0].count(mark) + 1 if mark else len(lines[0].split()))
+    if mark is not None:
+        # An end of line after the last separator closes the field, it opens no new one.
+        empty = re.compile(rf"(?:^|(?<={mark}))[ \t]*(?={mark})")
+        lines = [empty.sub("nan", line.rstrip().removesuffix(mark)) for line in lines]
+    try:
+        numbers = np.loadtxt(lines, delimiter=mark, ndmin=2, comments=None)
+    except ValueError as error:
+        reason = " ".join(str(error).split())[:120]
+        raise MapError(f"expected lines of as many numbers each: {reason}", file=path) from None
+    check_sample_count(*numbers.shape)
+    return np.asarray(numbers, dtype=np.float64)
