@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 
 @dataclass(frozen=True)
@@ -67,47 +67,26 @@ SPIRIT = LegModel(
     gait_period=0.36,
     duty=0.5,
     swing_height=0.07,
-    source="Quad-SDK: its global body planner's parameters for Spirit 40",
+    source="Quad-SDK: its global body planner's parameters and its description of Spirit 40; "
+    "yaw rate and acceleration as for formations",
 )
-GO1 = LegModel(
-    h_min=0.075,
-    h_nom=0.30,
-    h_max=0.375,
-    v_nom=0.75,
-    v_max=2.0,
-    yaw_rate=1.2,
-    acceleration=1.0,
-    trunk_length=0.3,
-    trunk_width=0.3,
-    trunk_height=0.05,
+GO1 = replace(
+    SPIRIT,
+    h_nom=0.25,
     hip_x=0.1881,
     hip_y=0.04675,
     mass=12.0,
-    mu=0.25,
-    grf_max=5.0,
     gait_period=0.5,
-    duty=0.5,
-    swing_height=0.07,
-    source="Unitree's description of Go1: hips, mass; the rest as for Spirit",
+    source="Unitree's description of Go1: hips; Quad-SDK's parameters for Go1: nominal height, "
+    "mass; gait from our locomotion study; the rest as for Spirit",
 )
-GO2 = LegModel(
-    h_min=0.075,
-    h_nom=0.30,
-    h_max=0.375,
-    v_nom=0.75,
-    v_max=2.0,
-    yaw_rate=1.2,
-    acceleration=1.0,
-    trunk_length=0.3,
-    trunk_width=0.3,
-    trunk_height=0.05,
+GO2 = replace(
+    SPIRIT,
+    h_nom=0.26,
     hip_x=0.1934,
     hip_y=0.0465,
     mass=15.0,
-    mu=0.25,
-    grf_max=5.0,
     gait_period=0.5,
-    duty=0.5,
-    swing_height=0.07,
-    source="Unitree's description of Go2: hips, mass; the rest as for Spirit",
+    source="Unitree's description and data sheet of Go2: hips, mass; Quad-SDK's parameters for "
+    "Go2: nominal height; gait from our locomotion study; the rest as for Spirit",
 )

@@ -117,7 +117,7 @@ def _terrain(scenario: Scenario) -> Terrain:
 def resolve_scenario(scenario: Scenario) -> Scenario:
     """The same scenario with every obstacle listed: `generate` and `barn` become `empty`.
 
-    Generated terrain stays what it is, with its seed written out.
+    Generated terrain stays what it is, with its seed and options written out.
 
     Raises:
         MapError: The BARN file cannot be used.
@@ -125,8 +125,11 @@ def resolve_scenario(scenario: Scenario) -> Scenario:
     """
     world = scenario.world
     if world.generate is not None and world.generate.is_terrain:
+        from cavalcade.world import terrain_options
+
         seed = scenario.seed if world.generate.seed is None else world.generate.seed
-        source = world.generate.model_copy(update={"seed": seed})
+        known, given = terrain_options(world.generate.kind), world.generate.options
+        source = world.generate.model_copy(update={"seed": seed, **known, **given})
         changed = world.model_copy(update={"generate": source})
         return scenario.model_copy(update={"world": changed})
     if world.generate is not None:

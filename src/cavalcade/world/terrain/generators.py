@@ -130,7 +130,7 @@ def rough(
     rng: np.random.Generator,
     *,
     height: float = 0.25,
-    spacing: float = 1.0,
+    spacing: float = 0.4,
     zone: float = 1.0,
 ) -> Array:
     """Hills and hollows: random heights at the nodes of a grid, joined smoothly.
@@ -243,10 +243,10 @@ def generate_terrain(
     return Terrain.from_heights(heights, cell)
 
 
-def terrain_options(kind: str) -> tuple[str, ...]:
-    """The names of a kind's options."""
+def terrain_options(kind: str) -> dict[str, Any]:
+    """The names of a kind's options and their defaults."""
     parameters = inspect.signature(TERRAINS[kind]).parameters.values()
-    return tuple(p.name for p in parameters if p.kind is p.KEYWORD_ONLY)
+    return {p.name: p.default for p in parameters if p.kind is p.KEYWORD_ONLY}
 
 
 def _place(size: Size, at: float | None, reach: float) -> float:
