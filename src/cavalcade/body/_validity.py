@@ -1,0 +1,108 @@
+"""Whether a body may be in a state: solid ground, clearance of the belly, reach of the legs."""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from cavalcade.body._figures import GROUND, MOTION, OK, SOLID
+from cavalcade.body._moves_contact import pose_free
+from cavalcade.body._surface import bilinear
+from cavalcade.body.trajectory import FLIGHT, TAKE_OFF
+
+LEAST_TRAVERSABILITY = 0.3
+
+
+@njit(cache=True)
+def solid_free(ground, body, discs, x, y, cos, sin):
+    """Whether the footprint is on the map, free of solids, and its centre outside all discs."""
+    for k in range(discs.shape[0]):
+        dx, dy = x - discs[k, 0], y - discs[k, 1]
+        if dx * dx + dy * dy < discs[k, 2] * discs[k, 2]:
+            return False
+    cell = ground.cell
+    rows, cols = ground.solid.shape
+    if not (0.0 <= x < cols * cell and 0.0 <= y < rows * cell):
+        return False
+    known = ground.clearance[int(y / cell), int(x / cell)] - 0.7072 * cell - body.margin
+    if known > body.half_length + body.half_width:
+        return True  # without the angle and the root
+    return pose_free(
+        (cell, ground.solid, ground.clearance),
+        x,
+        y,
+        math.atan2(sin, cos),
+        body.half_length,
+        body.half_width,
+        0.0,
+        body.margin,
+    )
+
+
+@njit(cache=True)
+def carried(ground, body, x, y, z, cos, sin, phase):
+    """Whether belly and legs get along with the ground.
+
+    The body is pitched as the smoothed ground along its heading. The belly's corners and its
+    centre keep `h_min` in all phases. Outside flight the ground below the centre is traversable,
+    and hips are over traversable ground within the legs' reach: those of the rear legs during
+    take-off, of all legs otherwise.
+    """
+    if ground.flat:
+        return z - body.belly >= body.h_min and (phase == FLIGHT or z <= body.h_max)
+    cell = ground.cell
+    if phase != FLIGHT and bilinear(ground.traversability, cell, x, y) < LEAST_TRAVERSABILITY:
+        return False
+    slope = cos * bilinear(ground.slope_x, cell, x, y) + sin * bilinear(ground.slope_y, cell, x, y)
+    cp = 1.0 / math.sqrt(1.0 + slope * slope)
+    sp = slope * cp
+    lowest = z - body.belly - body.h_min
+    if lowest < bilinear(ground.height, cell, x, y):
+        return False
+    along, across = body.trunk_half_length * cp, body.trunk_half_width
+    rise = body.trunk_half_length * sp
+    for k in range(4):
+        e = 1.0 if k < 2 else -1.0
+        f = 1.0 if k % 2 == 0 else -1.0
+        px = x + e * along * cos - f * across * sin
+        py = y + e * along * sin + f * across * cos
+        if lowest + e * rise < bilinear(ground.height, cell, px, py):
+            return False
+    if phase == FLIGHT:
+        return True
+    along, across, rise = body.hip_x * cp, body.hip_y, body.hip_x * sp
+    for k in range(4):
+        e = -1.0 if k < 2 else 1.0
+        if phase == TAKE_OFF and e > 0.0:
+            break
+        f = 1.0 if k % 2 == 0 else -1.0
+        px = x + e * along * cos - f * across * sin
+        py = y + e * along * sin + f * across * cos
+        if bilinear(ground.traversability, cell, px, py) < LEAST_TRAVERSABILITY:
+            return False
+        if z + e * rise - bilinear(ground.height, cell, px, py) > body.h_max:
+            return False
+    return True
+
+
+@njit(cache=True)
+def state_problem(ground, body, discs, x, y, z, vx, vy, cos, sin, phase):
+    """What is wrong with a state: `OK`, `SOLID`, `GROUND` or `MOTION`.
+
+    Args:
+        ground: A `Ground`.
+        body: A `Body`.
+        discs: `(K, 3)` x, y, radius where the centre may not be.
+        x, y, z: Of the body's centre, m.
+        vx, vy: m/s.
+        cos, sin: Of the yaw.
+        phase: `WALK`, `TAKE_OFF`, `FLIGHT` or `LANDING`.
+    """
+    if vx * vx + vy * vy > body.v_max * body.v_max * (1.0 + 1e-9):
+        return MOTION
+    if not solid_free(ground, body, discs, x, y, cos, sin):
+        return SOLID
+    if not carried(ground, body, x, y, z, cos, sin, phase):
+        return GROUND
+    return OK

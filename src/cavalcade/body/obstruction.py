@@ -1,0 +1,107 @@
+"""Why a robot cannot be at a place, or cannot get from one to another: what can be proven."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cavalcade.body._figures import GRAVITY, Body
+from cavalcade.body._reach import grid_way
+from cavalcade.body._surface import bilinear, surface
+from cavalcade.body._validity import LEAST_TRAVERSABILITY, carried, solid_free
+from cavalcade.body.ground import Ground
+from cavalcade.body.trajectory import WALK
+from cavalcade.eikonal import surface_distance
+from cavalcade.geometry import Array
+
+Pose = tuple[float, float, float]
+Cells = NDArray[np.int64]
+
+_HALF_DIAGONAL = 0.7072
+
+
+def obstruction(ground: Ground, body: Body, discs: Array, pose: Pose) -> str:
+    """Why a robot cannot stand at a pose, empty if it can.
+
+    Args:
+        ground, body, discs: As kernels take them; see `BodySettings.discs`.
+        pose: x, y, yaw in the ground's frame, m and rad.
+    """
+    x, y, yaw = pose
+    rows, cols = ground.solid.shape
+    if not (0.0 <= x < cols * ground.cell and 0.0 <= y < rows * ground.cell):
+        return "is off the map"
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    if not solid_free(ground, body, np.zeros((0, 3)), x, y, cos, sin):
+        return "is in an obstacle or over the map's edge"
+    if not solid_free(ground, body, discs, x, y, cos, sin):
+        return "is within another robot's reach"
+    if not ground.flat:
+        ground_there = bilinear(ground.traversability, ground.cell, x, y)
+        if ground_there < 1e-9:
+            return "is in a hole"
+        if ground_there < LEAST_TRAVERSABILITY:
+            return "is on ground too rough or too steep to stand on"
+        z = surface(ground, x, y)[0] + body.h_nom
+        if not carried(ground, body, x, y, z, cos, sin, WALK):
+            return "is where the legs do not reach firm ground or the belly touches it"
+    return ""
+
+
+def find_way(
+    ground: Ground, body: Body, discs: Array, leaps: bool, start: Pose, goal: Pose
+) -> tuple[str, Array]:
+    """Whether there may be a way, and places to sample beside.
+
+    Returns:
+        Why there is none, empty if there may be one; and `(K, 2)` x, y of a way on the grid that
+        leaves as much room as it can.
+    """
+    cell = ground.cell
+    ends = tuple((int(p[1] / cell), int(p[0] / cell)) for p in (start, goal))
+    room = ground.clearance + _HALF_DIAGONAL * cell
+    for x, y, radius in discs:
+        rows, cols = ground.solid.shape
+        dx = (np.arange(cols) + 0.5) * cell - x
+        dy = (np.arange(rows) + 0.5) * cell - y
+        away = np.sqrt(dx[None, :] ** 2 + dy[:, None] ** 2)
+        room[away < radius - _HALF_DIAGONAL * cell] = -1.0
+    footing = np.ones(ground.solid.shape, dtype=bool)
+    if not ground.flat:
+        good = _walkable(ground)
+        span = _longest_flight(ground, body) if leaps else 0.0
+        footing = surface_distance(good, cell, border=False) <= 0.5 * span + cell if leaps else good
+    narrow = body.half_width
+    for needed in (math.hypot(body.half_length, body.half_width), 1.2 * narrow, narrow):
+        slack = 0.0 if needed == narrow else 2.0 * _HALF_DIAGONAL * cell
+        way = grid_way((room >= needed + slack - 1e-9) & footing, *ends)
+        if len(way):
+            return "", (way[:, ::-1] + 0.5) * cell
+    if len(grid_way(room >= narrow - 1e-9, *ends)) == 0:
+        return "no way between the obstacles is wide enough", np.zeros((0, 2))
+    return "no way over the ground: holes or steep ground are in between", np.zeros((0, 2))
+
+
+def _walkable(ground: Ground) -> NDArray[np.bool_]:
+    """Cells somewhere in which the ground may be traversable."""
+    best = np.pad(ground.traversability, 1, mode="edge")
+    rows, cols = ground.traversability.shape
+    out = np.zeros((rows, cols), dtype=bool)
+    for i in range(3):
+        for j in range(3):
+            out |= best[i : i + rows, j : j + cols] >= LEAST_TRAVERSABILITY
+    return out
+
+
+def _longest_flight(ground: Ground, body: Body) -> float:
+    """No flight is longer than this, m.
+
+    The legs push over at most h_max - h_min with at most the peak force; the flight then falls at
+    most from the highest to the lowest ground and from h_max.
+    """
+    stroke = body.h_max - body.h_min
+    push = math.sqrt(2.0 * stroke * GRAVITY * body.grf_max)
+    drop = float(ground.height.max() - ground.height.min()) + body.h_max
+    return body.v_max * (push + math.sqrt(push * push + 2.0 * GRAVITY * drop)) / GRAVITY
