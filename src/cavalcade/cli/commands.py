@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cavalcade.cli import campaigns, options, plans
+from cavalcade.cli import campaigns, importing, options, plans
 from cavalcade.cli.printing import print_json
 
 if TYPE_CHECKING:
@@ -147,9 +147,9 @@ def _later(name: str, what: str) -> None:
 
 app.command()(campaigns.campaign)
 app.command()(campaigns.trial)
+app.command("import")(importing.import_file)
 app.command()(plans.plan)
 
-_later("import", "body planning")
 _later("studio", "the studio")
 
 

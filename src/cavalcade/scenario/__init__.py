@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from cavalcade.scenario.dumping import dump_scenario
+    from cavalcade.scenario.importing import import_problem
     from cavalcade.scenario.loading import load_scenario, parse_scenario, scenario_schema
     from cavalcade.scenario.model import (
         Event,
@@ -35,6 +36,7 @@ _HOME = {
     "World": "worlds",
     "build_world": "worlds",
     "dump_scenario": "dumping",
+    "import_problem": "importing",
     "load_scenario": "loading",
     "obstacle_spans": "timeline",
     "parse_scenario": "loading",
@@ -55,6 +57,7 @@ __all__ = [
     "World",
     "build_world",
     "dump_scenario",
+    "import_problem",
     "load_scenario",
     "obstacle_spans",
     "parse_scenario",
