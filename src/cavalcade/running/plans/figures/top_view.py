@@ -162,8 +162,8 @@ def _draw_ends(axes: Axes, scene: PlanScene, size: float) -> None:
             side = np.array([-np.sin(pose[2]), np.cos(pose[2])])
             axes.text(
                 pose[0] + away * side[0], pose[1] + away * side[1], str(robot), fontsize=6.5,
-                fontweight=weight, color=style.INK, ha="center", va="center", zorder=8, path_effects=halo,
-                clip_on=True,
+                fontweight=weight, color=style.INK, ha="center", va="center", zorder=8,
+                path_effects=halo, clip_on=True,
             )  # fmt: skip
 
 

@@ -1,0 +1,69 @@
+// The ground and what is solid on it.
+const identity = boxed([1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 0]);
+const PALETTE = ["#8fa7ad", "#b5c4b1", "#dcdcb8", "#ecdfc0", "#e3cdae", "#d6b797"].map(rgb);
+
+function heightColour(share) {
+  const v = Math.min(Math.max(share, 0), 1) * (PALETTE.length - 1), k = Math.min(Math.floor(v), PALETTE.length - 2);
+  return PALETTE[k].map((part, i) => part + (v - k) * (PALETTE[k + 1][i] - part));
+}
+
+const ground = terrain ? terrainMesh() : flatMesh();
+const contour = terrain && terrain.span > 0.02 ? niceStep(terrain.span / 7) : 0;
+
+function niceStep(v) {
+  const ten = 10 ** Math.floor(Math.log10(v));
+  return [1, 2, 5, 10].map((f) => f * ten).find((s) => s >= v);
+}
+
+function flatMesh() {
+  const p = [], n = [], c = [];
+  for (const k of [0, 1, 2, 0, 2, 3]) { p.push(...border[k], 0); n.push(0, 0, 1); c.push(0.93, 0.935, 0.925); }
+  return mesh(p, n, c);
+}
+
+function terrainMesh() {
+  const { x, y, height, blocked, origin, low, span } = terrain, n = x.length, m = y.length;
+  const place = [], normal = [], colour = [], index = [];
+  const c = Math.cos(origin[2]), s = Math.sin(origin[2]), level = span < 0.02;
+  // The outermost nodes stand for their cells up to the border.
+  const edge = (v, k, last) => (k === 0 ? 0 : k === last ? v[last] + v[0] : v[k]);
+  for (let j = 0; j < m; j++)
+    for (let i = 0; i < n; i++) {
+      const k = j * n + i, i0 = Math.max(i - 1, 0), i1 = Math.min(i + 1, n - 1), j0 = Math.max(j - 1, 0), j1 = Math.min(j + 1, m - 1);
+      place.push(...placed(origin, edge(x, i, n - 1), edge(y, j, m - 1)), height[k]);
+      const gx = (height[j * n + i1] - height[j * n + i0]) / (x[i1] - x[i0]), gy = (height[j1 * n + i] - height[j0 * n + i]) / (y[j1] - y[j0]);
+      normal.push(...unit([-(c * gx - s * gy), -(s * gx + c * gy), 1]));
+      const paint = heightColour(level ? 0.6 : (height[k] - low) / span), dark = blocked(k) ? 0.68 : 1;
+      colour.push(...paint.map((part) => part * dark));
+      if (i < n - 1 && j < m - 1) index.push(k, k + 1, k + n + 1, k, k + n + 1, k + n);
+    }
+  return mesh(place, normal, colour, index);
+}
+
+const solids = (() => {
+  const p = [], n = [], c = [], shape = [0.42, 0.45, 0.49], wall = [0.50, 0.53, 0.57];
+  const face = (points, normal, paint) => points.forEach((at) => { p.push(...at); n.push(...normal); c.push(...paint); });
+  const side = (a, b, low, high, paint) => {
+    const out = unit([b[1] - a[1], a[0] - b[0], 0]);
+    face([[...a, low], [...b, low], [...b, high], [...a, low], [...b, high], [...a, high]], out, paint);
+  };
+  for (const solid of plan.solids) {
+    const ring = [];
+    for (let k = 0; k < solid.ring.length; k += 2) ring.push([solid.ring[k] / 1000, solid.ring[k + 1] / 1000]);
+    face(solid.fill.map((k) => [...ring[k], solid.high]), [0, 0, 1], shape);
+    ring.forEach((at, k) => side(at, ring[(k + 1) % ring.length], solid.low, solid.high, shape));
+  }
+  const w = plan.walls;
+  for (let k = 0; w && k < w.boxes.length; k += 4) {
+    const [r0, c0, r1, c1] = w.boxes.slice(k, k + 4).map((v) => v * w.cell);
+    const ring = [[c0, r0], [c1, r0], [c1, r1], [c0, r1]].map((at) => placed(w.origin, ...at));
+    face([0, 1, 2, 0, 2, 3].map((i) => [...ring[i], w.high]), [0, 0, 1], wall);
+    ring.forEach((at, i) => side(at, ring[(i + 1) % 4], w.low, w.high, wall));
+  }
+  return p.length ? mesh(p, n, c) : null;
+})();
+
+function drawGround() {
+  drawMesh(ground, identity, dark() ? [0.52, 0.54, 0.56] : [1, 1, 1], dark() ? 0.5 : 0.22, contour);
+  if (solids) drawMesh(solids, identity, dark() ? [0.75, 0.78, 0.82] : [1, 1, 1]);
+}
