@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -158,12 +159,12 @@ def trot(table: np.ndarray, phase: np.ndarray, model: RobotModel) -> np.ndarray:
     hips = np.array([[1, 1], [1, -1], [-1, 1], [-1, -1]]) * (legs.hip_x, legs.hip_y)
     time, rows, pair = table[:, 0], [], 0
     edges = [0, *(np.flatnonzero(np.diff(phase)) + 1), len(phase) - 1]
-    for a, b in zip(edges[:-1], edges[1:], strict=True):
+    for a, b in pairwise(edges):
         if phase[a] == FLIGHT or b == a:
             continue
         windows = 1 if phase[a] else max(math.ceil((time[b] - time[a]) / 0.25), 1)
         ends = np.linspace(time[a], time[b], windows + 1)
-        for down, up in zip(ends[:-1], ends[1:], strict=True):
+        for down, up in pairwise(ends):
             x, y, yaw = (np.interp((down + up) / 2, time, table[:, k]) for k in (1, 2, 7))
             c, s = math.cos(yaw), math.sin(yaw)
             for leg in range(4) if phase[a] else ((0, 3), (1, 2))[pair]:

@@ -145,13 +145,17 @@ def _hip_heights(
     height = motion.position[:, 2] + np.sin(pitch) * end * legs.hip_x
     if ground is None:
         return height
-    below = ground.highest_at(_hips(motion, legs, end), NEARBY)
+    below = ground.highest_at(_hips(motion, legs, end, np.cos(pitch)), NEARBY)
     return (height[:, None] - below).max(axis=1)
 
 
-def _hips(motion: Motion, legs: LegModel, end: float) -> Array:
-    """`(T, 2, 2)` places of the hips at one end, seen from above."""
-    forward = np.full((len(motion.time), 2), end * legs.hip_x)
+def _hips(motion: Motion, legs: LegModel, end: float, shortened: Array | float = 1.0) -> Array:
+    """`(T, 2, 2)` places of the hips at one end, seen from above.
+
+    Pitch shortens the body, seen so, by the factor `shortened` `(T,)`.
+    """
+    forward = np.broadcast_to(end * legs.hip_x * np.asarray(shortened), len(motion.time))
+    forward = np.repeat(forward[:, None], 2, axis=1)
     return _beside(motion, forward, legs.hip_y * np.array([1.0, -1.0]))
 
 

@@ -52,12 +52,17 @@ def check_goal(motion: Motion, model: RobotModel, goal: Pose) -> list[Violation]
     return result
 
 
-def check_missing(motions: tuple[Motion | None, ...]) -> list[Violation]:
-    """Robots without motion in a plan that is said to solve the problem."""
+def check_missing(motions: tuple[Motion | None, ...], spoken_of: set[int]) -> list[Violation]:
+    """Robots without motion in a plan that is said to solve the problem.
+
+    Args:
+        motions: Of each robot.
+        spoken_of: Robots of whose arrays something is wrong.
+    """
     return [
         Violation("plan", 0.0, (robot,), f"robot {robot} has no plan", 0.0, 1.0)
         for robot, motion in enumerate(motions)
-        if motion is None
+        if motion is None and robot not in spoken_of
     ]
 
 

@@ -37,14 +37,17 @@ class Heights:
     """A grid of heights as its source says it.
 
     Attributes:
-        height: `(rows, cols)` m, `[row, col]` = `[y, x]`, at the centres of cells; nan in holes.
+        height: `(rows, cols)` m, `[row, col]` = `[y, x]`, at the centres of cells; nan where the
+            source has none.
         cell: Side of a cell, m.
         origin: Pose (x, y, yaw) of the lower left corner of cell [0, 0] in the map frame.
+        holes: `(rows, cols)` cells that are known to be holes; None if only nan tells.
     """
 
     height: Array
     cell: float
     origin: Origin = (0.0, 0.0, 0.0)
+    holes: NDArray[np.bool_] | None = None
 
     @property
     def size(self) -> tuple[float, float]:
@@ -119,20 +122,22 @@ def ground_around(heights: Heights, places: Array) -> Ground:
     x0, y0 = int(np.clip(low[0], 0, cols - 2)), int(np.clip(low[1], 0, rows - 2))
     x1, y1 = int(np.clip(high[0], x0 + 2, cols)), int(np.clip(high[1], y0 + 2, rows))
     part = heights.height[y0:y1, x0:x1]
+    holes = np.isnan(part)
+    if heights.holes is not None:
+        holes = holes | heights.holes[y0:y1, x0:x1]
     x, y, yaw = heights.origin
     dx, dy = x0 * heights.cell, y0 * heights.cell
     corner = (x + np.cos(yaw) * dx - np.sin(yaw) * dy, y + np.sin(yaw) * dx + np.cos(yaw) * dy)
     origin = (float(corner[0]), float(corner[1]), yaw)
-    return _layers(part, heights.cell, origin)
+    return _layers(part, holes, heights.cell, origin)
 
 
-def _layers(raw: Array, cell: float, origin: Origin) -> Ground:
+def _layers(raw: Array, holes: NDArray[np.bool_], cell: float, origin: Origin) -> Ground:
     from scipy.ndimage import binary_dilation, maximum_filter
 
-    unknown = np.isnan(raw)
-    height = _filled(raw, unknown)
-    holes = unknown | _pits(height, cell)
-    over = _filled(raw, holes)
+    height = _filled(raw, np.isnan(raw))
+    holes = holes | _pits(height, cell)
+    over = _filled(height, holes)
     smooth = _mean(over, SMOOTH / cell)
     x, y = _slopes(over, STEEP / cell, cell)
     steep = np.arctan(np.hypot(x, y))
@@ -143,7 +148,7 @@ def _layers(raw: Array, cell: float, origin: Origin) -> Ground:
     good = np.clip(0.5 * (1.0 - rough / ROUGHNESS) + 0.5 * (1.0 - steep / SLOPE), 0.0, None)
     good = np.minimum(good + LEAST, 1.0)
     if holes.any():
-        good[binary_dilation(holes, _disc(HOLE / cell))] = 0.0
+        good[binary_dilation(holes, disc(HOLE / cell))] = 0.0
     best = maximum_filter(good, size=3, mode="nearest")
     return Ground(cell, origin, height, along, across, best)
 
@@ -172,17 +177,18 @@ def _pits(height: Array, cell: float) -> NDArray[np.bool_]:
     return pits
 
 
-def _disc(radius: float) -> NDArray[np.bool_]:
+def disc(radius: float) -> NDArray[np.bool_]:
+    """The cells within `radius` cells of the middle one."""
     reach = int(radius + 1e-9)
     y, x = np.mgrid[-reach : reach + 1, -reach : reach + 1]
-    disc: NDArray[np.bool_] = x * x + y * y <= radius * radius + 1e-9
-    return disc
+    within: NDArray[np.bool_] = x * x + y * y <= radius * radius + 1e-9
+    return within
 
 
 def _mean(field: Array, radius: float) -> Array:
     from scipy.signal import oaconvolve
 
-    kernel = _disc(radius).astype(float)
+    kernel = disc(radius).astype(float)
     edge = kernel.shape[0] // 2
     wide = np.pad(field - field.mean(), edge, mode="edge")
     mean: Array = oaconvolve(wide, kernel / kernel.sum(), mode="valid")
@@ -193,11 +199,11 @@ def _slopes(field: Array, radius: float, cell: float) -> tuple[Array, Array]:
     """Slopes along x and y of the planes that fit the discs around each cell best."""
     from scipy.signal import oaconvolve
 
-    disc = _disc(radius)
-    edge = disc.shape[0] // 2
+    within = disc(radius)
+    edge = within.shape[0] // 2
     if edge == 0:
         return np.zeros_like(field), np.zeros_like(field)
-    steps = np.arange(-edge, edge + 1) * disc * cell
+    steps = np.arange(-edge, edge + 1) * within * cell
     kernel = steps / (steps * steps).sum()
     wide = np.pad(field - field.mean(), edge, mode="edge")
     # Convolution turns the kernel round.

@@ -51,6 +51,7 @@ def judge_plan(
     """
     models = scenario.models
     motions, violations = read_motions(arrays, models)
+    spoken_of = {robot for violation in violations for robot in violation.robots}
     known = tuple(motion for motion in motions if motion is not None)
     solved = bool(summary.get("success"))
     heights = read_heights(scenario)
@@ -65,7 +66,7 @@ def judge_plan(
     if solved:
         for motion in known:
             violations += check_goal(motion, models[motion.robot], scenario.goals[motion.robot])
-        violations += check_missing(motions)
+        violations += check_missing(motions, spoken_of)
         if figures:
             violations += check_figures(motions, summary)
     ordered = tuple(sorted(violations, key=lambda violation: violation.time))
