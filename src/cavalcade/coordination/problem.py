@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Literal
 
-from cavalcade.body.ground import Ground
+import numpy as np
+
+from cavalcade.body.ground import Ground, make_ground
+from cavalcade.body.trajectory import Trajectory
+from cavalcade.geometry import inverse_transform_points, rotation, transform_points
 from cavalcade.robots import RobotModel
+from cavalcade.scenario import Scenario, World
 
 Pose = tuple[float, float, float]
 
@@ -16,6 +22,8 @@ class PlanSettings:
     """How a coordinator plans.
 
     Attributes:
+        variant: `published`: robots are planned by the tree search of the paper, kept apart by
+            the distance of their centres.
         constraints: `timed`: bodies of others count while they are there; `static`: they are
             obstacles for all time, as in the paper.
         conflict: Which conflict of a node is resolved: the `costly` one, the `earliest`, or the
@@ -26,6 +34,7 @@ class PlanSettings:
         seconds: Limit of wall time, s; None for none. A plan never depends on it otherwise.
     """
 
+    variant: Literal["cavalcade", "published"] = "cavalcade"
     constraints: Literal["timed", "static"] = "timed"
     conflict: Literal["costly", "earliest", "first"] = "costly"
     leaps: bool = True
@@ -42,9 +51,60 @@ class TeamProblem:
         ground: What is in the way.
         models: Of each robot.
         starts, goals: Poses (x m, y m, yaw rad) in the ground's own frame.
+        origin: Pose of the ground's frame in the map.
     """
 
     ground: Ground
     models: tuple[RobotModel, ...]
     starts: tuple[Pose, ...]
     goals: tuple[Pose, ...]
+    origin: Pose = (0.0, 0.0, 0.0)
+
+    def in_map(self, trajectory: Trajectory) -> Trajectory:
+        """A trajectory of the ground's frame, seen in the map's."""
+        if self.origin == (0.0, 0.0, 0.0):
+            return trajectory
+        position, velocity = trajectory.position.copy(), trajectory.velocity.copy()
+        position[:, :2] = transform_points(self.origin, position[:, :2])
+        velocity[:, :2] = velocity[:, :2] @ rotation(self.origin[2]).T
+        yaw = trajectory.yaw + self.origin[2]
+        return replace(trajectory, position=position, velocity=velocity, yaw=yaw)
+
+
+def problem_of(scenario: Scenario, world: World) -> TeamProblem:
+    """The problem that a scenario with individual goals poses.
+
+    Args:
+        scenario: With a goal for each robot.
+        world: Its ground.
+    """
+    origin = world.map.origin
+
+    def local(poses: Sequence[Pose]) -> tuple[Pose, ...]:
+        table = np.array(poses, dtype=float)
+        table[:, :2] = inverse_transform_points(origin, table[:, :2])
+        table[:, 2] -= origin[2]
+        return tuple((float(x), float(y), float(yaw)) for x, y, yaw in table)
+
+    return TeamProblem(
+        make_ground(world.map, world.terrain),
+        scenario.models,
+        local(scenario.starts),
+        local(scenario.goals),
+        origin,
+    )
+
+
+def settings_of(scenario: Scenario) -> PlanSettings:
+    """The options that a scenario's `planner` section gives."""
+    said, default = scenario.planner, PlanSettings()
+    published = said.variant == "published"
+    return PlanSettings(
+        variant="published" if published else "cavalcade",
+        constraints=said.constraints or ("static" if published else default.constraints),
+        conflict=said.conflict or ("first" if published else default.conflict),
+        leaps=default.leaps if said.leaps is None else said.leaps,
+        improve=said.improve or 0,
+        iterations=said.budget.iterations or default.iterations,
+        seconds=said.budget.seconds,
+    )

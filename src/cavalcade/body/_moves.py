@@ -1,0 +1,146 @@
+"""Kernels of moves: what a robot that walks, turns and stands does between two poses.
+
+A plan in the plane is a start pose and rows (M, 6) of moves: length (m along the heading, negative
+backwards), turn (rad), v0, v1 (m/s at its ends, not signed), vmax (m/s) and duration (s).
+
+- length and turn: an arc, with the turn spread evenly over the length;
+- length only: a straight line;
+- turn only: on the spot, from rest to rest;
+- neither: standing still for the duration.
+
+Speed along a line or arc is the trapezoid from v0 over at most vmax to v1.
+
+A mover is an array: 0 speed, 1 acceleration, 2 turn rate, 3 turn acceleration, 4 least radius of
+arcs (0: none), 5 whether it goes backwards, 6 whether its heading is free (it turns in no time),
+7 half length, 8 half width, 9 whether it is round (then 7 is its radius).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+SPEED, ACCELERATION, RATE, TURN_ACCELERATION, RADIUS, BACKWARDS, FREE, HALF_LENGTH = range(8)
+HALF_WIDTH, ROUND = 8, 9
+LENGTH, TURN, V0, V1, VMAX, DURATION = range(6)
+
+
+@njit(cache=True)
+def trapezoid(length, v0, v1, vmax, acceleration):
+    """Duration and largest speed of the quickest way over `length` >= 0; -1, 0 if there is none."""
+    peak = math.sqrt(max(0.5 * (2.0 * acceleration * length + v0 * v0 + v1 * v1), 0.0))
+    if peak < max(v0, v1) - 1e-9:
+        return -1.0, 0.0
+    peak = min(max(peak, max(v0, v1)), max(vmax, max(v0, v1)))
+    if peak <= 0.0:
+        return 0.0, 0.0
+    ramps = (2.0 * peak * peak - v0 * v0 - v1 * v1) / (2.0 * acceleration)
+    cruise = max(length - ramps, 0.0) / peak
+    return (2.0 * peak - v0 - v1) / acceleration + cruise, peak
+
+
+@njit(cache=True)
+def along(duration, v0, v1, peak, acceleration, t):
+    """Way and speed at time `t` of a trapezoid."""
+    up = (peak - v0) / acceleration
+    down = (peak - v1) / acceleration
+    if t <= up:
+        return v0 * t + 0.5 * acceleration * t * t, v0 + acceleration * t
+    way = 0.5 * (v0 + peak) * up
+    cruise = duration - up - down
+    if t <= up + cruise:
+        return way + peak * (t - up), peak
+    late = min(t, duration) - up - cruise
+    way += peak * cruise
+    return way + peak * late - 0.5 * acceleration * late * late, peak - acceleration * late
+
+
+@njit(cache=True)
+def advanced(x, y, yaw, length, turn):
+    """The pose after `length` along the heading while turning by `turn` evenly."""
+    if abs(turn) < 1e-9 or length == 0.0:
+        return x + length * math.cos(yaw), y + length * math.sin(yaw), yaw + turn
+    radius = length / turn
+    end = yaw + turn
+    return (
+        x + radius * (math.sin(end) - math.sin(yaw)),
+        y - radius * (math.cos(end) - math.cos(yaw)),
+        end,
+    )
+
+
+@njit(cache=True)
+def make_move(move, length, turn, v0, v1, vmax, mover):
+    """Fill in a row; False if the ends' speeds don't fit into the length."""
+    move[LENGTH], move[TURN], move[V0], move[V1], move[VMAX] = length, turn, v0, v1, vmax
+    if length == 0.0:
+        if mover[FREE] > 0.0:
+            move[DURATION] = 0.0
+        else:
+            move[DURATION], _ = trapezoid(
+                abs(turn), 0.0, 0.0, mover[RATE], mover[TURN_ACCELERATION]
+            )
+        return True
+    move[DURATION], _ = trapezoid(abs(length), v0, v1, vmax, mover[ACCELERATION])
+    return move[DURATION] >= 0.0
+
+
+@njit(cache=True)
+def within(x, y, yaw, move, mover, t):
+    """Pose, speed along the heading (signed) and yaw rate at time `t` of a move from a pose."""
+    length, turn = move[LENGTH], move[TURN]
+    if length == 0.0:
+        if turn == 0.0:
+            return x, y, yaw, 0.0, 0.0
+        if move[DURATION] <= 0.0:
+            return x, y, yaw + turn, 0.0, 0.0
+        duration, peak = trapezoid(abs(turn), 0.0, 0.0, mover[RATE], mover[TURN_ACCELERATION])
+        angle, rate = along(duration, 0.0, 0.0, peak, mover[TURN_ACCELERATION], t)
+        sign = 1.0 if turn > 0.0 else -1.0
+        return x, y, yaw + sign * angle, 0.0, sign * rate
+    duration, peak = trapezoid(abs(length), move[V0], move[V1], move[VMAX], mover[ACCELERATION])
+    way, speed = along(duration, move[V0], move[V1], peak, mover[ACCELERATION], t)
+    sign = 1.0 if length > 0.0 else -1.0
+    share = way / abs(length)
+    px, py, pyaw = advanced(x, y, yaw, sign * way, turn * share)
+    return px, py, pyaw, sign * speed, turn / abs(length) * speed
+
+
+@njit(cache=True)
+def sample_moves(start, moves, mover, times):
+    """Motion `(K, 6)` x, y, yaw, vx, vy, yaw rate at increasing times `(K,)`.
+
+    Before 0 and after the end the robot stands.
+    """
+    out = np.empty((len(times), 6))
+    x, y, yaw = start[0], start[1], start[2]
+    begin = 0.0
+    at = 0
+    for k in range(len(times)):
+        t = times[k]
+        while at < len(moves) and t > begin + moves[at, DURATION]:
+            x, y, yaw = advanced(x, y, yaw, moves[at, LENGTH], moves[at, TURN])
+            begin += moves[at, DURATION]
+            at += 1
+        if at < len(moves) and t >= begin:
+            px, py, pyaw, speed, rate = within(x, y, yaw, moves[at], mover, t - begin)
+        else:
+            px, py, pyaw, speed, rate = x, y, yaw, 0.0, 0.0
+        out[k, 0], out[k, 1], out[k, 2] = px, py, pyaw
+        out[k, 3], out[k, 4] = speed * math.cos(pyaw), speed * math.sin(pyaw)
+        out[k, 5] = rate
+    return out
+
+
+@njit(cache=True)
+def poses_between(start, moves):
+    """Poses `(M + 1, 3)` at the ends of the moves."""
+    out = np.empty((len(moves) + 1, 3))
+    x, y, yaw = start[0], start[1], start[2]
+    out[0, 0], out[0, 1], out[0, 2] = x, y, yaw
+    for k in range(len(moves)):
+        x, y, yaw = advanced(x, y, yaw, moves[k, LENGTH], moves[k, TURN])
+        out[k + 1, 0], out[k + 1, 1], out[k + 1, 2] = x, y, yaw
+    return out

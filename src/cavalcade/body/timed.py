@@ -1,0 +1,253 @@
+"""Ways of one robot over even ground past others that move: search in space and time."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from cavalcade.body._moves import DURATION, LENGTH, poses_between, sample_moves
+from cavalcade.body._timed_search import FOUND, SPENT, search
+from cavalcade.body._timed_shorten import shorten
+from cavalcade.body.ground import Ground
+from cavalcade.body.movers import mover_of, primitives_of
+from cavalcade.body.trajectory import STEP, WALK, Trajectory
+from cavalcade.eikonal import arrival_times
+from cavalcade.geometry import Array
+from cavalcade.robots import RobotModel
+
+TRACK_STEP = 0.05
+"""Time between the poses of a track, s."""
+
+
+class Others(NamedTuple):
+    """What is to be avoided while it is there, as kernels take it; see `_moves_contact`.
+
+    Attributes:
+        tracks: `(J, K, 3)` poses every `step` s, standing at the last for good.
+        step: s.
+        shapes: `(J, 3)` half length, half width (m), whether round.
+        spans: `(C, 3)` which track, from when to when, s.
+    """
+
+    tracks: Array
+    step: float
+    shapes: Array
+    spans: Array
+
+
+NOBODY = Others(np.zeros((0, 1, 3)), TRACK_STEP, np.zeros((0, 3)), np.zeros((0, 3)))
+
+
+@dataclass(frozen=True)
+class Care:
+    """How far to keep off, and how closely to look.
+
+    Attributes:
+        ground, others: Margins, m.
+        steps: Largest steps between tests: m, rad, s.
+        finer: How often to halve the steps of the search.
+    """
+
+    ground: float = 0.005
+    others: float = 0.05
+    steps: tuple[float, float, float] = (0.04, 0.08, 0.06)
+    finer: int = 0
+
+
+CAREFUL = (
+    Care(),
+    Care(0.002, 0.02, (0.03, 0.06, 0.03), 1),
+    Care(0.0, 0.003, (0.02, 0.03, 0.01), 1),
+)
+"""Wide margins first; where that finds nothing, smaller ones and smaller steps."""
+
+
+@dataclass(frozen=True, eq=False)
+class Way:
+    """Moves from a start pose, see `_moves`.
+
+    Attributes:
+        start: x, y, yaw `(3,)`.
+        moves: `(M, 6)`.
+        mover: `(10,)`.
+        model: Of the robot.
+    """
+
+    start: Array
+    moves: Array
+    mover: Array
+    model: RobotModel
+
+    @property
+    def duration(self) -> float:
+        """s."""
+        return float(self.moves[:, DURATION].sum())
+
+    @property
+    def length(self) -> float:
+        """m."""
+        return float(np.abs(self.moves[:, LENGTH]).sum())
+
+    def track(self) -> Array:
+        """Poses `(K, 3)` every `TRACK_STEP` s, the last at or after the end."""
+        count = math.ceil(self.duration / TRACK_STEP - 1e-9) + 1
+        times = np.arange(count) * TRACK_STEP
+        return np.ascontiguousarray(sample_moves(self.start, self.moves, self.mover, times)[:, :3])
+
+
+class TimedPlanner:
+    """Plans ways over one ground; keeps what depends on the goal alone.
+
+    Args:
+        ground: Even, or to be walked on wherever it is not solid.
+        price: Cost of a metre; that of a second is 1. None: a second at the robot's speed.
+    """
+
+    def __init__(self, ground: Ground, price: float | None = None) -> None:
+        self.ground = ground
+        self.price = price
+        self.greed = 1.2
+        self._grid = (ground.cell, ground.solid, ground.clearance)
+        self._open = not ground.solid.any()
+        self._guides: dict[tuple[int, int, float], tuple[Array, float]] = {}
+        self._kinds: dict[tuple[str, int], tuple[Array, Array]] = {}
+
+    def plan(
+        self,
+        model: RobotModel,
+        start: Array,
+        goal: Array,
+        others: Others = NOBODY,
+        most: int = 50_000,
+        care: Care = CAREFUL[0],
+    ) -> tuple[Way | None, bool, int]:
+        """The cheapest way that the search finds, from rest to rest, clear of the others for good.
+
+        Args:
+            model: Of the robot.
+            start, goal: `(3,)` x, y, yaw.
+            others: To be avoided.
+            most: Expansions.
+            care: Margins and steps.
+
+        Returns:
+            The way or None; whether that is because `most` was spent; expansions.
+        """
+        mover, prims = self._kind(model, care.finer)
+        guide, guide_cell = self.guide(goal, model)
+        price = 2.0 / mover[0] if self.price is None else self.price
+        margins = np.array([care.ground, care.others])
+        steps = np.array(care.steps)
+        bins = np.array([0.1, 0.25]) * 0.5**care.finer
+        status, moves, expansions = search(
+            self._grid,
+            tuple(others),
+            mover,
+            start,
+            goal,
+            prims,
+            guide,
+            guide_cell,
+            margins,
+            steps,
+            bins,
+            price,
+            self.greed,
+            most,
+        )
+        if status != FOUND:
+            return None, status == SPENT, expansions
+        if expansions > 1:
+            moves = shorten(
+                self._grid, tuple(others), mover, start, moves, margins, steps, price, 3
+            )
+        return Way(start, moves, mover, model), False, expansions
+
+    def cost(self, way: Way) -> float:
+        """What the search minimises: seconds and the price of the metres."""
+        price = 2.0 / way.mover[0] if self.price is None else self.price
+        return way.duration + price * way.length
+
+    def mover(self, model: RobotModel) -> Array:
+        """The model as kernels take it."""
+        return self._kind(model, 0)[0]
+
+    def guide(self, goal: Array, model: RobotModel) -> tuple[Array, float]:
+        """Lengths of the shortest ways to the goal on a coarser grid, m, and its cell.
+
+        For a disc of half the body's width; `(0, 0)` where nothing stands.
+        """
+        if self._open:
+            return np.zeros((0, 0)), 1.0
+        cell = self.ground.cell
+        factor = max(1, round(0.1 / cell))
+        row, col = int(goal[1] / cell) // factor, int(goal[0] / cell) // factor
+        key = (row, col, model.width)
+        if key not in self._guides:
+            wide = self.ground.clearance > model.width / 2.0 - 0.75 * cell
+            free = _coarser(wide, factor)
+            row, col = min(row, free.shape[0] - 1), min(col, free.shape[1] - 1)
+            free[row, col] = True
+            times = arrival_times(free.astype(float), [(row, col)], cell * factor)
+            self._guides[key] = (np.ascontiguousarray(times), cell * factor)
+        return self._guides[key]
+
+    def _kind(self, model: RobotModel, finer: int) -> tuple[Array, Array]:
+        key = (model.name, finer)
+        if key not in self._kinds:
+            self._kinds[key] = (mover_of(model), primitives_of(model, finer))
+        return self._kinds[key]
+
+
+def trajectory_of(way: Way, ground: Ground | None = None) -> Trajectory:
+    """The way as samples; over uneven ground the body keeps its clearance of the smoothed one."""
+    ends = np.concatenate([[0.0], np.cumsum(way.moves[:, DURATION])])
+    grid = np.arange(0.0, ends[-1], STEP)
+    times = np.unique(np.concatenate([grid, ends]))
+    times = times[np.concatenate([[True], np.diff(times) > 1e-6])]
+    if ends[-1] - times[-1] > 0.0:
+        times[-1] = ends[-1]
+    motion = sample_moves(way.start, way.moves, way.mover, times)
+    height = 0.0 if way.model.legs is None else way.model.legs.h_nom
+    position = np.column_stack([motion[:, :2], np.full(len(times), height)])
+    velocity = np.column_stack([motion[:, 3:5], np.zeros(len(times))])
+    yaw = motion[:, 2].copy()
+    if way.mover[6] > 0.0:
+        yaw[:] = way.start[2]
+    return Trajectory(times, position, velocity, yaw, np.full(len(times), WALK, dtype=np.int8))
+
+
+def others_of(tracks: list[Array], models: list[RobotModel], spans: list[Any]) -> Others:
+    """Tracks of different lengths as one array, each standing at its last pose for good.
+
+    Args:
+        tracks: `(K_j, 3)` poses every `TRACK_STEP` s.
+        models: Of the robots on them.
+        spans: (track, from, to) in s.
+    """
+    if not tracks or not spans:
+        return NOBODY
+    longest = max(map(len, tracks))
+    table = np.empty((len(tracks), longest, 3))
+    for row, track in zip(table, tracks, strict=True):
+        row[: len(track)] = track
+        row[len(track) :] = track[-1]
+    shapes = np.array([[m.length / 2.0, m.width / 2.0, float(m.round)] for m in models])
+    return Others(table, TRACK_STEP, shapes, np.array(spans, dtype=float).reshape(-1, 3))
+
+
+def poses_of(way: Way) -> Array:
+    """Poses `(M + 1, 3)` between the moves."""
+    return np.asarray(poses_between(way.start, way.moves))
+
+
+def _coarser(free: Any, factor: int) -> Any:
+    """A grid of blocks that are free where any of their cells is."""
+    rows, cols = free.shape
+    padded = np.zeros((-(-rows // factor) * factor, -(-cols // factor) * factor), dtype=bool)
+    padded[:rows, :cols] = free
+    blocks = padded.reshape(padded.shape[0] // factor, factor, padded.shape[1] // factor, factor)
+    return blocks.any(axis=(1, 3))

@@ -1,0 +1,172 @@
+"""Conflict-based search for body trajectories (the paper's Algorithm 4).
+
+A node of the tree holds a course for each robot and what each has to avoid. The cheapest node is
+taken; if two of its courses conflict, one child has the first robot avoid the second one's body
+while they were in conflict, the other child the reverse. Bounded-complete at best: courses come
+from a search with steps, and constraints are bodies over time, as in Kottinger et al., IROS 2022.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import count
+
+from cavalcade.body.timed import TRACK_STEP
+from cavalcade.coordination.budget import Budget
+from cavalcade.coordination.conflicts import Conflict, conflicts_of
+from cavalcade.coordination.course import Course
+from cavalcade.coordination.problem import PlanSettings, TeamProblem
+from cavalcade.coordination.single import RobotPlanner, Span
+
+_PAD = 0.5
+"""A constraint holds this long before and after the conflict, s."""
+
+_LENIENT = 2
+"""So often two robots may conflict on a branch before one has to avoid the other's whole course."""
+
+_EARLY = 3.0
+"""Conflicts before this are about leaving the starts, s."""
+
+_PAIRS = 3
+"""So many pairs in conflict are looked at to find the most telling conflict."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Node:
+    courses: tuple[Course, ...]
+    avoid: tuple[tuple[Span, ...], ...]
+    conflicts: list[Conflict]
+    met: Mapping[tuple[int, int], int]
+
+    @property
+    def cost(self) -> float:
+        return sum(course.cost for course in self.courses)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What the search found.
+
+    Attributes:
+        courses: Without conflicts, or of the last node looked at.
+        solved: Whether they are.
+        nodes: Of the tree that were looked at.
+    """
+
+    courses: tuple[Course, ...]
+    solved: bool
+    nodes: int
+
+
+def conflict_search(
+    problem: TeamProblem,
+    planner: RobotPlanner,
+    settings: PlanSettings,
+    root: tuple[Course, ...],
+    budget: Budget,
+    most_nodes: int = 400,
+) -> Outcome:
+    """Resolve the conflicts of courses that were planned regardless of each other.
+
+    Args:
+        problem: The team's.
+        planner: Of one robot.
+        settings: `conflict` and `constraints`.
+        root: A course for each robot.
+        budget: Of the call.
+        most_nodes: Nodes of the tree at most.
+    """
+    order = count()
+
+    def node(
+        courses: tuple[Course, ...],
+        avoid: tuple[tuple[Span, ...], ...],
+        met: Mapping[tuple[int, int], int],
+    ) -> _Node:
+        found = conflicts_of([course.track for course in courses], problem.models)
+        return _Node(courses, avoid, found, met)
+
+    def child(parent: _Node, conflict: Conflict, robot: int, other: int) -> _Node | None:
+        pair = (conflict.i, conflict.j)
+        met = {**parent.met, pair: parent.met.get(pair, 0) + 1}
+        spans = _constraint(parent, conflict, other, settings, met[pair] > _LENIENT)
+        avoid = (*parent.avoid[robot], *spans)
+        courses, avoids = list(parent.courses), list(parent.avoid)
+        course = planner.plan(robot, avoid, budget)
+        if course is None and conflict.begin < _EARLY:
+            # The other one's way leads over this one's start. Let this one leave past where the
+            # other one stands, and the other one avoid all of that.
+            stay = Span(other, planner.standing(other), 0.0, _EARLY)
+            avoid = (*parent.avoid[robot], stay)
+            course = planner.plan(robot, avoid, budget)
+            if course is not None:
+                avoids[other] = (*parent.avoid[other], Span(robot, course.track))
+                giving_way = planner.plan(other, avoids[other], budget)
+                if giving_way is None:
+                    return None
+                courses[other] = giving_way
+        if course is None:
+            return None
+        courses[robot], avoids[robot] = course, avoid
+        return node(tuple(courses), tuple(avoids), met)
+
+    def children(parent: _Node) -> list[_Node]:
+        best: list[_Node] = []
+        least = -math.inf
+        for conflict in _choice(parent.conflicts, settings.conflict):
+            made = [
+                child(parent, conflict, conflict.i, conflict.j),
+                child(parent, conflict, conflict.j, conflict.i),
+            ]
+            found = [one for one in made if one is not None]
+            gain = min((one.cost for one in found), default=math.inf) - parent.cost
+            # A conflict with a single way out says more than one with two.
+            gain += (2 - len(found)) * 1e6
+            if gain > least:
+                best, least = found, gain
+            if budget.spent:
+                break
+        return best
+
+    first = node(root, tuple(() for _ in root), {})
+    queue = [(first.cost, len(first.conflicts), next(order), first)]
+    nodes = 0
+    last = first
+    while queue and nodes < most_nodes and not budget.spent:
+        _, _, _, last = heapq.heappop(queue)
+        nodes += 1
+        if not last.conflicts:
+            return Outcome(last.courses, True, nodes)
+        for made in children(last):
+            heapq.heappush(queue, (made.cost, len(made.conflicts), next(order), made))
+    return Outcome(last.courses, False, nodes)
+
+
+def _choice(conflicts: list[Conflict], rule: str) -> list[Conflict]:
+    """The conflicts to branch on: one, or for `costly` the earliest ones of some pairs."""
+    if rule == "first":
+        return [min(conflicts, key=lambda c: (c.i, c.j, c.begin))]
+    if rule == "earliest":
+        return conflicts[:1]
+    pairs: dict[tuple[int, int], Conflict] = {}
+    for conflict in conflicts:
+        pairs.setdefault((conflict.i, conflict.j), conflict)
+    return list(pairs.values())[:_PAIRS]
+
+
+def _constraint(
+    node: _Node, conflict: Conflict, other: int, settings: PlanSettings, whole: bool
+) -> list[Span]:
+    """What the robot that gives way has to avoid."""
+    track = node.courses[other].track
+    if settings.constraints == "static":
+        first = min(int(conflict.begin / TRACK_STEP), len(track) - 1)
+        last = len(track) if conflict.end == math.inf else int(conflict.end / TRACK_STEP) + 1
+        poses = track[first : max(last, first + 1) : 5]
+        return [Span(other, pose[None]) for pose in poses]
+    if whole:
+        return [Span(other, track)]
+    return [Span(other, track, conflict.begin - _PAD, conflict.end + _PAD)]

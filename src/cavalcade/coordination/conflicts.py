@@ -1,0 +1,59 @@
+"""Conflicts: which bodies of a team come too near each other, and when."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from cavalcade.body.timed import TRACK_STEP
+from cavalcade.coordination._conflicts import find_conflicts
+from cavalcade.geometry import Array
+from cavalcade.robots import RobotModel
+
+MARGIN = 0.002
+"""Bodies nearer than this are in conflict, m: what sampled tracks may hide is less."""
+
+_LOOK = 0.01
+"""Time between looks at bodies that are near each other, s."""
+
+
+class Conflict(NamedTuple):
+    """Robots `i` < `j` are too near from `begin` to `end` s (inf: for good)."""
+
+    i: int
+    j: int
+    begin: float
+    end: float
+
+
+def conflicts_of(
+    tracks: Sequence[Array], models: Sequence[RobotModel], most: int = 4
+) -> list[Conflict]:
+    """All conflicts in order of time, at most `most` of each pair.
+
+    Args:
+        tracks: `(K_j, 3)` poses every `TRACK_STEP` s; robots stand at their last for good.
+        models: Of the robots on them.
+        most: Conflicts of each pair.
+    """
+    table = stacked(tracks)
+    shapes = np.array([[m.length / 2.0, m.width / 2.0, float(m.round)] for m in models])
+    # Of the fastest point of any body.
+    steps = np.abs(np.diff(table, axis=1)) if table.shape[1] > 1 else np.zeros((1, 1, 3))
+    ways = np.hypot(steps[..., 0], steps[..., 1]) + steps[..., 2] * shapes[:, :2].max()
+    speed = max(float(ways.max()) / TRACK_STEP, 1e-3)
+    rows = find_conflicts(table, TRACK_STEP, shapes, MARGIN, speed, _LOOK, most)
+    found = [Conflict(int(i), int(j), float(a), float(b)) for i, j, a, b in rows]
+    return sorted(found, key=lambda conflict: (conflict.begin, conflict.i, conflict.j))
+
+
+def stacked(tracks: Sequence[Array]) -> Array:
+    """Tracks of different lengths as one array `(N, K, 3)`, each standing at its last pose."""
+    longest = max(map(len, tracks))
+    table = np.empty((len(tracks), longest, 3))
+    for row, track in zip(table, tracks, strict=True):
+        row[: len(track)] = track
+        row[len(track) :] = track[-1]
+    return table

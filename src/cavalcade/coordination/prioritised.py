@@ -1,0 +1,132 @@
+"""Prioritised planning: each robot avoids, in time, the courses of those before it.
+
+After Erdmann & Lozano-Pérez, Algorithmica 2, 1987; orders are mended when they fail, as in Bennewitz
+et al., ICRA 2001: who finds no way goes first, and then those before it start later.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from cavalcade.coordination.budget import Budget
+from cavalcade.coordination.course import Course
+from cavalcade.coordination.single import RobotPlanner, Span, spans_of
+
+_DELAYS = (2.0, 4.0, 8.0, 16.0)
+"""s that robots wait at their starts where no order helps."""
+
+_LEAVE = 3.0
+"""s that robots are given to leave their starts before others come past, once that is needed."""
+
+
+def in_order(
+    planner: RobotPlanner,
+    order: Sequence[int],
+    budget: Budget,
+    delays: Mapping[int, float] | None = None,
+    alone: Mapping[int, Course] | None = None,
+    leave: float = 0.0,
+) -> tuple[dict[int, Course], int | None]:
+    """Plan robots one after the other.
+
+    Args:
+        planner: Of one robot.
+        order: All robots, the most important one first.
+        budget: Of the call.
+        delays: Robots that stand at their starts first, s.
+        alone: Courses of robots regardless of others, to begin with.
+        leave: For so long the starts of those who are still to be planned are taken, s.
+
+    Returns:
+        The courses, and the robot that found none or None.
+    """
+    courses: dict[int, Course] = {}
+    for place, robot in enumerate(order):
+        spans = spans_of(courses.items())
+        if leave > 0.0:
+            spans += [Span(k, planner.standing(k), 0.0, leave) for k in order[place + 1 :]]
+        delay = (delays or {}).get(robot, 0.0)
+        if delay > 0.0:
+            course = planner.delayed(robot, spans, delay, budget)
+        elif not spans and alone is not None:
+            course = alone[robot]
+        else:
+            course = planner.plan(robot, spans, budget)
+        if course is None:
+            return courses, robot
+        courses[robot] = course
+    return courses, None
+
+
+def mended_orders(
+    planner: RobotPlanner,
+    alone: Mapping[int, Course],
+    budget: Budget,
+    rng: np.random.Generator,
+    attempts: int,
+) -> dict[int, Course] | None:
+    """Courses of all robots by the first order that works, mended after each failure.
+
+    Args:
+        planner: Of one robot.
+        alone: Each robot's course regardless of the others.
+        budget: Of the call.
+        rng: Draws delays and orders once mending goes round in circles.
+        attempts: Orders at most.
+    """
+    order = sorted(alone, key=lambda robot: (-round(alone[robot].cost, 3), robot))
+    tried: set[tuple[tuple[int, ...], tuple[tuple[int, float], ...]]] = set()
+    delays: dict[int, float] = {}
+    leave = 0.0
+    for _ in range(attempts):
+        tried.add((tuple(order), tuple(sorted(delays.items()))))
+        courses, failed = in_order(planner, order, budget, delays, alone, leave)
+        if failed is None:
+            return courses
+        if budget.spent:
+            return None
+        if leave == 0.0:
+            leave = _LEAVE
+            continue
+        order = [failed, *(robot for robot in order if robot != failed)]
+        delays.pop(failed, None)
+        while (tuple(order), tuple(sorted(delays.items()))) in tried:
+            order = [int(robot) for robot in rng.permutation(order)]
+            late = rng.integers(1, len(order) + 1)
+            chosen = rng.permutation(order)[:late]
+            leave = float(rng.choice((0.0, _LEAVE, 2.0 * _LEAVE)))
+            delays = {int(robot): float(rng.choice(_DELAYS)) for robot in chosen}
+    return None
+
+
+def improved(
+    planner: RobotPlanner,
+    courses: Mapping[int, Course],
+    alone: Mapping[int, Course],
+    budget: Budget,
+    rounds: int = 2,
+) -> dict[int, Course]:
+    """The same with robots planned anew among all others, one at a time, while that is cheaper.
+
+    Those that lose most by the others come first; robots that lose less than a hundredth stay.
+    """
+    best = dict(courses)
+    for _ in range(rounds):
+        changed = False
+        losses = {robot: best[robot].cost - alone[robot].cost for robot in best}
+        for robot in sorted(losses, key=lambda k: (-losses[k], k)):
+            if losses[robot] < 0.01 * alone[robot].cost or budget.spent:
+                break
+            spans = spans_of((k, course) for k, course in best.items() if k != robot)
+            course = planner.plan(robot, spans, budget)
+            if course is not None and course.cost < best[robot].cost - 1e-6:
+                best[robot] = course
+                changed = True
+        if not changed:
+            break
+    return best
+
+
+__all__ = ["Span", "improved", "in_order", "mended_orders"]
