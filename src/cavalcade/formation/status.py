@@ -31,6 +31,7 @@ class PlannerStatus:
         goal_moved: Distance in m by which the present goal was moved to fit; 0.0 normally.
         involved: Robots named by `stuck` or `infeasible`.
         message: One line for people; empty normally.
+        targets: `(N, 3)` poses, where robots have goals of their own; there is no formation then.
     """
 
     state: str
@@ -47,3 +48,4 @@ class PlannerStatus:
     goal_moved: float
     involved: tuple[int, ...]
     message: str
+    targets: Array | None = None

@@ -21,10 +21,12 @@ class ArrivalTolerance:
 
 
 def slot_poses(status: PlannerStatus, goal: Array | None = None) -> Array | None:
-    """Poses `(N, 3)` of each robot's slot at the goal, None without a goal.
+    """Poses `(N, 3)` of each robot's slot at the goal or of its own goal, None without a goal.
 
     Robots without a slot get rows of infinity.
     """
+    if status.targets is not None:
+        return status.targets
     goal = status.goal if goal is None else goal
     if goal is None:
         return None
@@ -34,6 +36,11 @@ def slot_poses(status: PlannerStatus, goal: Array | None = None) -> Array | None
     result[has_slot, :2] = places[status.roles[has_slot]]
     result[has_slot, 2] = goal[2]
     return result
+
+
+def has_goal(status: PlannerStatus) -> bool:
+    """Whether the team, or each of its robots, has a goal."""
+    return status.goal is not None or status.targets is not None
 
 
 class ArrivalMonitor:
@@ -65,7 +72,7 @@ class ArrivalMonitor:
             status: The planner's.
             last_waypoint: Index of the last goal.
         """
-        if status.goal is not None:
+        if has_goal(status):
             self._status = status
         latest = self._status
         if latest is None or latest.waypoint < last_waypoint:

@@ -93,8 +93,6 @@ def run(
         loaded = resolve_scenario(loaded)
         world = build_world(loaded)
         reporter.say(_preparing(loaded))
-        made_planner = (planner or _default_planner)(loaded, world)
-        made_fleet = (fleet or _default_fleet)(loaded)
 
         def tell(now: Progress) -> None:
             reporter(now)
@@ -102,6 +100,23 @@ def run(
                 progress(now)
 
         sink = tell if progress is not None or not quiet else None
+        if loaded.task.individual and planner is None:
+            from cavalcade.running.plans.carrying import carry_out
+
+            return carry_out(
+                loaded,
+                world,
+                folder,
+                reporter,
+                sink,
+                realtime=realtime,
+                figures=figures,
+                replay=replay,
+                quiet=quiet,
+                fleet=fleet,
+            )
+        made_planner = (planner or _default_planner)(loaded, world)
+        made_fleet = (fleet or _default_fleet)(loaded)
         done = simulate(loaded, world, made_planner, made_fleet, realtime=realtime, progress=sink)
         summary = summarise(loaded, world, done.recording, done.outcome)
         files: tuple[Path, ...] = ()

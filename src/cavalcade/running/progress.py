@@ -153,18 +153,23 @@ def result_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
         ("closest to an obstacle", _with(summary["min_obstacle_distance_m"], "m (centre)")),
         ("closest to each other", _with(summary["min_robot_distance_m"], "m (centres)")),
         ("smallest footprint gap", _with(summary["min_footprint_gap_m"], "m")),
-        (
-            "formation error",
-            f"{_with(error['mean'], 'm')} mean, {_with(error['max'], 'm')} largest",
-        ),
-        ("leader changes", str(summary["leader_changes"])),
-        ("role changes", str(summary["role_changes"])),
-        (
-            "planning per cycle",
-            f"{_with(cycle['p50'], 'ms')} median, {_with(cycle['p99'], 'ms')} 99th percentile",
-        ),
-        ("wall time", _with(summary["wall_time_s"], "s", 1)),
     ]
+    if summary["leader_changes"] is None:  # robots with goals of their own, planned ahead
+        rows.append(("planning time", _with(summary["planning_time_s"], "s", 3)))
+    else:
+        rows += [
+            (
+                "formation error",
+                f"{_with(error['mean'], 'm')} mean, {_with(error['max'], 'm')} largest",
+            ),
+            ("leader changes", str(summary["leader_changes"])),
+            ("role changes", str(summary["role_changes"])),
+            (
+                "planning per cycle",
+                f"{_with(cycle['p50'], 'ms')} median, {_with(cycle['p99'], 'ms')} 99th percentile",
+            ),
+        ]
+    rows.append(("wall time", _with(summary["wall_time_s"], "s", 1)))
     return [row for row in rows if row[1]]
 
 

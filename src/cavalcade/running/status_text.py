@@ -12,7 +12,7 @@ from cavalcade.formation.status import PlannerStatus
 DIGITS = 6
 """Decimals that are kept."""
 
-_RARE = ("slots", "connections", "goal", "involved", "message", "goal_moved", "waypoint")
+_RARE = ("slots", "connections", "goal", "involved", "message", "goal_moved", "waypoint", "targets")
 
 
 class StatusEncoder:
@@ -23,7 +23,7 @@ class StatusEncoder:
 
     def encode(self, status: PlannerStatus) -> str:
         """The text of the next status, without its paths."""
-        rare = {
+        rare: dict[str, Any] = {
             "slots": _plain(status.slots),
             "connections": np.asarray(status.connections).reshape(-1, 2).tolist(),
             "goal": None if status.goal is None else _plain(status.goal),
@@ -31,6 +31,7 @@ class StatusEncoder:
             "message": status.message,
             "goal_moved": round(float(status.goal_moved), DIGITS),
             "waypoint": int(status.waypoint),
+            "targets": None if status.targets is None else _plain(status.targets),
         }
         said: dict[str, Any] = {
             "state": status.state,
@@ -62,7 +63,7 @@ class StatusDecoder:
         said = json.loads(text)
         self._last |= {key: said[key] for key in _RARE if key in said}
         rare = self._last
-        goal = rare["goal"]
+        goal, targets = rare["goal"], rare.get("targets")
         return PlannerStatus(
             state=said["state"],
             leader=int(said["leader"]),
@@ -78,6 +79,7 @@ class StatusDecoder:
             goal_moved=float(rare["goal_moved"]),
             involved=tuple(int(robot) for robot in rare["involved"]),
             message=str(rare["message"]),
+            targets=None if targets is None else np.array(targets, dtype=float),
         )
 
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from cavalcade.geometry import Array, wrap_angle
-from cavalcade.running.arrival import ArrivalTolerance, slot_poses
+from cavalcade.running.arrival import ArrivalTolerance, has_goal, slot_poses
 from cavalcade.running.clearance import clearance
 from cavalcade.running.formation_error import formation_errors
 from cavalcade.running.frames import Recording
@@ -132,7 +132,7 @@ def versions() -> dict[str, str]:
 def _ends(recording: Recording) -> Array | None:
     """Poses `(N, 3)` of the slots that were driven to last; infinite for a robot without one."""
     for status in reversed(recording.status):
-        if status.goal is not None:
+        if has_goal(status):
             return slot_poses(status)
     return None
 
@@ -171,7 +171,7 @@ def _goal_errors(recording: Recording, ends: Array | None) -> list[float | None]
 
 
 def _goal_moved(recording: Recording) -> float | None:
-    moved = [status.goal_moved for status in recording.status if status.goal is not None]
+    moved = [status.goal_moved for status in recording.status if has_goal(status)]
     return rounded(max(moved)) if moved else None
 
 
@@ -217,7 +217,7 @@ def _lower_bounds(scenario: Scenario, world: World, recording: Recording) -> lis
 
 def _leg_ends(recording: Recording) -> list[Array]:
     """Slot poses `(N, 3)` at every goal that was reached before the next, and at the last."""
-    driven = [status for status in recording.status if status.goal is not None]
+    driven = [status for status in recording.status if has_goal(status)]
     ends = []
     for before, after in pairwise(driven):
         if after.waypoint == before.waypoint + 1:

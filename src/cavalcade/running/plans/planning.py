@@ -17,7 +17,7 @@ from cavalcade.running.output import FIGURES, PLAN, REPLAY, OutputFolder
 from cavalcade.running.plans.feet import plan_feet
 from cavalcade.running.plans.planfile import write_plan
 from cavalcade.running.plans.progress import PlanReporter
-from cavalcade.running.plans.settings import require_own_goals, settings_of, with_method
+from cavalcade.running.plans.asking import require_own_goals, with_method
 from cavalcade.running.plans.summary import summarise_plan
 from cavalcade.scenario import Scenario, World, build_world, resolve_scenario
 
@@ -144,11 +144,11 @@ def make_plan(
 
 def coordinate(scenario: Scenario, world: World) -> TeamPlan:
     """The plan of the scenario's own method."""
-    from cavalcade.coordination import plan_team, problem_of
+    from cavalcade.coordination import plan_team, problem_of, settings_of
 
     return plan_team(
         problem_of(scenario, world),
         scenario.planner.method,
-        settings_of(scenario.planner),
+        settings_of(scenario),
         scenario.seed,
     )

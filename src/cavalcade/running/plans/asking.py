@@ -1,13 +1,9 @@
-"""From a scenario's words to the settings of a coordinator."""
+"""What a plan is asked of: the method, and a scenario that has goals of single robots."""
 
 from __future__ import annotations
 
-from dataclasses import fields
-from typing import Any
-
-from cavalcade.coordination.problem import PlanSettings
 from cavalcade.errors import InputError
-from cavalcade.scenario import PlannerSection, Scenario
+from cavalcade.scenario import Scenario
 
 METHODS = ("sequential", "joint", "cbs", "auto")
 
@@ -39,21 +35,3 @@ def with_method(scenario: Scenario, method: str | None) -> Scenario:
         raise InputError(f"unknown method {method!r}", key="method", choices=METHODS)
     planner = scenario.planner.model_copy(update={"method": method})
     return scenario.model_copy(update={"planner": planner})
-
-
-def settings_of(section: PlannerSection) -> PlanSettings:
-    """The settings that the section names over the defaults.
-
-    The variant `published` has the paper's plain choices where the section names no others.
-    """
-    plain = {"constraints": "static", "conflict": "first"}
-    said: dict[str, Any] = dict(plain) if section.variant == "published" else {}
-    said |= {
-        field.name: getattr(section, field.name)
-        for field in fields(PlanSettings)
-        if getattr(section, field.name, None) is not None
-    }
-    budget = section.budget
-    if budget.iterations is not None:
-        said["iterations"] = budget.iterations
-    return PlanSettings(**said, seconds=budget.seconds)

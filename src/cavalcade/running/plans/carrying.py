@@ -1,0 +1,152 @@
+"""Runs of robots with goals of their own: plan, then carry the plan out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cavalcade.body.trajectory import Trajectory
+from cavalcade.fleet import Fleet
+from cavalcade.running.frames import Recording
+from cavalcade.running.loop import RunResult
+from cavalcade.running.output import FIGURES, PLAN, RECORDING, REPLAY, OutputFolder
+from cavalcade.running.plans.follower import PlanFollower
+from cavalcade.running.plans.planfile import write_plan
+from cavalcade.running.plans.planning import PlanResult, make_plan
+from cavalcade.running.plans.progress import PlanReporter
+from cavalcade.running.plans.robots import tracking_fleet
+from cavalcade.running.progress import ProgressSink, Reporter
+from cavalcade.running.simulation import Simulated, simulate
+from cavalcade.running.summary import summarise
+from cavalcade.scenario import Scenario, World
+from cavalcade.scenario.settings import Budget
+
+
+def carry_out(
+    scenario: Scenario,
+    world: World,
+    folder: OutputFolder | None,
+    reporter: Reporter,
+    sink: ProgressSink | None,
+    *,
+    realtime: bool = False,
+    figures: bool = True,
+    replay: bool = True,
+    quiet: bool = True,
+    fleet: Callable[[Scenario], Fleet] | None = None,
+) -> RunResult:
+    """Plan for a resolved scenario and let its robots follow the plan.
+
+    Without a plan nobody moves, and the run ends at once with the planner's reason. Arguments as
+    of `cavalcade.running.run`.
+    """
+    made = make_plan(scenario, world, reporter=PlanReporter(scenario, quiet))
+    done = _simulated(scenario, world, made, sink, realtime, fleet)
+    summary = _summary(scenario, world, made, done)
+    files: tuple[Path, ...] = ()
+    if folder is not None:
+        from cavalcade.running.recording import write_recording
+
+        stage = folder.stage
+        write_recording(stage / RECORDING, done.recording, scenario.models, done.maps)
+        write_plan(stage / PLAN, made.trajectories, made.footholds)
+        if figures:
+            reporter.say("Drawing the figures ...")
+            _draw(scenario, world, made, done.recording, stage / FIGURES)
+        if replay:
+            from cavalcade.running.plans.replay import write_plan_replay
+
+            shown = made
+            if made.solved:
+                shown = replace(made, plan=_as_driven(made, done.recording))
+            write_plan_replay(scenario, world, replace(shown, summary=summary), stage / REPLAY)
+        files = folder.commit(scenario, summary)
+    reporter.finish(summary, files)
+    return RunResult(summary, done.recording, None if folder is None else folder.path, files)
+
+
+def _simulated(
+    scenario: Scenario,
+    world: World,
+    made: PlanResult,
+    sink: ProgressSink | None,
+    realtime: bool,
+    fleet: Callable[[Scenario], Fleet] | None,
+) -> Simulated:
+    refusal = None if made.solved else made.summary["detail"] or made.reason
+    follower = PlanFollower(
+        made.trajectories,
+        scenario.models,
+        scenario.starts,
+        scenario.goals,
+        scenario.execution.rate,
+        refusal,
+    )
+    robots = tracking_fleet(scenario, made.trajectories) if fleet is None else fleet(scenario)
+    # The budget was the search's.
+    free = scenario.planner.model_copy(update={"budget": Budget()})
+    unbounded = scenario.model_copy(update={"planner": free})
+    done = simulate(unbounded, world, follower, robots, realtime=realtime, progress=sink)
+    if made.solved:
+        return done
+    outcome = replace(
+        done.outcome,
+        reason=made.reason,
+        detail=made.summary["detail"] or "",
+        involved=made.plan.involved,
+    )
+    return replace(done, outcome=outcome)
+
+
+def _summary(
+    scenario: Scenario, world: World, made: PlanResult, done: Simulated
+) -> dict[str, Any]:
+    """Of the run; planning is that of the plan, and what formations alone have is null."""
+    summary = summarise(scenario, world, done.recording, done.outcome)
+    planned = made.summary
+    return summary | {
+        "wall_time_s": round(summary["wall_time_s"] + planned["wall_time_s"], 6),
+        "leader_changes": None,
+        "role_changes": None,
+        "planning_time_s": planned["planning_time_s"],
+        "lower_bound_m": planned["lower_bound_m"],
+        "goal_moved_m": planned["goal_moved_m"],
+    }
+
+
+def _draw(
+    scenario: Scenario, world: World, made: PlanResult, recording: Recording, folder: Path
+) -> None:
+    """The plan's figures, and of the run those that are not about formations."""
+    from cavalcade.running.figures.over_time import draw_obstacle_distance, draw_pair_distance
+    from cavalcade.running.figures.scene import scene_of
+    from cavalcade.running.plans.figures import make_plan_figures
+
+    make_plan_figures(scenario, world, made, folder)
+    if made.solved:
+        scene = scene_of(scenario, world, recording)
+        draw_obstacle_distance(scene, world, folder / "obstacle_distance.png")
+        draw_pair_distance(scene, folder / "pair_distance.png")
+
+
+def _as_driven(made: PlanResult, recording: Recording) -> Any:
+    """The team's plan with the poses that were driven, at the planned heights and phases."""
+    driven = []
+    for robot, path in enumerate(made.trajectories):
+        if path is None:
+            driven.append(None)
+            continue
+        time = recording.time
+        poses = recording.poses[:, robot]
+        height = np.interp(time, path.time, path.position[:, 2])
+        position = np.column_stack([poses[:, :2], height])
+        before = np.clip(np.searchsorted(path.time, time + 1e-9) - 1, 0, len(path.time) - 1)
+        velocity = np.gradient(position, time, axis=0) if len(time) > 1 else np.zeros((1, 3))
+        driven.append(
+            Trajectory(time, position, velocity, np.unwrap(poses[:, 2]), path.phase[before])
+        )
+    return replace(made.plan, trajectories=tuple(driven))
