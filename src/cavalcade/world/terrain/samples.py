@@ -88,7 +88,7 @@ def to_grid(samples: Samples, cell: float, holes: bool = True) -> Array:
         resample(weight, step, share, cell, low, low)
         out[share >= 0.5] = np.nan
         if np.isnan(out).all():
-            raise MapError("expected at least one height; all are nan", key="height")
+            raise MapError("expected at least one height; all are nan", key="heights")
     return out
 
 

@@ -124,7 +124,7 @@ def _numbers(path: Path) -> Array:
     if mark is not None:
         # An end of line after the last separator closes the field, it opens no new one.
         empty = re.compile(rf"(?:^|(?<={mark}))[ \t]*(?={mark})")
-        lines = [empty.sub("nan", line.rstrip().removesuffix(mark)) for line in lines]
+        lines = [empty.sub("nan", line.rstrip().removesuffix(mark)) or "nan" for line in lines]
     try:
         numbers = np.loadtxt(lines, delimiter=mark, ndmin=2, comments=None)
     except ValueError as error:

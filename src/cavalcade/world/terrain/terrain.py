@@ -181,7 +181,7 @@ def checked_cell(value: object, key: str = "resolution") -> float:
     return float(value)  # type: ignore[arg-type]
 
 
-def check_terrain_size(rows: int, cols: int, key: str = "height") -> None:
+def check_terrain_size(rows: int, cols: int, key: str = "heights") -> None:
     """Refuse grids too small for slopes or too large for memory."""
     if rows < 2 or cols < 2:
         raise MapError(f"{rows} x {cols} cells are no terrain; expected at least 2 x 2", key=key)
@@ -192,7 +192,7 @@ def check_terrain_size(rows: int, cols: int, key: str = "height") -> None:
         )
 
 
-def checked_heights(heights: ArrayLike, key: str = "height") -> Array:
+def checked_heights(heights: ArrayLike, key: str = "heights") -> Array:
     """An own array `(rows, cols)` of heights, some finite, the others nan."""
     try:
         raw = np.array(heights, dtype=np.float64)
