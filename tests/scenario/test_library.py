@@ -61,7 +61,7 @@ def test_each_one_says_what_it_is_and_can_be_built(name: str) -> None:
     assert scenario.name == name
     assert scenario_descriptions()[name] == scenario.description != ""
     world = build_world(scenario)
-    for goal in scenario.task.goals:
+    for goal in (*scenario.task.goals, *scenario.goals):
         assert world.map.contains([goal[:2]]).all()
 
 
@@ -159,3 +159,84 @@ def test_every_room_of_the_office_can_be_reached() -> None:
     free, count = label(~build_world(load_scenario("office")).map.occupied)
     assert count == 1
     assert free.any()
+
+
+SWAPS = {"head-on": 2, "corner-swap": 4, "hexagon-swap": 6, "octagon-swap": 8, "alcove": 2}
+TERRAIN = ("gap", "step", "rough")
+
+
+@pytest.mark.parametrize("name", [*SWAPS, *TERRAIN])
+def test_robots_with_goals_of_their_own_face_them(name: str) -> None:
+    scenario = load_scenario(name)
+    assert scenario.task.individual
+    assert scenario.planner.method == "auto"
+    for start, goal in zip(scenario.starts, scenario.goals, strict=True):
+        heading = math.atan2(goal[1] - start[1], goal[0] - start[0])
+        assert start[2] == goal[2] == pytest.approx(heading, abs=1e-12)
+
+
+@pytest.mark.parametrize("name", SWAPS)
+def test_swaps_exchange_places(name: str) -> None:
+    scenario = load_scenario(name)
+    assert len(scenario.robots) == SWAPS[name]
+    places = {start[:2] for start in scenario.starts}
+    assert {goal[:2] for goal in scenario.goals} == places
+    back = {
+        start[:2]: goal[:2] for start, goal in zip(scenario.starts, scenario.goals, strict=True)
+    }
+    assert all(back[back[place]] == place != back[place] for place in places)
+
+
+@pytest.mark.parametrize(("name", "length"), [("hexagon-swap", 14.0), ("octagon-swap", 16.0)])
+def test_swaps_across_a_circle(name: str, length: float) -> None:
+    scenario = load_scenario(name)
+    assert {robot.model for robot in scenario.robots} == {"spirit"}
+    for start, goal in zip(scenario.starts, scenario.goals, strict=True):
+        assert math.dist(start[:2], goal[:2]) == pytest.approx(length, abs=1e-3)
+
+
+def test_the_corner_swap_is_a_rectangle_of_5_by_2() -> None:
+    scenario = load_scenario("corner-swap")
+    x, y = (sorted({start[axis] for start in scenario.starts}) for axis in (0, 1))
+    assert (x[1] - x[0], y[1] - y[0]) == (5.0, 2.0)
+
+
+def test_the_alcove_is_the_only_place_to_pass() -> None:
+    scenario = load_scenario("alcove")
+    world = build_world(scenario)
+    model = scenario.models[0]
+    free = ~world.map.occupied
+    widths = free.sum(axis=0) * world.map.resolution
+    corridor = widths[widths < 1.0]
+    assert 0 < len(corridor) < len(widths)
+    assert corridor == pytest.approx(0.65)
+    # One robot has room in the corridor, two side by side have not, nor can one turn about.
+    assert model.width + 0.2 < 0.65 < 2.0 * model.width
+    diagonal = math.hypot(model.length, model.width)
+    assert diagonal > 0.65
+    # In the alcove one turns about and leaves the corridor free for the other.
+    alcove = free[13:]
+    assert alcove.any(axis=0).sum() * world.map.resolution > diagonal
+    assert alcove.any(axis=1).sum() * world.map.resolution > diagonal + 0.05
+    assert all(0.0 < start[1] < 0.65 for start in scenario.starts)
+
+
+@pytest.mark.parametrize("name", TERRAIN)
+def test_terrain_has_to_be_crossed(name: str) -> None:
+    scenario = load_scenario(name)
+    terrain = build_world(scenario).terrain
+    assert terrain is not None
+    assert 1 <= len(scenario.robots) <= 3
+    if name == "rough":
+        assert np.ptp(terrain.height) == pytest.approx(0.25, abs=0.03)
+        return
+    middle = 4.5
+    for start, goal in zip(scenario.starts, scenario.goals, strict=True):
+        assert start[0] + 1.0 < middle < goal[0] - 1.0
+    steps = np.diff(terrain.height, axis=1)
+    if name == "gap":
+        pit = terrain.height < -0.9
+        assert pit.sum(axis=1) * terrain.resolution == pytest.approx(0.4)
+    else:
+        assert (steps.max(axis=1) == 0.25).all()
+        assert ((steps > 0.0).sum(axis=1) == 1).all()

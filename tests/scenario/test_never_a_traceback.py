@@ -37,6 +37,8 @@ _WORDS = st.sampled_from(
         *("obstacles", "box", "circle", "polygon", "center", "radius", "points", "yaw", "start"),
         *("formation", "shape", "goals", "slots", "connections", "a", "b", "add", "move", "to"),
         *("remove", "lose", "rejoin", "speed", "square", "line", "custom", "go1", "individual"),
+        *("goal", "gap", "rough", "step", "width", "height", "method", "cbs", "auto", "leaps"),
+        *("unicycle", "spirit", "budget", "iterations", "origin", "constraints", "static"),
     ]
 )
 _VALUES = st.recursive(
