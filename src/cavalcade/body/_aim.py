@@ -27,7 +27,7 @@ from cavalcade.body._leap import close_leap, leap_problem
 from cavalcade.body._random import between, uniform
 from cavalcade.body._surface import bilinear, surface
 from cavalcade.body._validity import carried
-from cavalcade.body.trajectory import LANDING, TAKE_OFF
+from cavalcade.body.trajectory import LANDING, TAKE_OFF, WALK
 
 SHORTEST, LONGEST = 0.12, 0.25
 """Durations of a stance before or after a flight, s."""
@@ -55,8 +55,8 @@ def find_barrier(ground, body, x, y, cos, sin, at, backwards):
             `backwards`), where that fails.
 
     Returns:
-        The last place to push off from and the first one to land on, m from the origin; nan, nan
-        where there is none within a flight.
+        The last place up to which the body walks, the last one to push off from and the first
+        one to land on, m from the origin; nan where there is none within a flight.
     """
     take_off, landing = math.nan, math.nan
     s = at
@@ -85,7 +85,13 @@ def find_barrier(ground, body, x, y, cos, sin, at, backwards):
                     landing = s
                     break
                 s += _STEP
-    return take_off, landing
+    s = min(take_off, at)
+    stop = s - _FARTHEST
+    while s > stop:
+        if _stands(ground, body, x, y, cos, sin, s, WALK):
+            return s, take_off, landing
+        s -= 0.5 * _STEP
+    return math.nan, take_off, landing
 
 
 @njit(cache=True)
@@ -224,12 +230,14 @@ def shape_leap(ground, body, x, y, cos, sin, take_off, landing, draw, leap):
 
 
 @njit(cache=True)
-def aimed_leap(ground, body, discs, line, take_off, landing, attempt, rng, draw, leap, scratch):
+def aimed_leap(
+    ground, body, discs, line, walk, take_off, landing, attempt, rng, draw, leap, scratch
+):
     """Draw a leap over a barrier; whether it is valid.
 
     Args:
         line: `(4,)` x, y, cosine, sine.
-        take_off, landing: As `find_barrier` gives them.
+        walk, take_off, landing: As `find_barrier` gives them.
         attempt: How many draws there have been for this barrier. The first ones are low and fast,
             which makes the way short.
         rng: State of the random numbers.
@@ -252,6 +260,12 @@ def aimed_leap(ground, body, discs, line, take_off, landing, attempt, rng, draw,
     short = _LEAST_FLIGHT - (end - start)
     if short > 0.0:
         start, end = start - 0.5 * short, end + 0.5 * short
-    if not shape_leap(ground, body, line[0], line[1], line[2], line[3], start, end, draw, leap):
-        return False
+    for _ in range(3):
+        if not shape_leap(ground, body, line[0], line[1], line[2], line[3], start, end, draw, leap):
+            return False
+        # The stance before it begins where the body still walks.
+        begin = (leap[START] - line[0]) * line[2] + (leap[START + 1] - line[1]) * line[3]
+        if begin <= walk:
+            break
+        start -= begin - walk + 0.002
     return leap_problem(ground, body, discs, leap, scratch) == OK

@@ -148,15 +148,15 @@ def _leap_over(
     until = max(until, 0.0)
     walk_state(ground, body, edge, until if tree == 0 else span - until, scratch[:6])
     at = cos * (scratch[0] - own[0]) + sin * (scratch[1] - own[1])
-    take_off, landing = find_barrier(ground, body, own[0], own[1], cos, sin, at, tree == 1)
-    if math.isnan(take_off) or math.isnan(landing):
+    walk, take_off, landing = find_barrier(ground, body, own[0], own[1], cos, sin, at, tree == 1)
+    if math.isnan(walk) or math.isnan(landing):
         return -1
     line[0], line[1], line[2], line[3] = own[0], own[1], cos, sin
     far = START if tree == 1 else END
     near = END if tree == 1 else START
     for attempt in range(_DRAWS):
         if not aimed_leap(
-            ground, body, discs, line, take_off, landing, attempt, rng, draw, leap, scratch
+            ground, body, discs, line, walk, take_off, landing, attempt, rng, draw, leap, scratch
         ):
             continue
         before = forest.count[tree]

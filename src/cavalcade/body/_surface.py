@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 from numba import njit
 
 
@@ -53,4 +54,13 @@ def surface(ground, x, y):
     height = b0 * p0 + b1 * p1 + b2 * p2
     along_x = (b0 * q0 + b1 * q1 + b2 * q2) / cell
     along_y = ((fv - 0.5) * p0 - 2.0 * fv * p1 + (fv + 0.5) * p2) / cell
+    return height, along_x, along_y
+
+
+@njit(cache=True)
+def surface_along(ground, points):
+    """`surface` at points `(N, 2)`: heights and derivatives, each `(N,)`."""
+    height, along_x, along_y = np.empty(len(points)), np.empty(len(points)), np.empty(len(points))
+    for k in range(len(points)):
+        height[k], along_x[k], along_y[k] = surface(ground, points[k, 0], points[k, 1])
     return height, along_x, along_y

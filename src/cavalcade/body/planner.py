@@ -111,6 +111,17 @@ def _pose(value: Sequence[float], key: str) -> Pose:
     return x, y, yaw
 
 
+def _read_only(ground: Ground) -> Ground:
+    """The same ground; its arrays are of one type for all grounds, so kernels compile once."""
+    arrays = {}
+    for name, value in zip(ground._fields, ground, strict=True):
+        if isinstance(value, np.ndarray):
+            value = value.view()
+            value.setflags(write=False)
+        arrays[name] = value
+    return Ground(**arrays)
+
+
 class _Problem:
     """One call of `plan_body`."""
 
@@ -123,7 +134,7 @@ class _Problem:
         settings: BodySettings,
         seed: int,
     ) -> None:
-        self.ground, self.settings = ground, settings
+        self.ground, self.settings = _read_only(ground), settings
         self.start, self.goal = start, goal
         self.discs = np.ascontiguousarray(settings.discs)
         self.body = make_body(model, settings.variant == "published", settings.margin)
@@ -242,7 +253,7 @@ class _Problem:
                 break
             for _ in range(min(_SHORTCUTS, end - self.iterations)):
                 self.iterations += 1
-                edges, better = shortcut(
+                edges, _ = shortcut(
                     self.ground, self.body, self.discs, self.rng, edges, self.yaw
                 )
             if self._length(edges) < best - 1e-6:
