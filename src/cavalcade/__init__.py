@@ -49,7 +49,9 @@ if TYPE_CHECKING:
         Polygon,
         Terrain,
         generate,
+        generate_terrain,
         load_map,
+        load_terrain,
         save_map,
     )
 
@@ -75,7 +77,6 @@ _HOME = {
     "RunResult": "running",
     "Scenario": "scenario",
     "ScenarioError": "errors",
-    "Terrain": "world",
     "TeamPlan": "coordination.result",
     "Terrain": "world",
     "Trajectory": "body.trajectory",
