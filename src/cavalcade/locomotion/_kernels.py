@@ -81,6 +81,19 @@ def place_feet(wanted, cell, solid, height, traversability, flat, least, reach):
 
 
 @njit(cache=True)
+def stance_stretch(hips, needed, first, last, leg, x, y, z):
+    """Longest distance of a hip from a foot over the samples `first` to `last` - 1."""
+    longest = 0.0
+    for k in range(first, last):
+        if needed[k, leg]:
+            away = math.sqrt(
+                (hips[k, leg, 0] - x) ** 2 + (hips[k, leg, 1] - y) ** 2 + (hips[k, leg, 2] - z) ** 2
+            )
+            longest = max(longest, away)
+    return longest
+
+
+@njit(cache=True)
 def stretch(times, hips, needed, down, up, feet):
     """Longest distance of a hip from its standing foot.
 
@@ -96,16 +109,40 @@ def stretch(times, hips, needed, down, up, feet):
     """
     longest = np.zeros(len(down))
     for m in range(len(down)):
-        leg = int(feet[m, 0])
         first = np.searchsorted(times, down[m] - 1e-9)
         last = np.searchsorted(times, up[m] + 1e-9)
-        for k in range(first, last):
-            if not needed[k, leg]:
-                continue
-            away = math.sqrt(
-                (hips[k, leg, 0] - feet[m, 1]) ** 2
-                + (hips[k, leg, 1] - feet[m, 2]) ** 2
-                + (hips[k, leg, 2] - feet[m, 3]) ** 2
-            )
-            longest[m] = max(longest[m], away)
+        longest[m] = stance_stretch(
+            hips, needed, first, last, int(feet[m, 0]), feet[m, 1], feet[m, 2], feet[m, 3]
+        )
     return longest
+
+
+@njit(cache=True)
+def bring_in_reach(times, hips, needed, down, up, feet, length, cell, solid, height,
+                   traversability, flat, least, reach):  # fmt: skip
+    """Move feet that their leg cannot reach to where it can best, in place.
+
+    Tried are the centres of cells within `reach` of where the foot is. Arguments as of `stretch`
+    and `place_feet`, all in the ground's frame; `length` is that of a leg, m.
+    """
+    for m in range(len(down)):
+        first = np.searchsorted(times, down[m] - 1e-9)
+        last = np.searchsorted(times, up[m] + 1e-9)
+        leg, x, y = int(feet[m, 0]), feet[m, 1], feet[m, 2]
+        best = stance_stretch(hips, needed, first, last, leg, x, y, feet[m, 3])
+        if best <= length:
+            continue
+        row, col = int(math.floor(y / cell)), int(math.floor(x / cell))
+        span = int(math.ceil(reach / cell))
+        for r in range(row - span, row + span + 1):
+            for c in range(col - span, col + span + 1):
+                mx, my = (c + 0.5) * cell, (r + 0.5) * cell
+                if (mx - x) ** 2 + (my - y) ** 2 > reach * reach:
+                    continue
+                if not can_stand(r, c, solid, traversability, flat, least):
+                    continue
+                mz = 0.0 if flat else height[r, c]
+                longest = stance_stretch(hips, needed, first, last, leg, mx, my, mz)
+                if longest < best:
+                    best = longest
+                    feet[m, 1], feet[m, 2], feet[m, 3] = mx, my, mz

@@ -2,7 +2,8 @@
 
 The wanted place is the hip's mean position over the stance, moved by the capture point's
 sqrt(h / g) times how much faster the body is at touch-down than over the stance (Raibert's rule
-with a planned motion in the place of a commanded one), then the nearest traversable cell.
+with a planned motion in the place of a commanded one), then the nearest traversable cell; where a
+leg cannot reach that, the one which it reaches best.
 """
 
 from __future__ import annotations
@@ -10,11 +11,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cavalcade.body.ground import Ground
 from cavalcade.body.trajectory import FLIGHT, LANDING, TAKE_OFF, Trajectory
 from cavalcade.geometry import Array, inverse_transform_points, transform_points
-from cavalcade.locomotion._kernels import interpolate, place_feet, stretch
+from cavalcade.locomotion._kernels import bring_in_reach, interpolate, place_feet, stretch
 from cavalcade.locomotion.gait import stances
 from cavalcade.robots import RobotModel
 from cavalcade.robots.legs import LegModel
@@ -58,20 +60,21 @@ def plan_footholds(
     """
     if model.legs is None:
         return np.zeros((0, 6))
-    times = stances(trajectory, model.legs)
-    wanted = _wanted(trajectory, model.legs, times)
-    places = place_feet(
-        np.ascontiguousarray(inverse_transform_points(origin, wanted)),
-        ground.cell,
-        ground.solid,
-        ground.height,
-        ground.traversability,
-        ground.flat,
-        LEAST_TRAVERSABILITY,
-        FARTHEST,
-    )
-    places[:, :2] = transform_points(origin, places[:, :2])
-    return np.column_stack([times, places])
+    legs = model.legs
+    times = stances(trajectory, legs)
+    wanted = inverse_transform_points(origin, _wanted(trajectory, legs, times))
+    carrying = (ground.traversability, ground.flat, LEAST_TRAVERSABILITY, FARTHEST)
+    surface = (ground.cell, ground.solid, ground.height, *carrying)
+    places = place_feet(np.ascontiguousarray(wanted), *surface)
+    feet = np.column_stack([times[:, 2], places])
+    hips = _hips(trajectory, legs, ground, origin)
+    hips[..., :2] = inverse_transform_points(origin, hips[..., :2].reshape(-1, 2)).reshape(-1, 4, 2)
+    needed = _needed(trajectory)
+    time = np.ascontiguousarray(trajectory.time)
+    down, up = np.ascontiguousarray(times[:, 0]), np.ascontiguousarray(times[:, 1])
+    bring_in_reach(time, hips, needed, down, up, feet, longest_leg(legs), *surface)
+    feet[:, 1:3] = transform_points(origin, feet[:, 1:3])
+    return np.column_stack([times[:, :2], feet])
 
 
 def leg_lengths(
@@ -93,14 +96,11 @@ def leg_lengths(
     if model.legs is None or not len(footholds):
         return np.zeros(0)
     hips = _hips(trajectory, model.legs, ground, origin)
-    needed = np.repeat((trajectory.phase != FLIGHT)[:, None], 4, axis=1)
-    needed[trajectory.phase == TAKE_OFF, :2] = False
-    needed[trajectory.phase == LANDING, 2:] = False
     return np.asarray(
         stretch(
             np.ascontiguousarray(trajectory.time),
             hips,
-            needed,
+            _needed(trajectory),
             np.ascontiguousarray(footholds[:, 0]),
             np.ascontiguousarray(footholds[:, 1]),
             np.ascontiguousarray(footholds[:, 2:]),
@@ -111,6 +111,14 @@ def leg_lengths(
 def longest_leg(legs: LegModel) -> float:
     """Of a leg that is stretched, m."""
     return _STRETCHED * legs.h_max
+
+
+def _needed(trajectory: Trajectory) -> NDArray[np.bool_]:
+    """`(T, 4)` whether each leg has to reach its foothold at each sample."""
+    needed = np.repeat((trajectory.phase != FLIGHT)[:, None], 4, axis=1)
+    needed[trajectory.phase == TAKE_OFF, :2] = False
+    needed[trajectory.phase == LANDING, 2:] = False
+    return needed
 
 
 def _wanted(trajectory: Trajectory, legs: LegModel, times: Array) -> Array:

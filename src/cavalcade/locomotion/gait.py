@@ -37,9 +37,9 @@ class _Span:
 def stances(trajectory: Trajectory, legs: LegModel) -> Array:
     """All stances of the four feet, from the first moment to the trajectory's end.
 
-    Steps take the gait's period exactly, but for spans between a leap and the next rest or leap,
-    where it is stretched or shortened so that whole steps fit. A rest shorter than a period
-    between two walks is no rest: the feet go on stepping.
+    Steps take the gait's period exactly, but for spans after a leap, where it is stretched or
+    shortened so that whole steps fit, and for the shorter steps beside a leap. A rest
+    shorter than a period between two walks is no rest: the feet go on stepping.
 
     Args:
         trajectory: Of the body.
@@ -72,8 +72,9 @@ def _swings(spans: list[_Span], legs: LegModel) -> list[list[tuple[float, float]
             for leg in range(4):
                 swings[leg].append((span.start, span.end))
         elif span.kind == _STEP:
-            from_rest = index == 0 or spans[index - 1].kind == _REST
-            for lift, length in _steps(span, 0.5 * legs.gait_period, from_rest):
+            after = index > 0 and spans[index - 1].kind == _HOLD
+            until = index + 1 < len(spans) and spans[index + 1].kind == _HOLD
+            for lift, length in _steps(span, 0.5 * legs.gait_period, after, until):
                 air = min(length, 2.0 * length * (1.0 - legs.duty))
                 for leg in _PAIRS[pair]:
                     swings[leg].append((lift, lift + air))
@@ -81,22 +82,32 @@ def _swings(spans: list[_Span], legs: LegModel) -> list[list[tuple[float, float]
     return swings
 
 
-def _steps(span: _Span, half: float, from_rest: bool) -> Iterator[tuple[float, float]]:
+def _steps(span: _Span, half: float, after: bool, until: bool) -> Iterator[tuple[float, float]]:
     """(start, length) of the half periods in which one pair swings.
 
-    From rest, the feet stand as long as it takes for the last swing to end with the span.
+    From rest, the feet stand as long as it takes for the last swing to end with the span. Beside
+    a leap the other pair stands for the landing or the take-off besides: steps there are half as
+    long, so that it need not reach twice as far.
+
+    Args:
+        span: In which to step.
+        half: Half of the gait's period, s.
+        after, until: Whether a landing comes before, a take-off after it.
     """
     length = span.end - span.start
-    count = int((length + 1e-9) // half) if from_rest else round(length / half)
-    if count == 0:
-        # Too short for a step of each pair at the gait's pace.
-        count, first, half = 2, span.start, 0.5 * length
-    elif from_rest:
-        first = span.end - count * half
+    lost = 0.5 * (after + until)
+    if after:
+        count = max(round(length / half + lost), 2)
     else:
-        first, half = span.start, length / count
+        count = max(int((length + 1e-9) / half + lost), 2)
+    if after or (count - lost) * half > length:
+        half = length / (count - lost)
+    start = span.end - (count - lost) * half
     for k in range(count):
-        yield first + k * half, half
+        short = (after and k == 0) or (until and k == count - 1)
+        lasts = 0.5 * half if short else half
+        yield start, lasts
+        start += lasts
 
 
 def _spans(trajectory: Trajectory, period: float) -> list[_Span]:

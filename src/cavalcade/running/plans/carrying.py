@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from cavalcade.body.trajectory import Trajectory
+from cavalcade.coordination.result import TeamPlan
 from cavalcade.fleet import Fleet
 from cavalcade.running.frames import Recording
 from cavalcade.running.loop import RunResult
@@ -54,16 +55,18 @@ def carry_out(
         stage = folder.stage
         write_recording(stage / RECORDING, done.recording, scenario.models, done.maps)
         write_plan(stage / PLAN, made.trajectories, made.footholds)
+        shown = replace(made, summary=summary)
+        if made.solved:
+            shown = replace(shown, plan=_as_driven(made, done.recording))
         if figures:
+            from cavalcade.running.plans.figures import make_plan_figures
+
             reporter.say("Drawing the figures ...")
-            _draw(scenario, world, made, done.recording, stage / FIGURES)
+            make_plan_figures(scenario, world, shown, stage / FIGURES)
         if replay:
             from cavalcade.running.plans.replay import write_plan_replay
 
-            shown = made
-            if made.solved:
-                shown = replace(made, plan=_as_driven(made, done.recording))
-            write_plan_replay(scenario, world, replace(shown, summary=summary), stage / REPLAY)
+            write_plan_replay(scenario, world, shown, stage / REPLAY)
         files = folder.commit(scenario, summary)
     reporter.finish(summary, files)
     return RunResult(summary, done.recording, None if folder is None else folder.path, files)
@@ -102,9 +105,7 @@ def _simulated(
     return replace(done, outcome=outcome)
 
 
-def _summary(
-    scenario: Scenario, world: World, made: PlanResult, done: Simulated
-) -> dict[str, Any]:
+def _summary(scenario: Scenario, world: World, made: PlanResult, done: Simulated) -> dict[str, Any]:
     """Of the run; planning is that of the plan, and what formations alone have is null."""
     summary = summarise(scenario, world, done.recording, done.outcome)
     planned = made.summary
@@ -118,30 +119,19 @@ def _summary(
     }
 
 
-def _draw(
-    scenario: Scenario, world: World, made: PlanResult, recording: Recording, folder: Path
-) -> None:
-    """The plan's figures, and of the run those that are not about formations."""
-    from cavalcade.running.figures.over_time import draw_obstacle_distance, draw_pair_distance
-    from cavalcade.running.figures.scene import scene_of
-    from cavalcade.running.plans.figures import make_plan_figures
+def _as_driven(made: PlanResult, recording: Recording) -> TeamPlan:
+    """The plan with the poses that were driven, at the planned heights and phases.
 
-    make_plan_figures(scenario, world, made, folder)
-    if made.solved:
-        scene = scene_of(scenario, world, recording)
-        draw_obstacle_distance(scene, world, folder / "obstacle_distance.png")
-        draw_pair_distance(scene, folder / "pair_distance.png")
-
-
-def _as_driven(made: PlanResult, recording: Recording) -> Any:
-    """The team's plan with the poses that were driven, at the planned heights and phases."""
-    driven = []
+    A robot's ends with the cycle in which its plan ends, or with the run.
+    """
+    driven: list[Trajectory | None] = []
     for robot, path in enumerate(made.trajectories):
         if path is None:
             driven.append(None)
             continue
-        time = recording.time
-        poses = recording.poses[:, robot]
+        cycles = 1 + int(np.searchsorted(recording.time, path.duration - 1e-9))
+        time = recording.time[:cycles]
+        poses = recording.poses[:cycles, robot]
         height = np.interp(time, path.time, path.position[:, 2])
         position = np.column_stack([poses[:, :2], height])
         before = np.clip(np.searchsorted(path.time, time + 1e-9) - 1, 0, len(path.time) - 1)

@@ -72,7 +72,8 @@ def rectangles(mask: NDArray[np.bool_]) -> tuple[NDArray[np.int64], int]:
             return found, factor
         rows, cols = mask.shape
         padded = np.pad(mask, ((0, rows % 2), (0, cols % 2)))
-        mask = padded.reshape(padded.shape[0] // 2, 2, padded.shape[1] // 2, 2).any(axis=(1, 3))
+        fours = padded.reshape(padded.shape[0] // 2, 2, padded.shape[1] // 2, 2)
+        mask = np.asarray(fours.any(axis=(1, 3)))
         factor *= 2
 
 

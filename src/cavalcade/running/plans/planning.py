@@ -14,10 +14,10 @@ from cavalcade.coordination.result import TeamPlan
 from cavalcade.geometry import Array
 from cavalcade.running.loop import load_for_running
 from cavalcade.running.output import FIGURES, PLAN, REPLAY, OutputFolder
+from cavalcade.running.plans.asking import require_own_goals, with_method
 from cavalcade.running.plans.feet import plan_feet
 from cavalcade.running.plans.planfile import write_plan
 from cavalcade.running.plans.progress import PlanReporter
-from cavalcade.running.plans.asking import require_own_goals, with_method
 from cavalcade.running.plans.summary import summarise_plan
 from cavalcade.scenario import Scenario, World, build_world, resolve_scenario
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from cavalcade.running.plans.planning import PlanResult
     from cavalcade.scenario import Scenario, World
 
-WALKING, FLYING, WAITING = "#d7191c", "#1f5fe0", "#c9cdd2"
+WALKING, FLYING, WAITING, TURNING = "#d7191c", "#1f5fe0", "#c9cdd2", "#f0a3a0"
 """The colours of walking and of flight are those of the paper's Fig. 6."""
 
 STILL = 0.01
@@ -114,13 +114,15 @@ def body_ring(pose: Array, model: RobotModel, corners: int = 40) -> Array:
 
 
 def activities(path: Trajectory) -> NDArray[np.int8]:
-    """`(T - 1,)` of each interval: 0 stands, 1 walks (or drives), 2 in flight."""
+    """`(T - 1,)` of each interval: 0 stands, 1 walks or drives, 2 flies, 3 turns on the spot."""
     steps = np.diff(path.time)
     moved = np.linalg.norm(np.diff(path.position, axis=0), axis=1)
     turned = np.abs(np.diff(path.yaw))
     phase = path.phase[:-1]
-    still = (phase == WALK) & (moved < STILL * steps + 1e-6) & (turned < STILL * steps + 1e-6)
-    return np.where(phase == FLIGHT, 2, np.where(still, 0, 1)).astype(np.int8)
+    there = (phase == WALK) & (moved < STILL * steps + 1e-6)
+    still = there & (turned < STILL * steps + 1e-6)
+    kinds = np.where(still, 0, np.where(there, 3, 1))
+    return np.where(phase == FLIGHT, 2, kinds).astype(np.int8)
 
 
 def runs(values: NDArray) -> list[tuple[int, int, int]]:

@@ -13,6 +13,7 @@ from cavalcade.running.plans._kernels import nearest_gaps
 from cavalcade.running.plans.sampling import common_clock, team_poses
 from cavalcade.running.plans.scene import (
     FLYING,
+    TURNING,
     WAITING,
     WALKING,
     PlanScene,
@@ -24,8 +25,8 @@ from cavalcade.running.plans.scene import (
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_COLOURS = (WAITING, WALKING, FLYING)
-_LABELS = ("stands", "walks", "in flight")
+_COLOURS = (WAITING, WALKING, FLYING, TURNING)
+_LABELS = ("stands", "walks", "in flight", "turns on the spot")
 _LEFT, _RIGHT, _BOTTOM, _TOP, _BETWEEN = 0.46, 0.12, 0.34, 0.22, 0.14
 _FAR = 3.0
 """Gaps are shown up to this, m: what is farther apart is of no concern."""

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _LEFT, _RIGHT, _BOTTOM, _TOP = 0.38, 0.08, 0.32, 0.40
-_BAR = 0.55
+_BAR = 0.64
 _TALLEST = 6.4
 _NARROWEST = 3.2
 _LONG_WAIT = 0.5

@@ -88,5 +88,5 @@ function doing(robot, time) {
   const phase = poseAt(robot, time).phase;
   if (phase) return ["", "take-off", "flight", "landing"][phase];
   const span = robot.path.spans.find((s) => time < s[2]);
-  return span && span[0] === 0 ? "stands" : robot.legs ? "walks" : "drives";
+  return span && span[0] === 0 ? "stands" : span && span[0] === 3 ? "turns" : robot.legs ? "walks" : "drives";
 }

@@ -33,7 +33,7 @@ function fillTeam(time) {
   robots.forEach((robot, k) => {
     const { row, cells } = rows[k], does = doing(robot, time);
     cells[2].textContent = does;
-    cells[2].className = does === "flight" ? "f" : ["walks", "drives", "take-off", "landing"].includes(does) ? "w" : "r";
+    cells[2].className = does === "flight" ? "f" : ["walks", "drives", "turns", "take-off", "landing"].includes(does) ? "w" : "r";
     cells[3].textContent = poseAt(robot, time).speed.toFixed(2);
     row.classList.toggle("on", camera.follow === k);
   });
@@ -45,7 +45,7 @@ function drawBand() {
   band.width = width; band.height = height;
   const pen = band.getContext("2d"), lanes = Math.max(robots.length, 1), room = height - 6 * ratio;
   const tall = Math.min(room / lanes, 12 * ratio), top = (height - tall * lanes) / 2, scale = (width - 8 * ratio) / Math.max(plan.end, 1e-6);
-  const colours = [css("--rest"), css("--walk"), css("--fly")];
+  const colours = [css("--rest"), css("--walk"), css("--fly"), css("--turn")];
   robots.forEach((robot, k) => {
     const y = top + k * tall, thick = Math.max(tall - (tall > 3 * ratio ? ratio : 0), 1);
     for (const [kind, from, to] of robot.path ? robot.path.spans : []) {
