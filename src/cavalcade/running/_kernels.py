@@ -3,6 +3,9 @@
 All functions that look at many poses keep running minima in `best` `(2,)`: the smallest distance
 from a centre to a surface, and the smallest gap between a body and a surface. Exact distances are
 computed only where a bound says that they can lower a minimum or be a contact.
+
+A body is a rectangle that is grown by `grown` m all around: with no extent a disc, with none grown
+the rectangle itself.
 """
 
 from __future__ import annotations
@@ -80,6 +83,13 @@ def polygons_gap(one, other):
 
 
 @njit(cache=True)
+def body_gap(corners, polygon, grown):
+    """Distance between a body of these corners and a polygon, 0 where they meet."""
+    gap = polygons_gap(corners, polygon) - grown
+    return gap if gap > TOUCHING else 0.0
+
+
+@njit(cache=True)
 def body_corners(x, y, yaw, length, width, out):
     """Corners of a body, counter-clockwise, into `out` `(4, 2)`."""
     c, s = math.cos(yaw), math.sin(yaw)
@@ -100,12 +110,12 @@ def point_body(px, py, x, y, yaw, length, width):
 
 
 @njit(cache=True)
-def circles_clearance(poses, length, width, circles, best, contact):
+def circles_clearance(poses, length, width, grown, circles, best, contact):
     """Judge poses `(M, 3)` of one body against discs `(K, 3)` x, y, radius.
 
     `contact` `(M,)` becomes True where the body touches one.
     """
-    reach = 0.5 * math.hypot(length, width)
+    reach = 0.5 * math.hypot(length, width) + grown
     for m in range(poses.shape[0]):
         x, y, yaw = poses[m, 0], poses[m, 1], poses[m, 2]
         for k in range(circles.shape[0]):
@@ -113,19 +123,19 @@ def circles_clearance(poses, length, width, circles, best, contact):
             centre = max(math.hypot(x - cx, y - cy) - radius, 0.0)
             best[0] = min(best[0], centre)
             if centre - reach < best[1] or centre <= reach:
-                gap = point_body(cx, cy, x, y, yaw, length, width) - radius
+                gap = point_body(cx, cy, x, y, yaw, length, width) - radius - grown
                 best[1] = min(best[1], max(gap, 0.0))
                 contact[m] |= gap <= 0.0
 
 
 @njit(cache=True)
-def polygons_clearance(poses, length, width, vertices, starts, rings, best, contact):
+def polygons_clearance(poses, length, width, grown, vertices, starts, rings, best, contact):
     """Judge poses `(M, 3)` of one body against polygons.
 
     Polygon k has the vertices from `starts[k]` to `starts[k + 1]` of `vertices` `(V, 2)` and lies
     within the disc `rings[k]` = x, y, radius.
     """
-    reach = 0.5 * math.hypot(length, width)
+    reach = 0.5 * math.hypot(length, width) + grown
     corners = np.empty((4, 2))
     for m in range(poses.shape[0]):
         x, y, yaw = poses[m, 0], poses[m, 1], poses[m, 2]
@@ -138,13 +148,13 @@ def polygons_clearance(poses, length, width, vertices, starts, rings, best, cont
             best[0] = min(best[0], centre)
             if centre - reach < best[1] or centre <= reach:
                 body_corners(x, y, yaw, length, width, corners)
-                gap = polygons_gap(corners, polygon)
+                gap = body_gap(corners, polygon, grown)
                 best[1] = min(best[1], gap)
                 contact[m] |= gap <= 0.0
 
 
 @njit(cache=True)
-def cells_clearance(poses, order, length, width, occupied, bound, cell, best, contact):
+def cells_clearance(poses, order, length, width, grown, occupied, bound, cell, best, contact):
     """Judge poses `(M, 3)`, given in the grid's own frame, against its occupied cells as squares.
 
     Args:
@@ -153,7 +163,7 @@ def cells_clearance(poses, order, length, width, occupied, bound, cell, best, co
         bound: `(rows, cols)` m, at most the distance from anywhere in a cell to an occupied one.
         cell: m.
     """
-    reach = 0.5 * math.hypot(length, width)
+    reach = 0.5 * math.hypot(length, width) + grown
     rows, cols = occupied.shape
     corners = np.empty((4, 2))
     square = np.empty((4, 2))
@@ -180,10 +190,10 @@ def cells_clearance(poses, order, length, width, occupied, bound, cell, best, co
                 best[0] = min(best[0], centre)
                 if centre - reach >= best[1] and centre > reach:
                     continue
-                at_least = point_body(mx, my, x, y, yaw, length, width) - 0.7072 * cell
+                at_least = point_body(mx, my, x, y, yaw, length, width) - 0.7072 * cell - grown
                 if at_least < best[1] or (at_least <= 0.0 and not contact[m]):
                     body_corners(mx, my, 0.0, cell, cell, square)
-                    gap = polygons_gap(corners, square)
+                    gap = body_gap(corners, square, grown)
                     best[1] = min(best[1], gap)
                     contact[m] |= gap <= 0.0
 
@@ -193,11 +203,13 @@ def bodies_clearance(one, other, sizes, best, contact):
     """Judge two bodies that move at the same time: poses `(M, 3)` each.
 
     Args:
-        sizes: `(2, 2)` length and width of each.
+        sizes: `(2, 3)` length, width and `grown` of each.
         best: `(2,)` smallest distance of the centres and smallest gap.
         contact: `(M,)` becomes True where they touch.
     """
+    grown = sizes[0, 2] + sizes[1, 2]
     reach = 0.5 * (math.hypot(sizes[0, 0], sizes[0, 1]) + math.hypot(sizes[1, 0], sizes[1, 1]))
+    reach += grown
     first, second = np.empty((4, 2)), np.empty((4, 2))
     for m in range(one.shape[0]):
         centre = math.hypot(one[m, 0] - other[m, 0], one[m, 1] - other[m, 1])
@@ -205,6 +217,6 @@ def bodies_clearance(one, other, sizes, best, contact):
         if centre - reach < best[1] or centre <= reach:
             body_corners(one[m, 0], one[m, 1], one[m, 2], sizes[0, 0], sizes[0, 1], first)
             body_corners(other[m, 0], other[m, 1], other[m, 2], sizes[1, 0], sizes[1, 1], second)
-            gap = polygons_gap(first, second)
+            gap = body_gap(first, second, grown)
             best[1] = min(best[1], gap)
             contact[m] |= gap <= 0.0

@@ -54,7 +54,7 @@ class _Solids:
     def judge(
         self, poses: Array, model: RobotModel, best: Array, contact: NDArray[np.bool_]
     ) -> None:
-        body = (model.length, model.width)
+        body = body_of(model)
         _kernels.circles_clearance(poses, *body, self.circles, best, contact)
         _kernels.polygons_clearance(
             poses, *body, self.vertices, self.starts, self.rings, best, contact
@@ -87,7 +87,7 @@ def clearance(world: World, recording: Recording, models: Sequence[RobotModel]) 
     pairs = 0
     for a in range(len(models)):
         for b in range(a):
-            sizes = np.array([(m.length, m.width) for m in (models[a], models[b])])
+            sizes = np.array([body_of(models[a]), body_of(models[b])])
             contact = np.zeros(len(poses), dtype=bool)
             one, other = (np.ascontiguousarray(poses[:, k]) for k in (a, b))
             _kernels.bodies_clearance(one, other, sizes, pair_best, contact)
@@ -99,6 +99,13 @@ def clearance(world: World, recording: Recording, models: Sequence[RobotModel]) 
         robot_obstacle=events,
         robot_robot=pairs,
     )
+
+
+def body_of(model: RobotModel) -> tuple[float, float, float]:
+    """Length and width of a rectangle, and by how much it is grown: the footprint, m."""
+    if model.round:
+        return 0.0, 0.0, 0.5 * model.length
+    return model.length, model.width, 0.0
 
 
 def begins(contact: NDArray[np.bool_]) -> int:
@@ -191,9 +198,8 @@ def _judge_border(
     yaw = poses[:, 2] - area.origin[2]
     inside = np.minimum(local, np.array(area.size) - local)
     c, s = np.abs(np.cos(yaw)), np.abs(np.sin(yaw))
-    half = 0.5 * np.column_stack(
-        [c * model.length + s * model.width, s * model.length + c * model.width]
-    )
+    length, width, grown = body_of(model)
+    half = 0.5 * np.column_stack([c * length + s * width, s * length + c * width]) + grown
     best[0] = min(best[0], max(float(inside.min()), 0.0))
     gap = (inside - half).min(axis=1)
     best[1] = min(best[1], max(float(gap.min()), 0.0))
@@ -227,5 +233,5 @@ def _judge_cells(
     row, col = np.clip(cell, 0, np.array(occupied.shape) - 1).T
     order = np.argsort(bound[row, col], kind="stable")
     _kernels.cells_clearance(
-        local, order, model.length, model.width, occupied, bound, area.resolution, best, contact
+        local, order, *body_of(model), occupied, bound, area.resolution, best, contact
     )

@@ -7,17 +7,16 @@ import math
 import numpy as np
 from numba import njit
 
-from cavalcade.running._kernels import body_corners, polygons_gap
+from cavalcade.running._kernels import body_corners, body_gap
 
 
 @njit(cache=True)
-def nearest_gaps(poses, sizes, rounds):
+def nearest_gaps(poses, bodies):
     """The smallest gap of each body to any other at each time.
 
     Args:
         poses: `(K, N, 3)` x, y, yaw.
-        sizes: `(N, 2)` length and width.
-        rounds: `(N,)` radius of those that are discs, else 0.
+        bodies: `(N, 3)` length, width and `grown`, see `cavalcade.running._kernels`.
 
     Returns:
         `(K, N)` m, inf for a body that is alone.
@@ -29,18 +28,30 @@ def nearest_gaps(poses, sizes, rounds):
         for a in range(robots):
             for b in range(a):
                 away = math.hypot(poses[k, a, 0] - poses[k, b, 0], poses[k, a, 1] - poses[k, b, 1])
-                reach = 0.5 * (
-                    math.hypot(sizes[a, 0], sizes[a, 1]) + math.hypot(sizes[b, 0], sizes[b, 1])
+                grown = bodies[a, 2] + bodies[b, 2]
+                reach = grown + 0.5 * (
+                    math.hypot(bodies[a, 0], bodies[a, 1]) + math.hypot(bodies[b, 0], bodies[b, 1])
                 )
                 # The bound says that neither minimum can change.
                 if away - reach >= gaps[k, a] and away - reach >= gaps[k, b]:
                     continue
-                # A disc is the rectangle without extent that is grown by its radius.
-                la, wa = (0.0, 0.0) if rounds[a] > 0.0 else (sizes[a, 0], sizes[a, 1])
-                lb, wb = (0.0, 0.0) if rounds[b] > 0.0 else (sizes[b, 0], sizes[b, 1])
-                body_corners(poses[k, a, 0], poses[k, a, 1], poses[k, a, 2], la, wa, first)
-                body_corners(poses[k, b, 0], poses[k, b, 1], poses[k, b, 2], lb, wb, second)
-                gap = max(polygons_gap(first, second) - rounds[a] - rounds[b], 0.0)
+                body_corners(
+                    poses[k, a, 0],
+                    poses[k, a, 1],
+                    poses[k, a, 2],
+                    bodies[a, 0],
+                    bodies[a, 1],
+                    first,
+                )
+                body_corners(
+                    poses[k, b, 0],
+                    poses[k, b, 1],
+                    poses[k, b, 2],
+                    bodies[b, 0],
+                    bodies[b, 1],
+                    second,
+                )
+                gap = body_gap(first, second, grown)
                 gaps[k, a] = min(gaps[k, a], gap)
                 gaps[k, b] = min(gaps[k, b], gap)
     return gaps

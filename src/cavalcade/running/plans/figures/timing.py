@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cavalcade.geometry import Array
+from cavalcade.running.clearance import body_of
 from cavalcade.running.figures import style
 from cavalcade.running.plans._kernels import nearest_gaps
 from cavalcade.running.plans.sampling import common_clock, team_poses
@@ -74,10 +75,8 @@ def team_gaps(scene: PlanScene) -> tuple[Array, Array]:
     known = scene.known
     times = common_clock([path for _, path in known])
     poses = np.ascontiguousarray(team_poses([path for _, path in known], times))
-    models = [scene.models[robot] for robot, _ in known]
-    sizes = np.array([(model.length, model.width) for model in models])
-    rounds = np.array([0.5 * model.length if model.round else 0.0 for model in models])
-    return times, np.asarray(nearest_gaps(poses, sizes, rounds))
+    bodies = np.array([body_of(scene.models[robot]) for robot, _ in known])
+    return times, np.asarray(nearest_gaps(poses, bodies))
 
 
 def _draw_lanes(axes: Axes, scene: PlanScene) -> None:
