@@ -11,7 +11,14 @@ from cavalcade.body._figures import CONNECT, END, KIND, OK, SIZE, START, TIME
 from cavalcade.body._forest import edge_heading, may_turn, stands_still
 from cavalcade.body._leap import leap_duration, leap_state
 from cavalcade.body._random import uniform
-from cavalcade.body._stance import make_walk, walk_problem, walk_state
+from cavalcade.body._stance import (
+    is_level,
+    is_straight,
+    make_walk,
+    walk_meets_something,
+    walk_problem,
+    walk_state,
+)
 from cavalcade.body._surface import surface
 
 _LONGER = 1.003
@@ -37,6 +44,8 @@ def edge_state(ground, body, edge, t, out):
 def edge_length(ground, body, edge):
     """Length of the way of the body's centre in space, sampled every dt, m."""
     span = edge_duration(edge)
+    if edge[KIND] == CONNECT and is_level(ground, edge) and is_straight(edge):
+        return math.hypot(edge[END] - edge[START], edge[END + 1] - edge[START + 1])
     count = max(int(math.ceil(span / body.dt - 1e-9)), 1)
     state = np.empty(6)
     x, y, z = edge[START], edge[START + 1], edge[START + 2]
@@ -88,6 +97,8 @@ def valid_walk(ground, body, discs, s0, s1, before, after, yaw, edge, scratch):
     if not make_walk(ground, body, s0, s1, edge):
         return False
     if not joined(ground, body, discs, before, after, yaw, edge):
+        return False
+    if walk_meets_something(ground, body, discs, edge, scratch):
         return False
     return walk_problem(ground, body, discs, edge, False, scratch)[0] == OK
 

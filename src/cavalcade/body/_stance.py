@@ -13,14 +13,16 @@ from cavalcade.body._figures import (
     CONNECT,
     END,
     GRAVITY,
+    GROUND,
     KIND,
     MOTION,
     OK,
+    SOLID,
     START,
     TIME,
 )
 from cavalcade.body._surface import surface
-from cavalcade.body._validity import state_problem
+from cavalcade.body._validity import carried, solid_free, solid_slack, state_problem
 from cavalcade.body.trajectory import WALK
 
 STILL = 1e-6
@@ -154,8 +156,62 @@ def make_walk(ground, body, s0, s1, walk):
 
 
 @njit(cache=True)
+def is_straight(walk):
+    """Whether a CONNECT goes ahead along a straight line, seen from above."""
+    s0, s1, span = walk[START : START + 6], walk[END : END + 6], walk[TIME]
+    dx, dy = s1[0] - s0[0], s1[1] - s0[1]
+    way = math.sqrt(dx * dx + dy * dy)
+    if abs(s0[3] * dy - s0[4] * dx) + abs(s1[3] * dy - s1[4] * dx) > 1e-9 * way:
+        return False
+    before, after = s0[3] * dx + s0[4] * dy, s1[3] * dx + s1[4] * dy
+    return before >= 0.0 and after >= 0.0 and 3.0 * way * way / span >= before + after
+
+
+@njit(cache=True)
+def fastest(walk):
+    """No horizontal speed on a CONNECT is above this, m/s: the largest of its Bézier points."""
+    s0, s1, span = walk[START : START + 6], walk[END : END + 6], walk[TIME]
+    mx = 3.0 * (s1[0] - s0[0]) / span - s0[3] - s1[3]
+    my = 3.0 * (s1[1] - s0[1]) / span - s0[4] - s1[4]
+    return math.sqrt(
+        max(s0[3] * s0[3] + s0[4] * s0[4], s1[3] * s1[3] + s1[4] * s1[4], mx * mx + my * my)
+    )
+
+
+@njit(cache=True)
+def is_level(ground, walk):
+    """Whether a CONNECT on flat ground keeps its height."""
+    return (
+        ground.flat
+        and walk[START + 2] == walk[END + 2]
+        and walk[START + 5] == 0.0
+        and walk[END + 5] == 0.0
+    )
+
+
+@njit(cache=True)
+def walk_meets_something(ground, body, discs, walk, scratch):
+    """A quick look at a few places of a CONNECT, the middle first: whether one is invalid."""
+    count = 8
+    for stride in (4, 2, 1):
+        for k in range(stride, count, 2 * stride):
+            walk_state(ground, body, walk, walk[TIME] * k / count, scratch)
+            vx, vy = scratch[3], scratch[4]
+            speed = math.sqrt(vx * vx + vy * vy)
+            if speed <= STILL:
+                continue
+            x, y, z = scratch[0], scratch[1], scratch[2]
+            c, s = vx / speed, vy / speed
+            if state_problem(ground, body, discs, x, y, z, vx, vy, c, s, WALK) != OK:
+                return True
+    return False
+
+
+@njit(cache=True)
 def walk_problem(ground, body, discs, walk, backwards, scratch):
     """What is wrong with a CONNECT whose forces are within limits.
+
+    It is looked at every dt; what solid ground leaves free in all directions is passed over.
 
     Args:
         walk: The primitive.
@@ -171,25 +227,40 @@ def walk_problem(ground, body, discs, walk, backwards, scratch):
     step = span / count
     cos, sin = walk_heading(walk, backwards)
     turn = math.tan(min(body.yaw_rate * step, 1.5))
-    for k in range(count + 1):
+    straight = is_straight(walk)
+    level = is_level(ground, walk)
+    most = max(fastest(walk), 1e-6)
+    checked = 0  # solids need no look before this sample
+    k = -1
+    while k < count:
+        k += 1
+        if straight and level and k < checked:
+            k = min(checked, count)
         t = span - k * step if backwards else k * step
         walk_state(ground, body, walk, t, scratch)
         vx, vy = scratch[3], scratch[4]
-        speed = math.sqrt(vx * vx + vy * vy)
-        if k == count:
-            c, s = walk_heading(walk, not backwards)
-        elif speed > STILL:
-            c, s = vx / speed, vy / speed
-        else:
-            c, s = cos, sin
-        if k > 0 and not body.published:
-            ahead = cos * c + sin * s
-            if ahead <= 0.0 or abs(cos * s - sin * c) > turn * ahead + 1e-9:
-                return MOTION, (k - 1) * step
-        cos, sin = c, s
-        found = state_problem(
-            ground, body, discs, scratch[0], scratch[1], scratch[2], vx, vy, c, s, WALK
-        )
-        if found != OK:
-            return found, (k - 1) * step
+        c, s = cos, sin
+        if not straight:
+            speed = math.sqrt(vx * vx + vy * vy)
+            if k == count:
+                c, s = walk_heading(walk, not backwards)
+            elif speed > STILL:
+                c, s = vx / speed, vy / speed
+            if k > 0 and not body.published:
+                ahead = cos * c + sin * s
+                if ahead <= 0.0 or abs(cos * s - sin * c) > turn * ahead + 1e-9:
+                    return MOTION, (k - 1) * step
+            cos, sin = c, s
+        if vx * vx + vy * vy > body.v_max * body.v_max * (1.0 + 1e-9):
+            return MOTION, (k - 1) * step
+        if k >= checked:
+            slack = solid_slack(ground, body, discs, scratch[0], scratch[1])
+            if slack > 0.0:
+                checked = k + 1 + int(slack / (most * step))
+            elif not solid_free(ground, body, discs, scratch[0], scratch[1], c, s):
+                return SOLID, (k - 1) * step
+        if not (level and k > 0) and not carried(
+            ground, body, scratch[0], scratch[1], scratch[2], c, s, WALK
+        ):
+            return GROUND, (k - 1) * step
     return OK, span

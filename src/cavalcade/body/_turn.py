@@ -6,7 +6,7 @@ import math
 
 from numba import njit
 
-from cavalcade.body._validity import carried, solid_free
+from cavalcade.body._validity import carried, solid_free, solid_slack
 from cavalcade.body.trajectory import WALK
 
 _STEP = 0.1
@@ -28,6 +28,8 @@ def turn_on_spot(ground, body, discs, x, y, z, yaw, wanted):
     short = wrapped(wanted - yaw)
     if abs(short) < 1e-9:
         return 0.0
+    if ground.flat and solid_slack(ground, body, discs, x, y) > 0.0:
+        return short
     if _free(ground, body, discs, x, y, z, yaw, short):
         return short
     other = short - math.copysign(2.0 * math.pi, short)

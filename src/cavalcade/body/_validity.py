@@ -12,11 +12,34 @@ from cavalcade.body._surface import bilinear
 from cavalcade.body.trajectory import FLIGHT, TAKE_OFF
 
 LEAST_TRAVERSABILITY = 0.3
+_HALF_DIAGONAL = 0.7072
+
+
+@njit(cache=True)
+def solid_slack(ground, body, discs, x, y):
+    """How far the body may go from here in any direction, turning, and meet nothing solid, m.
+
+    Not positive where that is not known without its yaw.
+    """
+    cell = ground.cell
+    rows, cols = ground.solid.shape
+    if not (0.0 <= x < cols * cell and 0.0 <= y < rows * cell):
+        return -1.0
+    reach = math.sqrt(body.half_length * body.half_length + body.half_width * body.half_width)
+    slack = ground.clearance[int(y / cell), int(x / cell)] - _HALF_DIAGONAL * cell
+    slack -= reach + body.margin
+    for k in range(discs.shape[0]):
+        dx, dy = x - discs[k, 0], y - discs[k, 1]
+        slack = min(slack, math.sqrt(dx * dx + dy * dy) - discs[k, 2])
+    return slack
 
 
 @njit(cache=True)
 def solid_free(ground, body, discs, x, y, cos, sin):
-    """Whether the footprint is on the map, free of solids, and its centre outside all discs."""
+    """Whether the footprint is on the map, free of solids, and its centre outside all discs.
+
+    Five discs that cover the footprint answer most of it, boxes against cells the rest.
+    """
     for k in range(discs.shape[0]):
         dx, dy = x - discs[k, 0], y - discs[k, 1]
         if dx * dx + dy * dy < discs[k, 2] * discs[k, 2]:
@@ -25,9 +48,25 @@ def solid_free(ground, body, discs, x, y, cos, sin):
     rows, cols = ground.solid.shape
     if not (0.0 <= x < cols * cell and 0.0 <= y < rows * cell):
         return False
-    known = ground.clearance[int(y / cell), int(x / cell)] - 0.7072 * cell - body.margin
-    if known > body.half_length + body.half_width:
-        return True  # without the angle and the root
+    there = ground.clearance[int(y / cell), int(x / cell)]
+    beside = _HALF_DIAGONAL * cell + body.margin
+    if there - beside > body.half_length + body.half_width:
+        return True
+    if there + _HALF_DIAGONAL * cell < body.half_width + body.margin:
+        return False
+    part = 0.2 * body.half_length
+    needed = math.sqrt(part * part + body.half_width * body.half_width) + beside
+    covered = True
+    for k in range(5):
+        way = 2.0 * part * (k - 2)
+        px, py = x + way * cos, y + way * sin
+        if not (0.0 <= px < cols * cell and 0.0 <= py < rows * cell):
+            return False
+        if ground.clearance[int(py / cell), int(px / cell)] < needed:
+            covered = False
+            break
+    if covered:
+        return True
     return pose_free(
         (cell, ground.solid, ground.clearance),
         x,

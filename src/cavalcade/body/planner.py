@@ -253,9 +253,7 @@ class _Problem:
                 break
             for _ in range(min(_SHORTCUTS, end - self.iterations)):
                 self.iterations += 1
-                edges, _ = shortcut(
-                    self.ground, self.body, self.discs, self.rng, edges, self.yaw
-                )
+                edges, _ = shortcut(self.ground, self.body, self.discs, self.rng, edges, self.yaw)
             if self._length(edges) < best - 1e-6:
                 best = self._length(edges)
                 self._note(edges)
