@@ -102,7 +102,7 @@ def _steps(span: _Span, half: float, after: bool, until: bool) -> Iterator[tuple
         count = max(int((length + 1e-9) / half + lost), 2)
     if after or (count - lost) * half > length:
         half = length / (count - lost)
-    start = span.end - (count - lost) * half
+    start = max(span.start, span.end - (count - lost) * half)
     for k in range(count):
         short = (after and k == 0) or (until and k == count - 1)
         lasts = 0.5 * half if short else half
