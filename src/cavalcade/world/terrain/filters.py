@@ -40,6 +40,9 @@ PIT_DEPTH = 0.5
 PIT_WIDTH = 1.25
 """Ground this wide or wider is ground of its own, however deep, m."""
 
+_FILL_WORK = 100_000_000
+"""Changes of cells that filling holes may take: some seconds."""
+
 
 class Layers(NamedTuple):
     """Layers on the grid of the heights; see `Terrain`."""
@@ -88,7 +91,9 @@ def filled(heights: Array, holes: NDArray[np.bool_]) -> Array:
 
     nearest = distance_transform_edt(holes, return_distances=False, return_indices=True)
     out: Array = np.ascontiguousarray(heights[tuple(nearest)])
-    relax(out, np.argwhere(holes), 300, 1e-4)
+    cells = np.argwhere(holes)
+    # Large holes start from what is nearest and are never smooth to the last millimetre.
+    relax(out, cells, min(max(_FILL_WORK // len(cells), 20), 300), 1e-4)
     return out
 
 
