@@ -50,6 +50,15 @@ def obstruction(ground: Ground, body: Body, discs: Array, pose: Pose) -> str:
     return ""
 
 
+def roomy_way(ground: Ground, body: Body, discs: Array, start: Pose, goal: Pose) -> Array:
+    """Points `(K, 2)` x, y from start to goal between which a robot may turn anywhere; or none."""
+    reach = math.hypot(body.half_length, body.half_width) + body.margin
+    passable = _room(ground, discs) >= reach + 2.0 * _HALF_DIAGONAL * ground.cell
+    if not ground.flat:
+        passable &= ground.traversability >= LEAST_TRAVERSABILITY
+    return _points(ground, grid_way(passable, *_ends(ground, start, goal)), start, goal)
+
+
 def find_way(
     ground: Ground, body: Body, discs: Array, leaps: bool, start: Pose, goal: Pose
 ) -> tuple[str, Array]:
@@ -60,14 +69,8 @@ def find_way(
         leaves as much room as it can.
     """
     cell = ground.cell
-    ends = tuple((int(p[1] / cell), int(p[0] / cell)) for p in (start, goal))
-    room = ground.clearance + _HALF_DIAGONAL * cell
-    for x, y, radius in discs:
-        rows, cols = ground.solid.shape
-        dx = (np.arange(cols) + 0.5) * cell - x
-        dy = (np.arange(rows) + 0.5) * cell - y
-        away = np.sqrt(dx[None, :] ** 2 + dy[:, None] ** 2)
-        room[away < radius - _HALF_DIAGONAL * cell] = -1.0
+    ends = _ends(ground, start, goal)
+    room = _room(ground, discs)
     footing = np.ones(ground.solid.shape, dtype=bool)
     if not ground.flat:
         good = _walkable(ground)
@@ -78,10 +81,37 @@ def find_way(
         slack = 0.0 if needed == narrow else 2.0 * _HALF_DIAGONAL * cell
         way = grid_way((room >= needed + slack - 1e-9) & footing, *ends)
         if len(way):
-            return "", (way[:, ::-1] + 0.5) * cell
+            return "", _points(ground, way, start, goal)
     if len(grid_way(room >= narrow - 1e-9, *ends)) == 0:
         return "no way between the obstacles is wide enough", np.zeros((0, 2))
     return "no way over the ground: holes or steep ground are in between", np.zeros((0, 2))
+
+
+def _ends(ground: Ground, start: Pose, goal: Pose) -> tuple[tuple[int, int], tuple[int, int]]:
+    cell = ground.cell
+    return (int(start[1] / cell), int(start[0] / cell)), (int(goal[1] / cell), int(goal[0] / cell))
+
+
+def _points(ground: Ground, way: Cells, start: Pose, goal: Pose) -> Array:
+    """The cells' centres, with the start and the goal themselves as ends."""
+    if len(way) < 2:
+        return np.zeros((0, 2))
+    points: Array = (way[:, ::-1] + 0.5) * ground.cell
+    points[0], points[-1] = start[:2], goal[:2]
+    return points
+
+
+def _room(ground: Ground, discs: Array) -> Array:
+    """The most room `(rows, cols)` from somewhere in a cell to what is solid, m; -1 in discs."""
+    cell = ground.cell
+    room: Array = ground.clearance + _HALF_DIAGONAL * cell
+    rows, cols = room.shape
+    for x, y, radius in discs:
+        dx = (np.arange(cols) + 0.5) * cell - x
+        dy = (np.arange(rows) + 0.5) * cell - y
+        away = np.sqrt(dx[None, :] ** 2 + dy[:, None] ** 2)
+        room[away < radius - _HALF_DIAGONAL * cell] = -1.0
+    return room
 
 
 def _walkable(ground: Ground) -> NDArray[np.bool_]:

@@ -17,12 +17,13 @@ from numpy.typing import NDArray
 from cavalcade.body._figures import SIZE, make_body
 from cavalcade.body._forest import Forest, make_forest, plant
 from cavalcade.body._grow import PLACES
+from cavalcade.body._pull import pull
 from cavalcade.body._sample import sample
 from cavalcade.body._search import FOUND, FULL, route, search
 from cavalcade.body._shorten import round_corners, shortcut, shorten, total_length
 from cavalcade.body._surface import surface
 from cavalcade.body.ground import Ground
-from cavalcade.body.obstruction import Pose, find_way, obstruction
+from cavalcade.body.obstruction import Pose, find_way, obstruction, roomy_way
 from cavalcade.body.settings import BodySettings
 from cavalcade.body.trajectory import Trajectory
 from cavalcade.errors import InputError
@@ -188,8 +189,13 @@ class _Problem:
 
     def _first(self, deadline: float) -> tuple[Array | None, str]:
         """The first way, or why there is none, empty if that is not known."""
+        straight = min(2, self.settings.iterations)
+        edges, forest = self._search(self._planted(), 0, straight, math.inf, deadline)
+        if edges is None and not self.body.published:
+            edges = self._pulled()
         look = min(_FIRST_LOOK, self.settings.iterations)
-        edges, forest = self._search(self._planted(), 0, look, math.inf, deadline)
+        if edges is None:
+            edges, forest = self._search(forest, straight, look, math.inf, deadline)
         if edges is None and clock.perf_counter() <= deadline:
             why, self.guide = find_way(
                 self.ground, self.body, self.discs, self.settings.leaps, self.start, self.goal
@@ -201,6 +207,14 @@ class _Problem:
             edges, forest = self._search(forest, look, self.settings.iterations, math.inf, deadline)
         self.sizes = (int(forest.count[0]), int(forest.count[1]))
         return edges, ""
+
+    def _pulled(self) -> Array | None:
+        """A way where there is room to turn everywhere, if the grid shows one."""
+        way = roomy_way(self.ground, self.body, self.discs, self.start, self.goal)
+        if len(way) == 0:
+            return None
+        edges: Array = pull(self.ground, self.body, self.discs, way, self.yaw)
+        return edges if len(edges) else None
 
     def _search(
         self, forest: Forest, begin: int, end: int, bound: float, deadline: float
