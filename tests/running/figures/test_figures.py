@@ -14,7 +14,7 @@ from cavalcade.errors import OutputError
 from cavalcade.running.figures import draw_scenario, make_figures
 from cavalcade.running.figures.scene import scene_of
 from cavalcade.running.figures.snapshots import choose_moments
-from cavalcade.scenario import World
+from cavalcade.scenario import World, build_world, load_scenario
 from cavalcade.world import OccupancyMap
 
 NAMES = ["sequence.png", "obstacle_distance.png", "pair_distance.png", "arrival_field.png"]
@@ -152,6 +152,16 @@ def test_a_scenario_is_drawn_without_running_it(run, tmp_path):
     file = draw_scenario(run.scenario, run.world, tmp_path / "scenario.png")
     with Image.open(file) as picture:
         assert picture.size[0] / picture.info["dpi"][0] == pytest.approx(7.16, abs=0.02)
+
+
+@pytest.mark.parametrize("name", ["rough", "alcove"])
+def test_individual_goals_and_terrain_are_drawn(name, tmp_path):
+    scenario = load_scenario(name)
+    world = build_world(scenario)
+    file = draw_scenario(scenario, world, tmp_path / "scenario.png")
+    with Image.open(file) as picture:
+        size = picture.size[0] / picture.size[1]
+    assert size == pytest.approx(world.map.size[0] / world.map.size[1], rel=0.25)
 
 
 def test_importing_the_package_does_not_import_matplotlib():

@@ -8,14 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cavalcade.formation.status import PlannerStatus
-from cavalcade.geometry import (
-    Array,
-    inverse_transform_points,
-    rectangle_corners,
-    transform_points,
-)
+from cavalcade.geometry import Array, inverse_transform_points, transform_points
 from cavalcade.robots import RobotModel
 from cavalcade.running.figures import style
+from cavalcade.running.figures.outlines import body_ring
 from cavalcade.running.figures.scene import Arena, Track
 
 if TYPE_CHECKING:
@@ -113,10 +109,9 @@ def draw_robot(
     """A robot as its oriented footprint with a bright head; the leader carries a star."""
     from matplotlib.patches import Polygon
 
-    corners = rectangle_corners(pose, model.length, model.width)
     axes.add_patch(
         Polygon(
-            corners,
+            body_ring(pose, model),
             facecolor="white" if lost else color,
             edgecolor=color if lost else style.INK,
             linewidth=0.45,

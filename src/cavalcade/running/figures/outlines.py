@@ -1,4 +1,4 @@
-"""Outlines of obstacles as rings of points, for any canvas that can fill polygons."""
+"""Outlines of obstacles and robots as rings of points, for any canvas that can fill polygons."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.geometry import Array, rectangle_corners, transform_points
+from cavalcade.robots import RobotModel
 from cavalcade.world import Box, Circle, Shape
 
 _FINE_CELLS = 1_000_000
@@ -22,6 +23,15 @@ def shape_ring(shape: Shape, corners: int = 64) -> Array:
         angles = np.linspace(0.0, 2.0 * np.pi, corners, endpoint=False)
         return shape.radius * np.column_stack([np.cos(angles), np.sin(angles)]) + shape.center
     return np.asarray(shape.points, dtype=float)
+
+
+def body_ring(pose: Array, model: RobotModel, corners: int = 40) -> Array:
+    """The footprint's outline `(K, 2)`, not closed."""
+    if model.round:
+        angles = np.linspace(0.0, 2.0 * np.pi, corners, endpoint=False)
+        ring = 0.5 * model.length * np.column_stack([np.cos(angles), np.sin(angles)])
+        return np.asarray(ring + pose[:2])
+    return rectangle_corners(pose, model.length, model.width)
 
 
 def cell_rings(

@@ -17,7 +17,7 @@ from cavalcade.running.figures.actors import (
     set_ticks,
     set_view,
 )
-from cavalcade.running.figures.outlines import shape_ring
+from cavalcade.running.figures.outlines import body_ring, shape_ring
 from cavalcade.running.figures.scene import arena_of
 from cavalcade.world import shape_from_mapping
 
@@ -47,8 +47,15 @@ def draw_overview(scenario: Scenario, world: World, path: Path) -> Path:
         draw_arena(axes, arena)
         models = scenario.models
         starts = np.array(scenario.starts, dtype=float)
-        goals = np.array(scenario.task.goals, dtype=float).reshape(-1, 3)
-        _draw_goals(axes, goals, _slots(scenario))
+        if world.terrain is not None:
+            from cavalcade.running.plans.figures.ground import draw_terrain
+
+            draw_terrain(axes, world.terrain)
+        if scenario.task.individual:
+            _draw_own_goals(axes, scenario)
+        else:
+            goals = np.array(scenario.task.goals, dtype=float).reshape(-1, 3)
+            _draw_goals(axes, goals, _slots(scenario))
         _draw_events(axes, scenario.execution.events)
         body = models[0].length * width * 72.0 / float(span[0])
         for robot, (pose, model) in enumerate(zip(starts, models, strict=True)):
@@ -61,7 +68,7 @@ def draw_overview(scenario: Scenario, world: World, path: Path) -> Path:
         team = f"{len(models)} {models[0].name}" if len({m.name for m in models}) == 1 else "mixed"
         axes.set_title(str(scenario.name), loc="left", pad=3)
         axes.set_title(
-            f"{team}, {scenario.task.the_formation.shape}",
+            f"{team}, {_asked(scenario)}",
             loc="right",
             pad=3,
             fontsize=7,
@@ -69,6 +76,28 @@ def draw_overview(scenario: Scenario, world: World, path: Path) -> Path:
             color=style.GREY,
         )
         return style.save(figure, path)
+
+
+def _asked(scenario: Scenario) -> str:
+    task = scenario.task
+    return "individual goals" if task.formation is None else task.formation.shape
+
+
+def _draw_own_goals(axes: Axes, scenario: Scenario) -> None:
+    """Each robot's goal as its outline in the robot's colour, at the end of a thin line."""
+    from matplotlib.patches import Polygon
+
+    for robot, (start, goal, model) in enumerate(
+        zip(scenario.starts, scenario.goals, scenario.models, strict=True)
+    ):
+        color, pose = style.robot_color(robot), np.array(goal)
+        axes.plot(*zip(start[:2], goal[:2], strict=True), color=color, linewidth=0.7,
+                  linestyle=(0, (4, 2)), zorder=3.0)  # fmt: skip
+        axes.add_patch(
+            Polygon(body_ring(pose, model), facecolor="white", edgecolor=color, linewidth=1.0,
+                    zorder=5.5)
+        )  # fmt: skip
+        draw_heading(axes, pose, 0.7)
 
 
 def _slots(scenario: Scenario) -> Array:

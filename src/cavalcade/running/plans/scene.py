@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.body.trajectory import FLIGHT, LANDING, TAKE_OFF, WALK, Trajectory
-from cavalcade.geometry import Array, rectangle_corners
+from cavalcade.geometry import Array
 from cavalcade.robots import RobotModel
 from cavalcade.running.figures.scene import Arena, arena_of
 from cavalcade.world import Terrain
@@ -102,15 +102,6 @@ def plan_scene(scenario: Scenario, world: World, made: PlanResult) -> PlanScene:
         paths=made.trajectories,
         footholds=made.footholds,
     )
-
-
-def body_ring(pose: Array, model: RobotModel, corners: int = 40) -> Array:
-    """The footprint's outline `(K, 2)`, not closed."""
-    if model.round:
-        angles = np.linspace(0.0, 2.0 * np.pi, corners, endpoint=False)
-        ring = 0.5 * model.length * np.column_stack([np.cos(angles), np.sin(angles)])
-        return np.asarray(ring + pose[:2])
-    return rectangle_corners(pose, model.length, model.width)
 
 
 def activities(path: Trajectory) -> NDArray[np.int8]:

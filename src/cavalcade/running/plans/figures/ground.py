@@ -34,12 +34,13 @@ def height_colours() -> Colormap:
 
 def draw_ground(axes: Axes, scene: PlanScene) -> Any:
     """Draw it; returns what a colour bar needs, None on flat ground."""
-    shown = None if scene.terrain is None else _draw_terrain(axes, scene.terrain)
+    shown = None if scene.terrain is None else draw_terrain(axes, scene.terrain)
     draw_arena(axes, scene.arena)
     return shown
 
 
-def _draw_terrain(axes: Axes, terrain: Terrain) -> Any:
+def draw_terrain(axes: Axes, terrain: Terrain) -> Any:
+    """Shaded heights in the map frame; returns what a colour bar needs, None on level ground."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
     from matplotlib.transforms import Affine2D

@@ -11,13 +11,13 @@ from cavalcade.body.trajectory import Trajectory
 from cavalcade.geometry import Array, transform_points
 from cavalcade.running.figures import style
 from cavalcade.running.figures.actors import set_ticks, set_view
+from cavalcade.running.figures.outlines import body_ring
 from cavalcade.running.plans.figures.ground import draw_ground, has_blocked_ground
 from cavalcade.running.plans.scene import (
     FLYING,
     WALKING,
     PlanScene,
     activities,
-    body_ring,
     runs,
 )
 
