@@ -17,7 +17,6 @@ from cavalcade.body._moves import (
     BACKWARDS,
     DURATION,
     FREE,
-    LENGTH,
     RADIUS,
     SPEED,
     make_move,

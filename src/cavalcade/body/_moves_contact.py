@@ -13,6 +13,7 @@ import math
 from numba import njit
 
 from cavalcade.body._moves import (
+    ACCELERATION,
     DURATION,
     HALF_LENGTH,
     HALF_WIDTH,
@@ -22,7 +23,6 @@ from cavalcade.body._moves import (
     V0,
     V1,
     VMAX,
-    ACCELERATION,
     advanced,
     trapezoid,
     within,

@@ -103,7 +103,20 @@ def _guided(guide, cell, x, y):
 
 @njit(cache=True)
 def search(
-    grid, others, mover, start, goal, prims, guide, guide_cell, margins, steps, bins, price, greed, most
+    grid,
+    others,
+    mover,
+    start,
+    goal,
+    prims,
+    guide,
+    guide_cell,
+    margins,
+    steps,
+    bins,
+    price,
+    greed,
+    most,
 ):
     """The cheapest way from rest at `start` to rest at `goal` past everything, for good.
 

@@ -73,7 +73,9 @@ def primitives_of(model: RobotModel, finer: int = 0) -> Array:
         turns = [k * math.pi / 4.0 for k in (1, -1, 2, -2, 3, -3, 4)]
         rows += [(length * scale, 0.0, 0.0, 0.0, 0, 0) for length in (0.25, 0.6)]
     else:
-        rows += [(s * length * scale, 0.0, 0.0, 0.0, 0, 0) for s in (1, -1) for length in (0.2, 0.5)]
+        rows += [
+            (s * length * scale, 0.0, 0.0, 0.0, 0, 0) for s in (1, -1) for length in (0.2, 0.5)
+        ]
         if mover[4] > 0.0:
             rows += [
                 (s * 0.4 * scale, side * 0.4 * scale / mover[4], 0.0, 0.0, 0, 0)

@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cavalcade.body._moves import DURATION, LENGTH, poses_between, sample_moves
+from cavalcade.body._moves import DURATION, LENGTH, sample_moves
+from cavalcade.body._surface import surface_along
 from cavalcade.body._timed_search import FOUND, SPENT, search
 from cavalcade.body._timed_shorten import shorten
 from cavalcade.body.ground import Ground
@@ -83,12 +84,12 @@ class Way:
 
     @property
     def duration(self) -> float:
-        """s."""
+        """S."""
         return float(self.moves[:, DURATION].sum())
 
     @property
     def length(self) -> float:
-        """m."""
+        """M."""
         return float(np.abs(self.moves[:, LENGTH]).sum())
 
     def track(self) -> Array:
@@ -110,7 +111,7 @@ class TimedPlanner:
         self.ground = ground
         self.price = price
         self.greed = 1.2
-        self._grid = (ground.cell, ground.solid, ground.clearance)
+        self.grid = (ground.cell, ground.solid, ground.clearance)
         self._open = not ground.solid.any()
         self._guides: dict[tuple[int, int, float], tuple[Array, float]] = {}
         self._kinds: dict[tuple[str, int], tuple[Array, Array]] = {}
@@ -143,7 +144,7 @@ class TimedPlanner:
         steps = np.array(care.steps)
         bins = np.array([0.1, 0.25]) * 0.5**care.finer
         status, moves, expansions = search(
-            self._grid,
+            self.grid,
             tuple(others),
             mover,
             start,
@@ -161,9 +162,7 @@ class TimedPlanner:
         if status != FOUND:
             return None, status == SPENT, expansions
         if expansions > 1:
-            moves = shorten(
-                self._grid, tuple(others), mover, start, moves, margins, steps, price, 3
-            )
+            moves = shorten(self.grid, tuple(others), mover, start, moves, margins, steps, price, 3)
         return Way(start, moves, mover, model), False, expansions
 
     def cost(self, way: Way) -> float:
@@ -211,9 +210,15 @@ def trajectory_of(way: Way, ground: Ground | None = None) -> Trajectory:
     if ends[-1] - times[-1] > 0.0:
         times[-1] = ends[-1]
     motion = sample_moves(way.start, way.moves, way.mover, times)
-    height = 0.0 if way.model.legs is None else way.model.legs.h_nom
-    position = np.column_stack([motion[:, :2], np.full(len(times), height)])
-    velocity = np.column_stack([motion[:, 3:5], np.zeros(len(times))])
+    height, climb = np.zeros(len(times)), np.zeros(len(times))
+    if way.model.legs is not None:
+        height += way.model.legs.h_nom
+        if ground is not None and not ground.flat:
+            rise, along_x, along_y = surface_along(ground, motion[:, :2])
+            height += rise
+            climb += along_x * motion[:, 3] + along_y * motion[:, 4]
+    position = np.column_stack([motion[:, :2], height])
+    velocity = np.column_stack([motion[:, 3:5], climb])
     yaw = motion[:, 2].copy()
     if way.mover[6] > 0.0:
         yaw[:] = way.start[2]
@@ -237,11 +242,6 @@ def others_of(tracks: list[Array], models: list[RobotModel], spans: list[Any]) -
         row[len(track) :] = track[-1]
     shapes = np.array([[m.length / 2.0, m.width / 2.0, float(m.round)] for m in models])
     return Others(table, TRACK_STEP, shapes, np.array(spans, dtype=float).reshape(-1, 3))
-
-
-def poses_of(way: Way) -> Array:
-    """Poses `(M + 1, 3)` between the moves."""
-    return np.asarray(poses_between(way.start, way.moves))
 
 
 def _coarser(free: Any, factor: int) -> Any:

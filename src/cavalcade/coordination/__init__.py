@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from cavalcade.coordination.plan import METHODS, plan_team
-    from cavalcade.coordination.problem import PlanSettings, TeamProblem, problem_of, settings_of
+    from cavalcade.coordination.problem import PlanSettings, TeamProblem, problem_of
     from cavalcade.coordination.result import TeamPlan
 
 _HOME = {
@@ -20,7 +20,6 @@ _HOME = {
     "TeamProblem": "problem",
     "plan_team": "plan",
     "problem_of": "problem",
-    "settings_of": "problem",
 }
 
 __all__ = [
@@ -30,7 +29,6 @@ __all__ = [
     "TeamProblem",
     "plan_team",
     "problem_of",
-    "settings_of",
 ]
 
 

@@ -7,7 +7,6 @@ robot by robot anew among the others; then conflict-based search; then the produ
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -15,26 +14,10 @@ from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.cbs import conflict_search
 from cavalcade.coordination.conflicts import conflicts_of
 from cavalcade.coordination.course import Course
+from cavalcade.coordination.found import Found
 from cavalcade.coordination.prioritised import improved, in_order, mended_orders
 from cavalcade.coordination.problem import PlanSettings, TeamProblem
 from cavalcade.coordination.single import RobotPlanner
-
-
-@dataclass(frozen=True)
-class Found:
-    """What a method found.
-
-    Attributes:
-        courses: A course for each robot; free of conflicts if `solved`.
-        solved: Whether they are a plan.
-        method: Which method it was.
-        counts: Figures of the method.
-    """
-
-    courses: tuple[Course, ...]
-    solved: bool
-    method: str
-    counts: Mapping[str, int] = field(default_factory=dict)
 
 
 def solve_auto(
@@ -57,20 +40,18 @@ def solve_auto(
     """
     team = dict(enumerate(alone))
     if not conflicts_of([course.track for course in alone], problem.models, 1):
-        return Found(alone, True, "alone")
+        return Found(alone, True, "")
     courses = mended_orders(planner, team, budget, rng, 3 * len(team) + 10)
     if courses is not None:
         courses = improved(planner, courses, team, budget)
         if len(team) == 2:
             courses = _cheaper_way_round(planner, courses, team, budget)
         return Found(tuple(courses[k] for k in team), True, "prioritised")
-    outcome = conflict_search(problem, planner, settings, alone, budget)
-    found = dict(enumerate(outcome.courses))
-    if outcome.solved:
-        found = improved(planner, found, team, budget)
-    return Found(
-        tuple(found[k] for k in team), outcome.solved, "cbs", {"conflict_nodes": outcome.nodes}
-    )
+    searched = conflict_search(problem, planner, settings, alone, budget)
+    if not searched.solved:
+        return searched
+    courses = improved(planner, dict(enumerate(searched.courses)), team, budget)
+    return Found(tuple(courses[k] for k in team), True, "cbs", searched.counts)
 
 
 def _cheaper_way_round(

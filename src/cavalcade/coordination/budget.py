@@ -30,7 +30,7 @@ class Budget:
 
     @property
     def elapsed(self) -> float:
-        """s since the call began."""
+        """S since the call began."""
         return time.perf_counter() - self._begin
 
     @property

@@ -18,6 +18,7 @@ from cavalcade.body.timed import TRACK_STEP
 from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.conflicts import Conflict, conflicts_of
 from cavalcade.coordination.course import Course
+from cavalcade.coordination.found import Found
 from cavalcade.coordination.problem import PlanSettings, TeamProblem
 from cavalcade.coordination.single import RobotPlanner, Span
 
@@ -46,21 +47,6 @@ class _Node:
         return sum(course.cost for course in self.courses)
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """What the search found.
-
-    Attributes:
-        courses: Without conflicts, or of the last node looked at.
-        solved: Whether they are.
-        nodes: Of the tree that were looked at.
-    """
-
-    courses: tuple[Course, ...]
-    solved: bool
-    nodes: int
-
-
 def conflict_search(
     problem: TeamProblem,
     planner: RobotPlanner,
@@ -68,7 +54,7 @@ def conflict_search(
     root: tuple[Course, ...],
     budget: Budget,
     most_nodes: int = 400,
-) -> Outcome:
+) -> Found:
     """Resolve the conflicts of courses that were planned regardless of each other.
 
     Args:
@@ -86,7 +72,8 @@ def conflict_search(
         avoid: tuple[tuple[Span, ...], ...],
         met: Mapping[tuple[int, int], int],
     ) -> _Node:
-        found = conflicts_of([course.track for course in courses], problem.models)
+        tracks = [course.track for course in courses]
+        found = conflicts_of(tracks, problem.models, distance=settings.distance)
         return _Node(courses, avoid, found, met)
 
     def child(parent: _Node, conflict: Conflict, robot: int, other: int) -> _Node | None:
@@ -139,10 +126,10 @@ def conflict_search(
         _, _, _, last = heapq.heappop(queue)
         nodes += 1
         if not last.conflicts:
-            return Outcome(last.courses, True, nodes)
+            return Found(last.courses, True, "cbs", {"conflict_nodes": nodes})
         for made in children(last):
             heapq.heappush(queue, (made.cost, len(made.conflicts), next(order), made))
-    return Outcome(last.courses, False, nodes)
+    return Found(last.courses, False, "cbs", {"conflict_nodes": nodes})
 
 
 def _choice(conflicts: list[Conflict], rule: str) -> list[Conflict]:

@@ -29,7 +29,10 @@ class Conflict(NamedTuple):
 
 
 def conflicts_of(
-    tracks: Sequence[Array], models: Sequence[RobotModel], most: int = 4
+    tracks: Sequence[Array],
+    models: Sequence[RobotModel],
+    most: int = 4,
+    distance: float | None = None,
 ) -> list[Conflict]:
     """All conflicts in order of time, at most `most` of each pair.
 
@@ -37,9 +40,12 @@ def conflicts_of(
         tracks: `(K_j, 3)` poses every `TRACK_STEP` s; robots stand at their last for good.
         models: Of the robots on them.
         most: Conflicts of each pair.
+        distance: Between centres, m: instead of the bodies (the paper's threshold d).
     """
     table = stacked(tracks)
     shapes = np.array([[m.length / 2.0, m.width / 2.0, float(m.round)] for m in models])
+    if distance is not None:
+        shapes[:] = (distance - MARGIN) / 2.0, (distance - MARGIN) / 2.0, 1.0
     # Of the fastest point of any body.
     steps = np.abs(np.diff(table, axis=1)) if table.shape[1] > 1 else np.zeros((1, 1, 3))
     ways = np.hypot(steps[..., 0], steps[..., 1]) + steps[..., 2] * shapes[:, :2].max()

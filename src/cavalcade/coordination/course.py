@@ -27,12 +27,12 @@ class Course:
 
     @property
     def duration(self) -> float:
-        """s."""
+        """S."""
         return self.motion.duration
 
     @property
     def length(self) -> float:
-        """m."""
+        """M."""
         return self.motion.length
 
     @cached_property

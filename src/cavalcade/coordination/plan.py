@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from cavalcade.body.timed import TimedPlanner
-from cavalcade.coordination.auto import Found, solve_auto
+from cavalcade.coordination.auto import solve_auto
 from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.cbs import conflict_search
 from cavalcade.coordination.course import Course
 from cavalcade.coordination.feasibility import impossible
-from cavalcade.coordination.prioritised import in_order
+from cavalcade.coordination.found import Found
+from cavalcade.coordination.joint import solve_joint
 from cavalcade.coordination.problem import PlanSettings, TeamProblem
+from cavalcade.coordination.published import DISTANCE, PublishedPlanner
 from cavalcade.coordination.result import TeamPlan
+from cavalcade.coordination.sequential import solve_sequential
 from cavalcade.coordination.single import EFFORT, EvenPlanner, RobotPlanner
+from cavalcade.coordination.uneven import UnevenPlanner, walkable
 from cavalcade.errors import InputError
 
 METHODS = ("auto", "sequential", "joint", "cbs")
@@ -37,61 +43,113 @@ def plan_team(
         A plan, or why there is none. Trajectories are in the map's frame.
 
     Raises:
-        InputError: An unknown method, or a budget of nothing.
+        InputError: An unknown method, a budget of nothing, or robots without legs where only
+            robots with legs can go.
     """
     if method not in METHODS:
         raise InputError(f"unknown method {method!r}", key="planner.method", choices=METHODS)
-    settings = settings or PlanSettings()
-    budget = Budget(settings.iterations, settings.seconds)
-    timed = TimedPlanner(problem.ground)
-    proof = impossible(problem, timed)
-    none = (None,) * len(problem.models)
-    if proof is not None:
-        return TeamPlan(
-            "infeasible", proof.text, proof.robots, none, method, budget.used, budget.elapsed
+    return _Call(problem, method, settings or PlanSettings(), seed).answer()
+
+
+class _Call:
+    """One call of `plan_team`."""
+
+    def __init__(
+        self, problem: TeamProblem, method: str, settings: PlanSettings, seed: int
+    ) -> None:
+        self.problem, self.method, self.seed = problem, method, seed
+        self.published = settings.variant == "published"
+        if self.published and settings.distance is None:
+            settings = replace(settings, distance=DISTANCE)
+        self.settings = settings
+        self.budget = Budget(settings.iterations, settings.seconds)
+        self.rng = np.random.default_rng(seed)
+        legged = all(model.legs is not None for model in problem.models)
+        if not legged and (self.published or not problem.ground.flat):
+            where = "the published planner" if self.published else "uneven ground"
+            raise InputError(f"{where} is for robots with legs", key="robots")
+        self.timed = TimedPlanner(problem.ground)
+        self.planner = self._planner()
+
+    def answer(self) -> TeamPlan:
+        problem, budget = self.problem, self.budget
+        proof = impossible(problem, self.timed)
+        robots = range(len(problem.models))
+        nothing: list[Course | None] = [None for _ in robots]
+        if proof is not None:
+            return self._team_plan("infeasible", proof.text, proof.robots, nothing)
+        if self.method == "joint":
+            # Its trees plan all robots at once; nobody is planned alone.
+            found = self._joint()
+            if found is None:
+                text = f"no plan found in the product space; {budget}"
+                return self._team_plan("budget", text, (), nothing)
+            return self._team_plan("solved", "", (), list(found))
+        alone = [self.planner.plan(k, (), budget, 50 * EFFORT) for k in robots]
+        lost = tuple(k for k in robots if alone[k] is None)
+        if lost:
+            why = self.planner.refusal(lost[0])
+            reason = "infeasible" if why else "budget"
+            why = why or f"no way was found, not even alone; {budget}"
+            return self._team_plan(reason, f"robot {lost[0]}: {why}", lost, alone)
+        found = self._solve(tuple(course for course in alone if course is not None))
+        return self._team_plan(
+            "solved" if found.solved else "budget",
+            "" if found.solved else f"no plan without conflicts was found; {budget}",
+            (),
+            list(found.courses),
+            found,
         )
-    planner = EvenPlanner(problem, timed)
-    alone = [planner.plan(k, (), budget, 50 * EFFORT) for k in range(len(problem.models))]
-    lost = tuple(k for k, course in enumerate(alone) if course is None)
-    if lost:
-        text = f"no way found for robot {lost[0]}, not even alone; {budget}"
-        known = tuple(None if c is None else problem.in_map(c.trajectory(problem.ground)) for c in alone)
-        return TeamPlan("budget", text, lost, known, method, budget.used, budget.elapsed)
-    courses = tuple(course for course in alone if course is not None)
-    rng = np.random.default_rng(seed)
-    found = _solve(method, problem, planner, settings, courses, budget, rng)
-    return TeamPlan(
-        "solved" if found.solved else "budget",
-        "" if found.solved else f"no plan without conflicts found; {budget}",
-        (),
-        tuple(problem.in_map(course.trajectory(problem.ground)) for course in found.courses),
-        method if found.method == "alone" else found.method,
-        budget.used,
-        budget.elapsed,
-        found.counts,
-    )
 
+    def _planner(self) -> RobotPlanner:
+        if self.published:
+            return PublishedPlanner(self.problem, self.settings, self.seed)
+        if self.problem.ground.flat:
+            return EvenPlanner(self.problem, self.timed)
+        return UnevenPlanner(self.problem, self.settings, self.seed)
 
-def _solve(
-    method: str,
-    problem: TeamProblem,
-    planner: RobotPlanner,
-    settings: PlanSettings,
-    alone: tuple[Course, ...],
-    budget: Budget,
-    rng: np.random.Generator,
-) -> Found:
-    if method == "auto":
-        return solve_auto(problem, planner, settings, alone, budget, rng)
-    if method == "sequential":
-        order = range(len(alone))
-        for leave in (0.0, 3.0):
-            courses, failed = in_order(planner, order, budget, None, dict(enumerate(alone)), leave)
-            if failed is None:
-                return Found(tuple(courses[k] for k in order), True, method)
-        # Its Algorithm 2 goes on: conflicts are resolved by constraints on either robot.
-        rest = tuple(courses.get(k, alone[k]) for k in order)
-        outcome = conflict_search(problem, planner, settings, rest, budget)
-    else:
-        outcome = conflict_search(problem, planner, settings, alone, budget)
-    return Found(outcome.courses, outcome.solved, method, {"conflict_nodes": outcome.nodes})
+    def _joint(self) -> tuple[Course, ...] | None:
+        timed = self.timed
+        if not self.problem.ground.flat:
+            timed = TimedPlanner(walkable(self.problem.ground, self.problem.models[0]))
+        return solve_joint(self.problem, timed, self.budget, self.rng, not self.published)
+
+    def _solve(self, alone: tuple[Course, ...]) -> Found:
+        problem, planner, settings, budget = (
+            self.problem,
+            self.planner,
+            self.settings,
+            self.budget,
+        )
+        if self.method == "auto":
+            found = solve_auto(problem, planner, settings, alone, budget, self.rng)
+            if found.solved or budget.spent:
+                return found
+            merged = self._joint()
+            return found if merged is None else Found(merged, True, "joint")
+        if self.method == "sequential":
+            return solve_sequential(problem, planner, settings, alone, budget)
+        return conflict_search(problem, planner, settings, alone, budget)
+
+    def _team_plan(
+        self,
+        reason: str,
+        detail: str,
+        involved: tuple[int, ...],
+        courses: list[Course | None],
+        found: Found | None = None,
+    ) -> TeamPlan:
+        ground = self.problem.ground
+        return TeamPlan(
+            reason,
+            detail,
+            involved,
+            tuple(
+                None if course is None else self.problem.in_map(course.trajectory(ground))
+                for course in courses
+            ),
+            self.method if found is None else found.method or self.method,
+            self.budget.used,
+            self.budget.elapsed,
+            {} if found is None else found.counts,
+        )

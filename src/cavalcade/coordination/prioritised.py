@@ -17,7 +17,7 @@ from cavalcade.coordination.single import RobotPlanner, Span, spans_of
 _DELAYS = (2.0, 4.0, 8.0, 16.0)
 """s that robots wait at their starts where no order helps."""
 
-_LEAVE = 3.0
+LEAVE = 3.0
 """s that robots are given to leave their starts before others come past, once that is needed."""
 
 
@@ -88,7 +88,7 @@ def mended_orders(
         if budget.spent:
             return None
         if leave == 0.0:
-            leave = _LEAVE
+            leave = LEAVE
             continue
         order = [failed, *(robot for robot in order if robot != failed)]
         delays.pop(failed, None)
@@ -96,7 +96,7 @@ def mended_orders(
             order = [int(robot) for robot in rng.permutation(order)]
             late = rng.integers(1, len(order) + 1)
             chosen = rng.permutation(order)[:late]
-            leave = float(rng.choice((0.0, _LEAVE, 2.0 * _LEAVE)))
+            leave = float(rng.choice((0.0, LEAVE, 2.0 * LEAVE)))
             delays = {int(robot): float(rng.choice(_DELAYS)) for robot in chosen}
     return None
 

@@ -30,6 +30,7 @@ class PlanSettings:
             `first` in the order of the robots, as in the paper.
         leaps: Whether legged robots may leap.
         improve: Iterations spent on a better plan once there is one.
+        distance: Between centres, m: what counts as a conflict instead of the bodies.
         iterations: The budget: expansions of searches and trees.
         seconds: Limit of wall time, s; None for none. A plan never depends on it otherwise.
     """
@@ -39,6 +40,7 @@ class PlanSettings:
     conflict: Literal["costly", "earliest", "first"] = "costly"
     leaps: bool = True
     improve: int = 0
+    distance: float | None = None
     iterations: int = 2_000_000
     seconds: float | None = None
 
@@ -92,19 +94,4 @@ def problem_of(scenario: Scenario, world: World) -> TeamProblem:
         local(scenario.starts),
         local(scenario.goals),
         origin,
-    )
-
-
-def settings_of(scenario: Scenario) -> PlanSettings:
-    """The options that a scenario's `planner` section gives."""
-    said, default = scenario.planner, PlanSettings()
-    published = said.variant == "published"
-    return PlanSettings(
-        variant="published" if published else "cavalcade",
-        constraints=said.constraints or ("static" if published else default.constraints),
-        conflict=said.conflict or ("first" if published else default.conflict),
-        leaps=default.leaps if said.leaps is None else said.leaps,
-        improve=said.improve or 0,
-        iterations=said.budget.iterations or default.iterations,
-        seconds=said.budget.seconds,
     )

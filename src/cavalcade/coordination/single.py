@@ -68,6 +68,9 @@ class RobotPlanner(Protocol):
     def standing(self, robot: int) -> Array:
         """The track `(1, 3)` of a robot that stays at its start."""
 
+    def refusal(self, robot: int) -> str:
+        """A proof, found on the way, that the robot has no way even alone; else empty."""
+
 
 @dataclass(frozen=True)
 class EvenPlanner:
@@ -85,7 +88,7 @@ class EvenPlanner:
         self, robot: int, spans: Sequence[Span], budget: Budget, effort: int = EFFORT
     ) -> Course | None:
         """See `RobotPlanner`."""
-        others = self._others(spans)
+        others = others_among(self.problem, spans)
         for care in CAREFUL:
             way = self._search(robot, others, care, budget, effort)
             if way is not None:
@@ -98,7 +101,7 @@ class EvenPlanner:
         self, robot: int, spans: Sequence[Span], delay: float, budget: Budget
     ) -> Course | None:
         """See `RobotPlanner`."""
-        others = self._others(spans)
+        others = others_among(self.problem, spans)
         skip = round(delay / TRACK_STEP)
         delay = skip * TRACK_STEP
         model = self.problem.models[robot]
@@ -147,12 +150,18 @@ class EvenPlanner:
         budget.spend(expansions)
         return way
 
-    def _others(self, spans: Sequence[Span]) -> Others:
-        if not spans:
-            return NOBODY
-        models = [self.problem.models[span.robot] for span in spans]
-        rows = [(k, span.begin, span.end) for k, span in enumerate(spans)]
-        return others_of([span.track for span in spans], models, rows)
+    def refusal(self, robot: int) -> str:
+        """See `RobotPlanner`."""
+        return ""
+
+
+def others_among(problem: TeamProblem, spans: Sequence[Span]) -> Others:
+    """What is to be avoided, as kernels take it."""
+    if not spans:
+        return NOBODY
+    models = [problem.models[span.robot] for span in spans]
+    rows = [(k, span.begin, span.end) for k, span in enumerate(spans)]
+    return others_of([span.track for span in spans], models, rows)
 
 
 def spans_of(courses: Iterable[tuple[int, Course]]) -> list[Span]:

@@ -1,0 +1,98 @@
+"""The paper's low level: a robot's tree search with others as discs that are always there.
+
+Others' positions become static discs of the threshold d (its section III-D). Of a whole course
+that is avoided, positions count only if the other robot is there about when this one could be:
+the time window of section III-B, with the distance from the start standing for time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cavalcade.body.planner import plan_body
+from cavalcade.body.settings import BodySettings
+from cavalcade.body.timed import TRACK_STEP
+from cavalcade.coordination.budget import Budget
+from cavalcade.coordination.course import Course
+from cavalcade.coordination.problem import PlanSettings, TeamProblem
+from cavalcade.coordination.single import EFFORT, Span
+from cavalcade.geometry import Array
+
+DISTANCE = 0.33
+"""The threshold d between centres in the published code, m."""
+
+_WINDOW = 2.0
+"""Half the window of time, s."""
+
+_SPACING = 4
+"""Of a track every so many poses become discs."""
+
+
+@dataclass(frozen=True, eq=False)
+class PublishedPlanner:
+    """See `RobotPlanner`.
+
+    Attributes:
+        problem: The team's; robots with legs.
+        settings: Whether to leap.
+        seed: Of the trees.
+    """
+
+    problem: TeamProblem
+    settings: PlanSettings
+    seed: int
+
+    def plan(
+        self, robot: int, spans: Sequence[Span], budget: Budget, effort: int = EFFORT
+    ) -> Course | None:
+        """See `RobotPlanner`; the course's cost is its length, as in the paper."""
+        problem = self.problem
+        discs = [self._discs(robot, span) for span in spans]
+        answer = plan_body(
+            problem.ground,
+            problem.models[robot],
+            problem.starts[robot],
+            problem.goals[robot],
+            BodySettings(
+                iterations=budget.most(min(effort, BodySettings.iterations)),
+                leaps=self.settings.leaps,
+                variant="published",
+                discs=np.concatenate([np.zeros((0, 3)), *discs]),
+            ),
+            # Another draw for every call, or the same failure would come again.
+            (self.seed * 1_000_003 + robot) * 100_003 + budget.used,
+        )
+        budget.spend(answer.iterations)
+        if answer.trajectory is None:
+            return None
+        return Course(answer.trajectory, answer.trajectory.length)
+
+    def delayed(
+        self, robot: int, spans: Sequence[Span], delay: float, budget: Budget
+    ) -> Course | None:
+        """The paper's robots don't wait."""
+        return None
+
+    def standing(self, robot: int) -> Array:
+        """See `RobotPlanner`."""
+        return np.array(self.problem.starts[robot])[None]
+
+    def refusal(self, robot: int) -> str:
+        """See `RobotPlanner`."""
+        return ""
+
+    def _discs(self, robot: int, span: Span) -> Array:
+        track = span.track[::_SPACING]
+        keep = np.ones(len(track), dtype=bool)
+        if len(span.track) > 1 and span.end == np.inf:
+            legs = self.problem.models[robot].legs
+            speed = 0.5 if legs is None else legs.v_nom
+            way = np.hypot(*(track[:, :2] - self.problem.starts[robot][:2]).T)
+            there = np.arange(len(track)) * _SPACING * TRACK_STEP
+            keep = np.abs(there - way / speed) <= _WINDOW
+            track, keep = np.concatenate([track, span.track[-1:]]), np.append(keep, True)
+        rows = track[keep, :2]
+        return np.column_stack([rows, np.full(len(rows), DISTANCE)])

@@ -1,0 +1,183 @@
+"""Robots with legs on uneven ground: on foot where that goes, else by leaps that wait their turn.
+
+On foot means the search in space and time over the ground that feet may stand on. Where it finds
+no way, or a dearer one, trajectories of the body planner's trees count, each begun as late as the
+others' bodies ask for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from cavalcade.body.ground import Ground
+from cavalcade.body.planner import BodyPlan, plan_body
+from cavalcade.body.settings import BodySettings
+from cavalcade.body.timed import TRACK_STEP, TimedPlanner
+from cavalcade.body.trajectory import STEP, WALK, Trajectory
+from cavalcade.coordination._meeting import first_meeting
+from cavalcade.coordination.budget import Budget
+from cavalcade.coordination.course import Course
+from cavalcade.coordination.problem import PlanSettings, TeamProblem
+from cavalcade.coordination.single import EFFORT, EvenPlanner, Span, others_among
+from cavalcade.eikonal import surface_distance
+from cavalcade.geometry import Array
+from cavalcade.robots import RobotModel
+
+_POOL = 6
+"""Trajectories of the trees that are kept for each robot."""
+
+_MARGIN, _LOOK = 0.05, 0.025
+"""How far to keep off others, m, and how often to look, s."""
+
+_WAITS = tuple(0.5 * k for k in range(13)) + tuple(7.0 + k for k in range(14))
+"""How long to wait at the start, s."""
+
+_LEAST_TRAVERSABILITY = 0.3
+
+
+@dataclass(frozen=True, eq=False)
+class UnevenPlanner:
+    """See `RobotPlanner`.
+
+    Attributes:
+        problem: The team's.
+        settings: Whether to leap.
+        seed: Of the trees.
+        walking: Over the ground that feet may stand on; by the name of the model.
+        trees: Answers of the body planner so far, by robot.
+    """
+
+    problem: TeamProblem
+    settings: PlanSettings
+    seed: int
+    walking: dict[str, EvenPlanner] = field(default_factory=dict)
+    trees: dict[int, list[BodyPlan]] = field(default_factory=dict)
+
+    def plan(
+        self, robot: int, spans: Sequence[Span], budget: Budget, effort: int = EFFORT
+    ) -> Course | None:
+        """See `RobotPlanner`."""
+        found = [self._walking(robot).plan(robot, spans, budget, effort)]
+        found.append(self._by_trees(robot, spans, budget, 0.0))
+        return min((c for c in found if c is not None), key=lambda c: c.cost, default=None)
+
+    def delayed(
+        self, robot: int, spans: Sequence[Span], delay: float, budget: Budget
+    ) -> Course | None:
+        """See `RobotPlanner`."""
+        found = [self._walking(robot).delayed(robot, spans, delay, budget)]
+        found.append(self._by_trees(robot, spans, budget, delay))
+        return min((c for c in found if c is not None), key=lambda c: c.cost, default=None)
+
+    def standing(self, robot: int) -> Array:
+        """See `RobotPlanner`."""
+        return np.array(self.problem.starts[robot])[None]
+
+    def refusal(self, robot: int) -> str:
+        """Why the robot has no way even alone, as the body planner proves it; else empty."""
+        for answer in self.trees.get(robot, ()):
+            if answer.reason == "infeasible":
+                return answer.detail
+        return ""
+
+    def _walking(self, robot: int) -> EvenPlanner:
+        model = self.problem.models[robot]
+        if model.name not in self.walking:
+            ground = walkable(self.problem.ground, model)
+            self.walking[model.name] = EvenPlanner(
+                replace(self.problem, ground=ground), TimedPlanner(ground)
+            )
+        return self.walking[model.name]
+
+    def _by_trees(
+        self, robot: int, spans: Sequence[Span], budget: Budget, delay: float
+    ) -> Course | None:
+        """The cheapest of the trees' trajectories and waits that meets nobody."""
+        timed = self._walking(robot).timed
+        mover = timed.mover(self.problem.models[robot])
+        others = tuple(others_among(self.problem, spans))
+        pool = self.trees.setdefault(robot, [])
+        best: Course | None = None
+        for number in range(_POOL):
+            if number == len(pool):
+                if budget.spent or best is not None:
+                    break
+                pool.append(self._grown(robot, number, budget))
+            trajectory = pool[number].trajectory
+            if trajectory is None:
+                if pool[number].reason == "infeasible":
+                    break
+                continue
+            course = Course(trajectory, trajectory.duration + 2.0 / mover[0] * trajectory.length)
+            for wait in _WAITS:
+                late = delay + wait
+                if best is not None and course.cost + late >= best.cost:
+                    break
+                meeting = first_meeting(
+                    others, course.track, TRACK_STEP, late, mover, _MARGIN, _LOOK
+                )
+                if meeting < 0.0:
+                    best = Course(begun_later(trajectory, late), course.cost + late)
+                    break
+                if meeting <= late:  # it cannot even wait
+                    break
+        return best
+
+    def _grown(self, robot: int, number: int, budget: Budget) -> BodyPlan:
+        seed = (self.seed * 1_000_003 + robot) * 1_000 + number
+        settings = BodySettings(
+            iterations=budget.most(BodySettings.iterations),
+            leaps=self.settings.leaps,
+            improve=self.settings.improve,
+        )
+        problem = self.problem
+        answer = plan_body(
+            problem.ground,
+            problem.models[robot],
+            problem.starts[robot],
+            problem.goals[robot],
+            settings,
+            seed,
+        )
+        budget.spend(answer.iterations)
+        return answer
+
+
+def walkable(ground: Ground, model: RobotModel) -> Ground:
+    """The ground with everything solid that a foot may not stand on or the belly would touch.
+
+    Args:
+        ground: Any.
+        model: A robot with legs.
+    """
+    if ground.flat or model.legs is None:
+        return ground
+    legs = model.legs
+    above = ground.smooth + legs.h_nom - ground.height
+    bad = ground.traversability < _LEAST_TRAVERSABILITY
+    bad |= above > legs.h_max - 0.01
+    bad |= above < legs.h_min + legs.trunk_height / 2.0 + 0.02
+    solid = np.ascontiguousarray(ground.solid | bad)
+    return ground._replace(solid=solid, clearance=surface_distance(solid, ground.cell))
+
+
+def begun_later(trajectory: Trajectory, delay: float) -> Trajectory:
+    """The same after standing at the start for `delay` s."""
+    if delay <= 0.0:
+        return trajectory
+    count = int(np.ceil(delay / STEP - 1e-9))
+    times = np.arange(count) * (delay / count)
+
+    def stood(first: Array) -> Array:
+        return np.repeat(first[None], count, axis=0)
+
+    return Trajectory(
+        np.concatenate([times, trajectory.time + delay]),
+        np.concatenate([stood(trajectory.position[0]), trajectory.position]),
+        np.concatenate([np.zeros((count, 3)), trajectory.velocity]),
+        np.concatenate([stood(trajectory.yaw[0]), trajectory.yaw]),
+        np.concatenate([np.full(count, WALK, dtype=np.int8), trajectory.phase]),
+    )
