@@ -1,7 +1,8 @@
-"""What a plan is asked of: the method, and a scenario that has goals of single robots."""
+"""From a scenario's words to what a coordinator is asked."""
 
 from __future__ import annotations
 
+from cavalcade.coordination import PlanSettings
 from cavalcade.errors import InputError
 from cavalcade.scenario import Scenario
 
@@ -35,3 +36,21 @@ def with_method(scenario: Scenario, method: str | None) -> Scenario:
         raise InputError(f"unknown method {method!r}", key="method", choices=METHODS)
     planner = scenario.planner.model_copy(update={"method": method})
     return scenario.model_copy(update={"planner": planner})
+
+
+def settings_of(scenario: Scenario) -> PlanSettings:
+    """The options that the scenario's `planner` section gives over the defaults.
+
+    The variant `published` has the paper's plain choices where the section names no others.
+    """
+    said, default = scenario.planner, PlanSettings()
+    published = said.variant == "published"
+    return PlanSettings(
+        variant="published" if published else "cavalcade",
+        constraints=said.constraints or ("static" if published else default.constraints),
+        conflict=said.conflict or ("first" if published else default.conflict),
+        leaps=default.leaps if said.leaps is None else said.leaps,
+        improve=default.improve if said.improve is None else said.improve,
+        iterations=said.budget.iterations or default.iterations,
+        seconds=said.budget.seconds,
+    )

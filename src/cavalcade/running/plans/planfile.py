@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from numpy.lib.npyio import NpzFile
 
 from cavalcade.body.trajectory import Trajectory
 from cavalcade.errors import RecordingError
@@ -89,12 +90,19 @@ def read_plan(path: str | Path) -> tuple[dict[int, Trajectory], dict[int, Array]
     trajectories: dict[int, Trajectory] = {}
     footholds: dict[int, Array] = {}
     try:
-        with np.load(file, allow_pickle=False) as arrays:
+        with _opened(file) as arrays:
             robots = sorted(int(name[2:]) for name in arrays.files if name.startswith("t_"))
             for robot in robots:
                 parts = [arrays[f"{key}_{robot}"] for key in _KEYS]
                 trajectories[robot] = Trajectory(*parts[:5])
                 footholds[robot] = parts[5]
-    except (KeyError, OSError, ValueError, zipfile.BadZipFile) as error:
+    except (EOFError, KeyError, OSError, ValueError, zipfile.BadZipFile) as error:
         raise RecordingError(f"not a plan: {error}", file=file) from None
     return trajectories, footholds
+
+
+def _opened(file: Path) -> NpzFile:
+    arrays = np.load(file, allow_pickle=False)
+    if not isinstance(arrays, NpzFile):
+        raise ValueError("expected an archive of arrays")
+    return arrays

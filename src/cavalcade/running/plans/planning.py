@@ -14,7 +14,7 @@ from cavalcade.coordination.result import TeamPlan
 from cavalcade.geometry import Array
 from cavalcade.running.loop import load_for_running
 from cavalcade.running.output import FIGURES, PLAN, REPLAY, OutputFolder
-from cavalcade.running.plans.asking import require_own_goals, with_method
+from cavalcade.running.plans.asking import require_own_goals, settings_of, with_method
 from cavalcade.running.plans.feet import plan_feet
 from cavalcade.running.plans.planfile import write_plan
 from cavalcade.running.plans.progress import PlanReporter
@@ -144,7 +144,7 @@ def make_plan(
 
 def coordinate(scenario: Scenario, world: World) -> TeamPlan:
     """The plan of the scenario's own method."""
-    from cavalcade.coordination import plan_team, problem_of, settings_of
+    from cavalcade.coordination import plan_team, problem_of
 
     return plan_team(
         problem_of(scenario, world),
