@@ -155,3 +155,9 @@ def test_nobody_flies(drive):
     path = motion(swell(0.4), still)
     path.position[100, 2] += 0.01
     assert "no legs" in check_driven(path, MODELS_OF[drive])[0].message
+
+
+@pytest.mark.parametrize("at", [2.981, 2.985, 2.99])
+def test_bends_that_change_sides_between_two_samples(at):
+    path = motion(lambda t: 0.5 + 0 * t, lambda t: np.where(t < at, 0.5, -0.5))
+    assert check_driven(path, MODELS_OF["unicycle"]) == []

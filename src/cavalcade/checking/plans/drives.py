@@ -77,9 +77,10 @@ def _integrated(motion: Motion, model: RobotModel, second: bool) -> list[Violati
     dt = motion.steps[:, None]
     one, two = motion.velocity[:-1, :2], motion.velocity[1:, :2]
     moved = np.diff(motion.position[:, :2], axis=0)
-    # Along an arc velocity turns: its mean is shorter than that of both ends by this part at most.
-    turn = np.abs(np.diff(motion.yaw))[:, None]
-    bend = model.max_speed_x * dt * turn * turn / 8.0
+    bend = np.zeros_like(dt)
+    if model.drive.startswith("unicycle"):
+        # Within an interval it may turn one way and back again, moving along all the while.
+        bend = model.max_speed_x * model.max_yaw_rate * dt * dt / 4.0
     if second:
         allowed = _ROUNDING + bend + 2.0 * model.max_acceleration * dt * dt / 8.0
         defect = np.abs(moved - (one + two) / 2.0 * dt)
