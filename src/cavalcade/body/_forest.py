@@ -10,7 +10,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from cavalcade.body._figures import CONNECT, END, KIND, MOTION, SIZE, START
-from cavalcade.body._stance import STILL, make_walk, walk_heading, walk_problem
+from cavalcade.body._stance import STILL, make_walk, turns_too_fast, walk_heading, walk_problem
 from cavalcade.body._turn import turn_on_spot
 from cavalcade.geometry import Array
 
@@ -131,7 +131,7 @@ def try_walk(ground, body, discs, forest, tree, node, state, edge, scratch):
         allowed = make_walk(ground, body, own, state, edge)
     else:
         allowed = make_walk(ground, body, state, own, edge)
-    if not allowed:
+    if not allowed or turns_too_fast(body, edge):
         return MOTION, -1.0
     cos, sin = walk_heading(edge, tree == 1)
     if not may_turn(ground, body, discs, own, forest.yaws[tree, node], cos, sin):

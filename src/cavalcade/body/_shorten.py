@@ -15,6 +15,7 @@ from cavalcade.body._stance import (
     is_level,
     is_straight,
     make_walk,
+    turns_too_fast,
     walk_meets_something,
     walk_problem,
     walk_state,
@@ -94,11 +95,11 @@ def joined(ground, body, discs, before, after, yaw, edge):
 @njit(cache=True)
 def valid_walk(ground, body, discs, s0, s1, before, after, yaw, edge, scratch):
     """Lay a CONNECT out between states of a way; whether it is valid there."""
-    if not make_walk(ground, body, s0, s1, edge):
-        return False
-    if not joined(ground, body, discs, before, after, yaw, edge):
+    if not make_walk(ground, body, s0, s1, edge) or turns_too_fast(body, edge):
         return False
     if walk_meets_something(ground, body, discs, edge, scratch):
+        return False
+    if not joined(ground, body, discs, before, after, yaw, edge):
         return False
     return walk_problem(ground, body, discs, edge, False, scratch)[0] == OK
 
@@ -161,8 +162,8 @@ def shortcut(ground, body, discs, rng, edges, yaw):
     first, middle, last = edges[i].copy(), np.empty(SIZE), edges[j].copy()
     before = edges[i - 1] if i > 0 else none
     after = edges[j + 1] if j + 1 < count else none
-    if not _place(ground, body, edges[i], a, s0) or not _place(ground, body, edges[j], b, s1):
-        return edges, False
+    _place(ground, body, edges[i], a, s0)
+    _place(ground, body, edges[j], b, s1)
     if not _part(ground, body, first, s0, True, a) or not _part(ground, body, last, s1, False, b):
         return edges, False
     if not valid_walk(ground, body, discs, s0, s1, first, last, yaw, middle, scratch):
@@ -189,7 +190,6 @@ def _place(ground, body, edge, part, out):
     if stands_still(edge[START : START + 6]) and stands_still(edge[END : END + 6]):
         out[2] = surface(ground, out[0], out[1])[0] + body.h_nom
         out[3], out[4], out[5] = 0.0, 0.0, 0.0
-    return True
 
 
 @njit(cache=True)

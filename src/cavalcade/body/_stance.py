@@ -22,7 +22,7 @@ from cavalcade.body._figures import (
     TIME,
 )
 from cavalcade.body._surface import surface
-from cavalcade.body._validity import carried, solid_free, solid_slack, state_problem
+from cavalcade.body._validity import carried, covered_slack, solid_free, solid_slack, state_problem
 from cavalcade.body.trajectory import WALK
 
 STILL = 1e-6
@@ -190,6 +190,29 @@ def is_level(ground, walk):
 
 
 @njit(cache=True)
+def turns_too_fast(body, walk):
+    """Whether the yaw rate is too large at an end of a CONNECT already."""
+    if body.published or is_straight(walk):
+        return False
+    s0, s1, span = walk[START : START + 6], walk[END : END + 6], walk[TIME]
+    a2, a3 = cubic(s0[0], s0[3], s1[0], s1[3], span)
+    b2, b3 = cubic(s0[1], s0[4], s1[1], s1[4], span)
+    for k in range(2):
+        t = k * span
+        vx = s0[3] + t * (2.0 * a2 + 3.0 * t * a3)
+        vy = s0[4] + t * (2.0 * b2 + 3.0 * t * b3)
+        ax, ay = 2.0 * a2 + 6.0 * a3 * t, 2.0 * b2 + 6.0 * b3 * t
+        square = vx * vx + vy * vy
+        if square <= 1e-6:
+            # From rest the direction turns half as fast as that of the acceleration.
+            square = 2.0 * (ax * ax + ay * ay)
+            vx, vy, ax, ay = ax, ay, 6.0 * a3, 6.0 * b3
+        if abs(vx * ay - vy * ax) > body.yaw_rate * square + 1e-12:
+            return True
+    return False
+
+
+@njit(cache=True)
 def walk_meets_something(ground, body, discs, walk, scratch):
     """A quick look at a few places of a CONNECT, the middle first: whether one is invalid."""
     count = 8
@@ -230,6 +253,7 @@ def walk_problem(ground, body, discs, walk, backwards, scratch):
     straight = is_straight(walk)
     level = is_level(ground, walk)
     most = max(fastest(walk), 1e-6)
+    reach = math.sqrt(body.half_length * body.half_length + body.half_width * body.half_width)
     checked = 0  # solids need no look before this sample
     k = -1
     while k < count:
@@ -255,8 +279,13 @@ def walk_problem(ground, body, discs, walk, backwards, scratch):
             return MOTION, (k - 1) * step
         if k >= checked:
             slack = solid_slack(ground, body, discs, scratch[0], scratch[1])
+            pace = most
+            if slack <= 0.0 and (straight or not body.published):
+                slack = covered_slack(ground, body, discs, scratch[0], scratch[1], c, s)
+                if not straight:
+                    pace += reach * body.yaw_rate
             if slack > 0.0:
-                checked = k + 1 + int(slack / (most * step))
+                checked = k + 1 + int(slack / (pace * step))
             elif not solid_free(ground, body, discs, scratch[0], scratch[1], c, s):
                 return SOLID, (k - 1) * step
         if not (level and k > 0) and not carried(

@@ -9,16 +9,36 @@ from numba import njit
 
 
 @njit(cache=True)
+def corner(rows, cols, scale, x, y):
+    """The cell whose centre is the lower left one around a point, and the point's place between.
+
+    Args:
+        scale: Cells per m.
+
+    Returns:
+        Row and column, unsigned, and the shares 0 to 1 along x and y. Beyond the edge, the edge.
+    """
+    u = min(max(x * scale - 0.5, 0.0), cols - 1.0)
+    v = min(max(y * scale - 0.5, 0.0), rows - 1.0)
+    j, i = min(np.uint64(u), np.uint64(cols - 2)), min(np.uint64(v), np.uint64(rows - 2))
+    return i, j, u - np.float64(j), v - np.float64(i)
+
+
+@njit(cache=True)
+def blend(layer, i, j, fu, fv):
+    """A layer's bilinear value at the place that `corner` gives."""
+    one = np.uint64(1)
+    a, b = layer[i, j], layer[i + one, j]
+    low = a + fu * (layer[i, j + one] - a)
+    high = b + fu * (layer[i + one, j + one] - b)
+    return low + fv * (high - low)
+
+
+@njit(cache=True)
 def bilinear(layer, cell, x, y):
     """A layer's value at a point; beyond the edge that of the edge."""
-    rows, cols = layer.shape
-    u = min(max(x / cell - 0.5, 0.0), cols - 1.0)
-    v = min(max(y / cell - 0.5, 0.0), rows - 1.0)
-    j, i = min(int(u), cols - 2), min(int(v), rows - 2)
-    fu, fv = u - j, v - i
-    low = layer[i, j] + fu * (layer[i, j + 1] - layer[i, j])
-    high = layer[i + 1, j] + fu * (layer[i + 1, j + 1] - layer[i + 1, j])
-    return low + fv * (high - low)
+    i, j, fu, fv = corner(layer.shape[0], layer.shape[1], 1.0 / cell, x, y)
+    return blend(layer, i, j, fu, fv)
 
 
 @njit(cache=True)

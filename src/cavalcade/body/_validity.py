@@ -8,7 +8,7 @@ from numba import njit
 
 from cavalcade.body._figures import GROUND, MOTION, OK, SOLID
 from cavalcade.body._moves_contact import pose_free
-from cavalcade.body._surface import bilinear
+from cavalcade.body._surface import blend, corner
 from cavalcade.body.trajectory import FLIGHT, TAKE_OFF
 
 LEAST_TRAVERSABILITY = 0.3
@@ -35,11 +35,34 @@ def solid_slack(ground, body, discs, x, y):
 
 
 @njit(cache=True)
-def solid_free(ground, body, discs, x, y, cos, sin):
-    """Whether the footprint is on the map, free of solids, and its centre outside all discs.
+def covered_slack(ground, body, discs, x, y, cos, sin):
+    """How far every point of the footprint may go in any direction and meet nothing solid, m.
 
-    Five discs that cover the footprint answer most of it, boxes against cells the rest.
+    From five discs that cover it; not positive where they do not tell.
     """
+    cell = ground.cell
+    rows, cols = ground.solid.shape
+    part = 0.2 * body.half_length
+    needed = math.sqrt(part * part + body.half_width * body.half_width)
+    needed += _HALF_DIAGONAL * cell + body.margin
+    slack = math.inf
+    for k in range(5):
+        way = 2.0 * part * (k - 2)
+        px, py = x + way * cos, y + way * sin
+        if not (0.0 <= px < cols * cell and 0.0 <= py < rows * cell):
+            return -1.0
+        slack = min(slack, ground.clearance[int(py / cell), int(px / cell)] - needed)
+        if slack <= 0.0:
+            return slack
+    for k in range(discs.shape[0]):
+        dx, dy = x - discs[k, 0], y - discs[k, 1]
+        slack = min(slack, math.sqrt(dx * dx + dy * dy) - discs[k, 2])
+    return slack
+
+
+@njit(cache=True)
+def solid_free(ground, body, discs, x, y, cos, sin):
+    """Whether the footprint is on the map, free of solids, and its centre outside all discs."""
     for k in range(discs.shape[0]):
         dx, dy = x - discs[k, 0], y - discs[k, 1]
         if dx * dx + dy * dy < discs[k, 2] * discs[k, 2]:
@@ -49,23 +72,12 @@ def solid_free(ground, body, discs, x, y, cos, sin):
     if not (0.0 <= x < cols * cell and 0.0 <= y < rows * cell):
         return False
     there = ground.clearance[int(y / cell), int(x / cell)]
-    beside = _HALF_DIAGONAL * cell + body.margin
-    if there - beside > body.half_length + body.half_width:
+    beside = _HALF_DIAGONAL * cell
+    if there - beside - body.margin > body.half_length + body.half_width:
         return True
-    if there + _HALF_DIAGONAL * cell < body.half_width + body.margin:
+    if there + beside < body.half_width + body.margin:
         return False
-    part = 0.2 * body.half_length
-    needed = math.sqrt(part * part + body.half_width * body.half_width) + beside
-    covered = True
-    for k in range(5):
-        way = 2.0 * part * (k - 2)
-        px, py = x + way * cos, y + way * sin
-        if not (0.0 <= px < cols * cell and 0.0 <= py < rows * cell):
-            return False
-        if ground.clearance[int(py / cell), int(px / cell)] < needed:
-            covered = False
-            break
-    if covered:
+    if covered_slack(ground, body, discs, x, y, cos, sin) > 0.0:
         return True
     return pose_free(
         (cell, ground.solid, ground.clearance),
@@ -90,14 +102,17 @@ def carried(ground, body, x, y, z, cos, sin, phase):
     """
     if ground.flat:
         return z - body.belly >= body.h_min and (phase == FLIGHT or z <= body.h_max)
-    cell = ground.cell
-    if phase != FLIGHT and bilinear(ground.traversability, cell, x, y) < LEAST_TRAVERSABILITY:
+    height, traversability = ground.height, ground.traversability
+    rows, cols = height.shape
+    scale = 1.0 / ground.cell
+    i, j, fu, fv = corner(rows, cols, scale, x, y)
+    if phase != FLIGHT and blend(traversability, i, j, fu, fv) < LEAST_TRAVERSABILITY:
         return False
-    slope = cos * bilinear(ground.slope_x, cell, x, y) + sin * bilinear(ground.slope_y, cell, x, y)
+    slope = cos * blend(ground.slope_x, i, j, fu, fv) + sin * blend(ground.slope_y, i, j, fu, fv)
     cp = 1.0 / math.sqrt(1.0 + slope * slope)
     sp = slope * cp
     lowest = z - body.belly - body.h_min
-    if lowest < bilinear(ground.height, cell, x, y):
+    if lowest < blend(height, i, j, fu, fv):
         return False
     along, across = body.trunk_half_length * cp, body.trunk_half_width
     rise = body.trunk_half_length * sp
@@ -106,7 +121,8 @@ def carried(ground, body, x, y, z, cos, sin, phase):
         f = 1.0 if k % 2 == 0 else -1.0
         px = x + e * along * cos - f * across * sin
         py = y + e * along * sin + f * across * cos
-        if lowest + e * rise < bilinear(ground.height, cell, px, py):
+        i, j, fu, fv = corner(rows, cols, scale, px, py)
+        if lowest + e * rise < blend(height, i, j, fu, fv):
             return False
     if phase == FLIGHT:
         return True
@@ -118,9 +134,10 @@ def carried(ground, body, x, y, z, cos, sin, phase):
         f = 1.0 if k % 2 == 0 else -1.0
         px = x + e * along * cos - f * across * sin
         py = y + e * along * sin + f * across * cos
-        if bilinear(ground.traversability, cell, px, py) < LEAST_TRAVERSABILITY:
+        i, j, fu, fv = corner(rows, cols, scale, px, py)
+        if blend(traversability, i, j, fu, fv) < LEAST_TRAVERSABILITY:
             return False
-        if z + e * rise - bilinear(ground.height, cell, px, py) > body.h_max:
+        if z + e * rise - blend(height, i, j, fu, fv) > body.h_max:
             return False
     return True
 

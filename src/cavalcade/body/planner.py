@@ -10,6 +10,7 @@ import math
 import time as clock
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -114,13 +115,12 @@ def _pose(value: Sequence[float], key: str) -> Pose:
 
 def _read_only(ground: Ground) -> Ground:
     """The same ground; its arrays are of one type for all grounds, so kernels compile once."""
-    arrays = {}
+    arrays: dict[str, Any] = {}
     for name, value in zip(ground._fields, ground, strict=True):
         if isinstance(value, np.ndarray):
-            value = value.view()
-            value.setflags(write=False)
-        arrays[name] = value
-    return Ground(**arrays)
+            arrays[name] = value.view()
+            arrays[name].setflags(write=False)
+    return ground._replace(**arrays)
 
 
 class _Problem:
