@@ -10,6 +10,7 @@ import pytest
 import yaml
 
 from cavalcade.checking import check
+from cavalcade.checking.tracks import Track
 from cavalcade.cli import main
 from cavalcade.errors import RecordingError
 
@@ -103,3 +104,35 @@ def test_a_plan_of_a_formation(folder):
     (folder / "scenario.yaml").write_text(yaml.safe_dump(content))
     with pytest.raises(RecordingError, match="has a formation"):
         check(folder)
+
+
+def test_a_verdict_is_plain_data(leaper, tmp_path, capsys):
+    leaper.arrays["phase_0"][leaper.arrays["phase_0"] == 2] = 0
+    leaper.arrays["footholds_0"][3, 2] = 7
+    leaper.summary["makespan_s"] = None
+    folder = write(leaper, tmp_path / "plan")
+    assert exit_code("check", folder, "--json") == 1
+    told = json.loads(capsys.readouterr().out)
+    assert {"phase", "foothold", "summary"} <= {v["kind"] for v in told["violations"]}
+
+
+def test_a_run_that_carried_out_a_plan_is_judged_as_both(leaper, tmp_path, recorder):
+    leaper.summary |= {"path_length_m": [0.0], "duration_s": [None]}  # those of the run
+    folder = write(leaper, tmp_path / "run")
+    arrays = leaper.arrays
+    poses = np.column_stack((arrays["position_0"][:, :2], arrays["yaw_0"]))
+    rest = arrays["t_0"][-1] + 0.03 * np.arange(1, 30)
+    time = np.concatenate((arrays["t_0"], rest))
+    track = Track(time, np.concatenate((poses, np.repeat(poses[-1:], len(rest), axis=0))))
+    recorder(folder / "recording.mcap", [track])
+    report = check(folder)
+    assert report.violations == ()
+    assert report.figures.duration_s == pytest.approx(time[-1])
+
+    arrays["velocity_0"][arrays["phase_0"] == 2, 2] += 0.5
+    np.savez(folder / "plan.npz", **arrays)
+    assert {"ballistics", "dynamics"} <= {v.kind for v in check(folder).violations}
+
+    track.pose[100:, 1] += 0.3
+    recorder(folder / "recording.mcap", [track])
+    assert "speed" in {v.kind for v in check(folder).violations}

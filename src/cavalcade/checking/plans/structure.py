@@ -156,7 +156,8 @@ def _odd_phases(motion: Motion, model: RobotModel) -> list[Violation]:
     robot, phase, time = motion.robot, motion.phase, motion.time
 
     def odd(k: int, text: str) -> Violation:
-        return Violation("phase", float(time[k]), (robot,), f"robot {robot} {text}", phase[k], 0.0)
+        said = f"robot {robot} {text}"
+        return Violation("phase", float(time[k]), (robot,), said, float(phase[k]), 0.0)
 
     if model.drive != "legged":
         leaps = np.flatnonzero(phase != WALK)
