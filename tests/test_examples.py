@@ -20,6 +20,8 @@ SAYS = {
     "06_arrival_times": "wrote",
     "07_check_a_recording": "clean",
     "08_run_a_campaign": "feasible worlds solved",
+    "09_plan_a_team": "clean",
+    "10_plan_on_terrain": "in flight from",
 }
 
 WRITES = {
@@ -29,6 +31,8 @@ WRITES = {
     "06_arrival_times": ["arrival_times.png"],
     "07_check_a_recording": ["cone/recording.mcap"],
     "08_run_a_campaign": ["pair/trials.parquet", "pair/report.html"],
+    "09_plan_a_team": ["crossing/plan.npz", "crossing/replay.html"],
+    "10_plan_on_terrain": ["gap/plan.npz", "gap/figures/profile.png"],
 }
 
 

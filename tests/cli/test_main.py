@@ -127,7 +127,6 @@ def test_what_cannot_be_written_is_two(
         (["fly"], "fly"),
         (["show", "cone", "--out", "cone.txt"], "expected the name of a picture"),
         (["show", "cone", "--out", "no/such/folder/cone.png"], "no/such/folder: no such folder"),
-        (["plan", "hexagon-swap", "--out", "x", "--method", "cbs"], "plan arrives with"),
         (["import", "x"], "--out"),
         (["import", "x", "--out", "y.yaml"], "x: cannot be read"),
         (["studio"], "studio arrives with"),
