@@ -24,9 +24,9 @@ scenario = cv.parse_scenario(
 )
 plan = cv.plan(scenario, folder / "gap", seed=0, force=True)
 path, feet = plan.trajectories[0], plan.footholds[0]
-flying = path.phase == 2
+air = path.time[path.phase == 2]
 print(f"{plan.reason}: {path.length:.2f} m in {path.duration:.1f} s")
-print(f"in flight from {path.time[flying][0]:.2f} s on, highest at {path.position[:, 2].max():.2f} m")
+print(f"in flight from {air[0]:.2f} s on, highest at {path.position[:, 2].max():.2f} m")
 terrain = cv.build_world(scenario).terrain
 off = np.abs(feet[:, 5] - terrain.heights_at(feet[:, 3:5])).max()
 print(f"{len(feet)} footholds, at most {off:.3f} m off the ground")
