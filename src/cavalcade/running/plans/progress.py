@@ -9,6 +9,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
+from cavalcade.running.warm import kernels_are_cached
 from cavalcade.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -55,6 +56,8 @@ class PlanReporter:
         limit = scenario.planner.budget.seconds
         if limit is not None:
             text += f", at most {limit:g} s"
+        if self._console is not None and not kernels_are_cached("body", "*"):
+            text += "; compiling the numerical kernels, once after installation (a minute or two)"
         if self._console is None:
             yield
         elif self._console.is_terminal:

@@ -20,6 +20,13 @@ function footAt(robot, leg, time, body) {
   return { at, stands: false };
 }
 
+// Where no footholds are known: below the hip.
+function belowHip(robot, leg, body) {
+  const x = leg < 2 ? robot.legs.x : -robot.legs.x, y = leg % 2 ? -robot.legs.y : robot.legs.y;
+  const [px, py] = placed([body.x, body.y, body.yaw], x, y);
+  return { at: [px, py, groundAt(px, py)], stands: true };
+}
+
 const marks = (() => {
   const place = [], colour = [], when = [];
   for (const robot of robots) {

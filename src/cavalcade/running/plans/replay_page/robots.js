@@ -40,16 +40,15 @@ function drawRobot(robot, time) {
     return;
   }
   const { x: hx, y: hy, link } = robot.legs;
-  const feet = robot.feet && [0, 1, 2, 3].map((leg) => footAt(robot, leg, time, body));
-  let pitch = 0;
-  if (feet) pitch = Math.atan2(0.5 * (feet[0].at[2] + feet[1].at[2] - feet[2].at[2] - feet[3].at[2]), 2 * hx);
+  const feet = [0, 1, 2, 3].map((leg) => robot.feet ? footAt(robot, leg, time, body) : belowHip(robot, leg, body));
+  let pitch = Math.atan2(0.5 * (feet[0].at[2] + feet[1].at[2] - feet[2].at[2] - feet[3].at[2]), 2 * hx);
   pitch = Math.max(-0.5, Math.min(0.5, body.phase ? 0.4 * pitch : pitch));
   const x = [c * Math.cos(pitch), s * Math.cos(pitch), Math.sin(pitch)], y = [-s, c, 0], z = cross(x, y), at = [body.x, body.y, body.z];
   const long = 0.42 * length, wide = Math.min(hy + 0.035, 0.45 * width), tall = 0.055;
   drawMesh(cube, boxed(scaled(x, long), scaled(y, wide), scaled(z, tall), add(at, z, 0.02)), paint);
   drawMesh(cube, boxed(scaled(x, 0.05), scaled(y, 0.7 * wide), scaled(z, 0.045), add(add(at, x, long + 0.03), z, 0.045)), [0.13, 0.14, 0.16]);
   const limbs = paint.map((v) => 0.25 + 0.5 * v);
-  for (let leg = 0; feet && leg < 4; leg++) {
+  for (let leg = 0; leg < 4; leg++) {
     const left = leg % 2 ? -1 : 1, hip = add(add(at, x, leg < 2 ? hx : -hx), y, left * (hy + 0.02));
     const foot = add(feet[leg].at, [0, 0, 0.02]), away = sub(foot, hip), far = Math.hypot(...away);
     const bend = Math.sqrt(Math.max(link * link - 0.25 * far * far, 0.0002));
