@@ -260,12 +260,12 @@ def aimed_leap(
     short = _LEAST_FLIGHT - (end - start)
     if short > 0.0:
         start, end = start - 0.5 * short, end + 0.5 * short
-    for _ in range(3):
+    for _ in range(4):
         if not shape_leap(ground, body, line[0], line[1], line[2], line[3], start, end, draw, leap):
             return False
         # The stance before it begins where the body still walks.
         begin = (leap[START] - line[0]) * line[2] + (leap[START + 1] - line[1]) * line[3]
         if begin <= walk:
-            break
+            return leap_problem(ground, body, discs, leap, scratch) == OK
         start -= begin - walk + 0.002
-    return leap_problem(ground, body, discs, leap, scratch) == OK
+    return False
