@@ -137,7 +137,7 @@ def judge(
     moving = speed > 0.05
     along = np.arctan2(t.velocity[:, 1], t.velocity[:, 0])
     off = np.remainder(t.yaw - along + math.pi, 2 * math.pi) - math.pi
-    assert np.abs(off[moving]).max() < 1e-6
+    assert np.abs(off[moving]).max(initial=0.0) < 1e-6
     for k in range(len(t.time)):
         pose = np.array([*t.position[k], t.yaw[k]])
         # At the end of a phase the rules of both hold, but for what the next one lifts.

@@ -64,6 +64,8 @@ def test_reversed_in_time_it_is_the_same_way(rough, a, b):
     walk, back, out, other = np.empty(SIZE), np.empty(SIZE), np.empty(6), np.empty(6)
     s0, s1 = _state(rough, a), _state(rough, b)
     make_walk(rough, BODY, s0, s1, walk)
+    if walk[TIME] < 0.01:
+        return
     flip = np.array([1.0, 1.0, 1.0, -1.0, -1.0, -1.0])
     make_walk(rough, BODY, s1 * flip, s0 * flip, back)
     assert back[TIME] == pytest.approx(walk[TIME])

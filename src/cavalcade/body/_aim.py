@@ -42,6 +42,7 @@ _STEP = 0.02
 _FARTHEST = 1.6
 _SLOWEST = 0.3
 _LEAST_FLIGHT = 0.3
+_LOW = 9
 
 
 @njit(cache=True)
@@ -245,11 +246,11 @@ def aimed_leap(
     """
     fastest = 0.98 * body.v_max
     before, after = 0.01, 0.01
-    if attempt < 4:
-        draw[0] = fastest * (1.0 - 0.08 * attempt)
-        draw[1] = draw[2] = 0.9 - 0.2 * attempt
+    if attempt < _LOW:
+        draw[0] = fastest * (1.0 - 0.1 * (attempt // 3))
+        draw[1] = draw[2] = 0.9 - 0.2 * (attempt // 3)
         draw[3] = draw[4] = 0.0
-        draw[5] = body.h_nom - 0.02
+        draw[5] = body.h_nom + LAND_ABOVE * (-0.4 + 0.7 * (attempt % 3))
     else:
         draw[0] = between(rng, 0.4 * fastest, fastest)
         draw[1], draw[2] = between(rng, 0.0, 0.95), between(rng, 0.0, 0.95)
