@@ -68,7 +68,7 @@ def _leap_all(ground, body, discs, line, walk, take_off, landing, count, rng):
     leap, draw, scratch = np.empty(SIZE), np.empty(6), np.empty(12)
     good = 0
     for k in range(count):
-        attempt = 9 + k
+        attempt = 12 + k
         if aimed_leap(
             ground, body, discs, line, walk, take_off, landing, attempt, rng, draw, leap, scratch
         ):

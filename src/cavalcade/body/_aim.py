@@ -42,7 +42,7 @@ _STEP = 0.02
 _FARTHEST = 1.6
 _SLOWEST = 0.3
 _LEAST_FLIGHT = 0.3
-_LOW = 9
+_LOW = 12
 
 
 @njit(cache=True)
@@ -247,7 +247,7 @@ def aimed_leap(
     fastest = 0.98 * body.v_max
     before, after = 0.01, 0.01
     if attempt < _LOW:
-        draw[0] = fastest * (1.0 - 0.1 * (attempt // 3))
+        draw[0] = fastest * (1.0 - 0.17 * (attempt // 3))
         draw[1] = draw[2] = 0.9 - 0.2 * (attempt // 3)
         draw[3] = draw[4] = 0.0
         draw[5] = body.h_nom + LAND_ABOVE * (-0.4 + 0.7 * (attempt % 3))
