@@ -11,8 +11,9 @@ backwards), turn (rad), v0, v1 (m/s at its ends, not signed), vmax (m/s) and dur
 Speed along a line or arc is the trapezoid from v0 over at most vmax to v1.
 
 A mover is an array: 0 speed, 1 acceleration, 2 turn rate, 3 turn acceleration, 4 least radius of
-arcs (0: none), 5 whether it goes backwards, 6 whether its heading is free (it turns in no time),
-7 half length, 8 half width, 9 whether it is round (then 7 is its radius).
+arcs (0: none), 5 how far it may go backwards at a stretch, 6 whether its heading is free (it turns
+in no time), 7 half length, 8 half width, 9 whether it is round (then 7 is its radius), 10 speed
+backwards.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ import numpy as np
 from numba import njit
 
 SPEED, ACCELERATION, RATE, TURN_ACCELERATION, RADIUS, BACKWARDS, FREE, HALF_LENGTH = range(8)
-HALF_WIDTH, ROUND = 8, 9
+HALF_WIDTH, ROUND, BACK_SPEED = 8, 9, 10
 LENGTH, TURN, V0, V1, VMAX, DURATION = range(6)
 
 

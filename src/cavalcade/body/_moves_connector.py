@@ -14,6 +14,7 @@ from numba import njit
 
 from cavalcade.body._moves import (
     ACCELERATION,
+    BACK_SPEED,
     BACKWARDS,
     DURATION,
     FREE,
@@ -39,18 +40,25 @@ def _wrapped(angle):
 
 
 @njit(cache=True)
+def backward_factor(mover):
+    """What a metre backwards costs, in metres: robots that are slow that way should not like it."""
+    return 4.0 if mover[BACK_SPEED] < mover[SPEED] else 1.0
+
+
+@njit(cache=True)
 def _lay(words, counts, costs, number, first, parts, last, v0, v1, mover, price):
     """Write a word of at most five moves as number `number`; the new number of words.
 
     `first` and `last` are turns on the spot, `parts` `(3, 2)` lengths and turns driven in between.
     """
     total = abs(parts[0, 0]) + abs(parts[1, 0]) + abs(parts[2, 0])
-    a, vmax = mover[ACCELERATION], mover[SPEED]
+    ahead = parts[0, 0] >= 0.0 and parts[1, 0] >= 0.0 and parts[2, 0] >= 0.0
+    a, vmax = mover[ACCELERATION], mover[SPEED] if ahead else mover[BACK_SPEED]
     duration, peak = trapezoid(total, v0, v1, vmax, a)
     if duration < 0.0 or number >= words.shape[0]:
         return number
     count = 0
-    cost = price * total
+    cost = price * total * (1.0 if ahead else backward_factor(mover))
     if abs(first) > 1e-9:
         make_move(words[number, count], 0.0, first, 0.0, 0.0, 0.0, mover)
         cost += words[number, count, DURATION]
@@ -151,7 +159,7 @@ def connect(a, v0, b, v1, mover, price, words, counts, costs):
         last = _wrapped(b[2] - bearing)
         first = _wrapped(bearing - a[2])
         number = _lay(words, counts, costs, number, first, parts, last, v0, v1, mover, price)
-        if mover[BACKWARDS] > 0.0 and distance > 1e-9:
+        if mover[BACKWARDS] >= distance > 1e-9:
             parts[1, 0] = -distance
             first, last = _wrapped(bearing + math.pi - a[2]), _wrapped(b[2] - bearing - math.pi)
             number = _lay(words, counts, costs, number, first, parts, last, v0, v1, mover, price)
@@ -176,7 +184,7 @@ def connect(a, v0, b, v1, mover, price, words, counts, costs):
                 parts[1, 0], parts[2, 0], parts[2, 1] = straight, abs(turn) * radius, -turn
                 first = _wrapped(b[2] + turn - a[2])
                 number = _lay(words, counts, costs, number, first, parts, 0.0, v0, v1, mover, price)
-    if mover[BACKWARDS] > 0.0 and v0 == 0.0 and v1 == 0.0:
+    if mover[BACKWARDS] == math.inf and v0 == 0.0 and v1 == 0.0:
         for word in range(4):
             if _dubins(word, dx, dy, a[2] + math.pi, b[2] + math.pi, radius, parts):
                 parts[:, 0] *= -1.0

@@ -23,7 +23,7 @@ from cavalcade.body._moves import (
     advanced,
     trapezoid,
 )
-from cavalcade.body._moves_connector import MOST_MOVES, MOST_WORDS, connect
+from cavalcade.body._moves_connector import MOST_MOVES, MOST_WORDS, backward_factor, connect
 from cavalcade.body._moves_contact import free_from, move_free
 
 FOUND, NONE, SPENT = 0, 1, 2
@@ -31,8 +31,12 @@ FROM_MOVING, TO_MOVING = 6, 7
 """Columns of the table of primitives, after those of a move."""
 
 _HEADINGS = 32
-_PATIENCE = 1000
+_PATIENCE = 300
 """Expansions after a first way was found, to find a better one."""
+
+_MORE_PATIENCE = 3000
+_GOOD = 1.08
+"""The same where it costs more than this times the least that is possible."""
 
 _LOOPS = 4.0
 """Words that cost more than this beyond the straight way are no shots at the goal, s."""
@@ -151,6 +155,12 @@ def search(
     speed = mover[SPEED]
     turn_round, _ = trapezoid(math.pi, 0.0, 0.0, mover[RATE], mover[TURN_ACCELERATION])
     turn_round *= 2.0
+    dislike = backward_factor(mover)
+    gap = math.sqrt((goal[0] - start[0]) ** 2 + (goal[1] - start[1]) ** 2)
+    if guide.shape[0] > 0:
+        gap = max(gap, _guided(guide, guide_cell, start[0], start[1]) - 1.5 * guide_cell)
+    lowest, _ = trapezoid(gap, 0.0, 0.0, speed, mover[ACCELERATION])
+    lowest += price * gap
 
     capacity = min(most * (len(prims) + 1) + 2, 4_000_000)
     size = 1 << 12
@@ -177,8 +187,10 @@ def search(
         node, waiting = _pop(heap, keys, waiting)
         if least >= greed * best_cost - 1e-9:
             break
-        if best_node >= 0 and expansions - found_at > _PATIENCE:
-            break
+        if best_node >= 0:
+            patience = _PATIENCE if best_cost < _GOOD * lowest else _MORE_PATIENCE
+            if expansions - found_at > patience:
+                break
         if expansions >= most or used + len(prims) >= capacity:
             if best_node >= 0:
                 break
@@ -276,7 +288,7 @@ def search(
             then = t + row[DURATION]
             if nx < 0.0 or ny < 0.0:
                 continue
-            gone = length + abs(row[LENGTH])
+            gone = length + (row[LENGTH] if row[LENGTH] >= 0.0 else -dislike * row[LENGTH])
             ahead = math.sqrt((goal[0] - nx) ** 2 + (goal[1] - ny) ** 2)
             if guide.shape[0] > 0:
                 ahead = max(ahead, _guided(guide, guide_cell, nx, ny) - 1.5 * guide_cell)

@@ -73,7 +73,7 @@ class Way:
     Attributes:
         start: x, y, yaw `(3,)`.
         moves: `(M, 6)`.
-        mover: `(10,)`.
+        mover: `(11,)`.
         model: Of the robot.
     """
 
@@ -113,7 +113,7 @@ class TimedPlanner:
         self.greed = 1.2
         self.grid = (ground.cell, ground.solid, ground.clearance)
         self._open = not ground.solid.any()
-        self._guides: dict[tuple[int, int, float], tuple[Array, float]] = {}
+        self._guides: dict[tuple[int, int, float, float], tuple[Array, float]] = {}
         self._kinds: dict[tuple[str, int], tuple[Array, Array]] = {}
 
     def plan(
@@ -138,7 +138,7 @@ class TimedPlanner:
             The way or None; whether that is because `most` was spent; expansions.
         """
         mover, prims = self._kind(model, care.finer)
-        guide, guide_cell = self.guide(goal, model)
+        guide, guide_cell = self._likely_guide(start, goal, model)
         price = 2.0 / mover[0] if self.price is None else self.price
         margins = np.array([care.ground, care.others])
         steps = np.array(care.steps)
@@ -174,25 +174,37 @@ class TimedPlanner:
         """The model as kernels take it."""
         return self._kind(model, 0)[0]
 
-    def guide(self, goal: Array, model: RobotModel) -> tuple[Array, float]:
+    def guide(self, goal: Array, model: RobotModel, slack: float = 0.75) -> tuple[Array, float]:
         """Lengths of the shortest ways to the goal on a coarser grid, m, and its cell.
 
-        For a disc of half the body's width; `(0, 0)` where nothing stands.
+        For a disc of half the body's width, `(0, 0)` where nothing stands. Ways lead through cells
+        whose clearance misses half the width by no more than `slack` cells; with three quarters
+        of one no way of the disc is missed, and some lead through what is too narrow.
         """
         if self._open:
             return np.zeros((0, 0)), 1.0
         cell = self.ground.cell
         factor = max(1, round(0.1 / cell))
         row, col = int(goal[1] / cell) // factor, int(goal[0] / cell) // factor
-        key = (row, col, model.width)
+        key = (row, col, model.width, slack)
         if key not in self._guides:
-            wide = self.ground.clearance > model.width / 2.0 - 0.75 * cell
+            wide = self.ground.clearance > model.width / 2.0 - slack * cell
             free = _coarser(wide, factor)
             row, col = min(row, free.shape[0] - 1), min(col, free.shape[1] - 1)
             free[row, col] = True
             times = arrival_times(free.astype(float), [(row, col)], cell * factor)
             self._guides[key] = (np.ascontiguousarray(times), cell * factor)
         return self._guides[key]
+
+    def _likely_guide(self, start: Array, goal: Array, model: RobotModel) -> tuple[Array, float]:
+        """The guide through what is wide enough; if the start is not on it, the cautious one."""
+        guide, cell = self.guide(goal, model, 0.0)
+        if guide.shape[0]:
+            row = min(int(start[1] / cell), guide.shape[0] - 1)
+            col = min(int(start[0] / cell), guide.shape[1] - 1)
+            if not np.isfinite(guide[row, col]):
+                return self.guide(goal, model)
+        return guide, cell
 
     def _kind(self, model: RobotModel, finer: int) -> tuple[Array, Array]:
         key = (model.name, finer)

@@ -172,7 +172,7 @@ def search_joint(grid, nobody, movers, starts, goals, price, margins, steps, rng
 
     Args:
         grid: See `_moves_contact`; `nobody`: others, of whom there are none.
-        movers: `(N, 10)`.
+        movers: `(N, 11)`.
         starts, goals: `(N, 3)`.
         price, margins, steps: As in the search in space and time.
         rng: State of the generator `(1,)`.

@@ -30,6 +30,10 @@ EFFORT = 20_000
 """Expansions that one call may take; more are tried only where everything else has failed."""
 
 
+_CRAMPED = 50
+"""A search that ends within so few expansions was shut in: the margins are what is too large."""
+
+
 class Span(NamedTuple):
     """What a robot has to avoid: a track of another robot while it lasts.
 
@@ -90,10 +94,11 @@ class EvenPlanner:
         """See `RobotPlanner`."""
         others = others_among(self.problem, spans)
         for care in CAREFUL:
+            before = budget.used
             way = self._search(robot, others, care, budget, effort)
             if way is not None:
                 return Course(way, self.timed.cost(way))
-            if budget.spent:
+            if budget.spent or (care is CAREFUL[1] and budget.used - before > _CRAMPED):
                 break
         return None
 
