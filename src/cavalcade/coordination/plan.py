@@ -20,6 +20,7 @@ from cavalcade.coordination.result import TeamPlan
 from cavalcade.coordination.sequential import solve_sequential
 from cavalcade.coordination.single import EFFORT, EvenPlanner, RobotPlanner
 from cavalcade.coordination.uneven import UnevenPlanner, walkable
+from cavalcade.coordination.warm import warm_up
 from cavalcade.errors import InputError
 
 METHODS = ("auto", "sequential", "joint", "cbs")
@@ -62,12 +63,14 @@ class _Call:
         if self.published and settings.distance is None:
             settings = replace(settings, distance=DISTANCE)
         self.settings = settings
-        self.budget = Budget(settings.iterations, settings.seconds)
+        self.budget = Budget(settings.iterations, settings.seconds)  # refuses before it costs
         self.rng = np.random.default_rng(seed)
         legged = all(model.legs is not None for model in problem.models)
         if not legged and (self.published or not problem.ground.flat):
             where = "the published planner" if self.published else "uneven ground"
             raise InputError(f"{where} is for robots with legs", key="robots")
+        warm_up(method == "joint", self.published or not problem.ground.flat)
+        self.budget = Budget(settings.iterations, settings.seconds)
         self.timed = TimedPlanner(problem.ground)
         self.planner = self._planner()
 

@@ -1,7 +1,7 @@
 """Prioritised planning: each robot avoids, in time, the courses of those before it.
 
-After Erdmann & Lozano-Pérez, Algorithmica 2, 1987; orders are mended when they fail, as in Bennewitz
-et al., ICRA 2001: who finds no way goes first, and then those before it start later.
+After Erdmann & Lozano-Pérez, Algorithmica 2, 1987; orders are mended when they fail, as in
+Bennewitz et al., ICRA 2001: who finds no way goes first, and then those before it start later.
 """
 
 from __future__ import annotations

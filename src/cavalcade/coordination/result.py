@@ -21,7 +21,7 @@ class TeamPlan:
             known: each robot's own plan regardless of the others, or None.
         method: Which coordinator found it; of `auto` the one that it fell back on.
         iterations: Expansions of searches and trees, what the iteration budget counts.
-        planning_time: s of wall time.
+        planning_time: s of wall time, without the compilation or loading of kernels.
         counts: Further figures of the method, such as nodes of the conflict tree.
     """
 

@@ -60,8 +60,12 @@ class UnevenPlanner:
         self, robot: int, spans: Sequence[Span], budget: Budget, effort: int = EFFORT
     ) -> Course | None:
         """See `RobotPlanner`."""
-        found = [self._walking(robot).plan(robot, spans, budget, effort)]
-        found.append(self._by_trees(robot, spans, budget, 0.0))
+        found = [self._by_trees(robot, spans, budget, 0.0)]
+        if self.refusal(robot):
+            return None
+        if found[0] is not None:
+            effort = min(effort, EFFORT)
+        found.append(self._walking(robot).plan(robot, spans, budget, effort))
         return min((c for c in found if c is not None), key=lambda c: c.cost, default=None)
 
     def delayed(

@@ -29,6 +29,9 @@ HEADING = 0.1
 STROLL = 0.1
 """Slower than this the heading is free, m/s."""
 
+BACKWARDS = 0.305
+"""No faster than this robots may walk backwards, m/s."""
+
 SEAM = 4.0
 """Largest jump of vertical speed before and after a leap of the published model, m/s."""
 
@@ -269,10 +272,12 @@ def _yaw_rates(motion: Motion, legs: LegModel) -> list[Violation]:
 
 
 def _heading(motion: Motion) -> list[Violation]:
-    """While it walks, the body looks where it goes."""
+    """While it walks, the body looks where it goes; slowly it may also step straight back."""
     x, y = motion.velocity[:, 0], motion.velocity[:, 1]
     off = np.abs(wrap_angle(np.arctan2(y, x) - motion.yaw))
-    moving: Array = (motion.phase == WALK) & (np.hypot(x, y) > STROLL)
+    speed = np.hypot(x, y)
+    off = np.where(speed <= BACKWARDS, np.minimum(off, np.pi - off), off)
+    moving: Array = (motion.phase == WALK) & (speed > STROLL)
     return excesses(
         "heading",
         motion.robot,
