@@ -2,12 +2,29 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numba import njit
 
-from cavalcade.body._moves import DURATION, LENGTH, TURN, V0, V1, advanced, poses_between
+from cavalcade.body._moves import (
+    ACCELERATION,
+    DURATION,
+    LENGTH,
+    TURN,
+    V0,
+    V1,
+    VMAX,
+    advanced,
+    make_move,
+    poses_between,
+    trapezoid,
+)
 from cavalcade.body._moves_connector import MOST_MOVES, MOST_WORDS, connect
 from cavalcade.body._moves_contact import free_from, move_free
+
+_PIECE = 1.5
+"""Words may begin and end within longer moves, m."""
 
 
 @njit(cache=True)
@@ -23,6 +40,37 @@ def _rows_free(grid, others, pose, rows, mover, t, margins, steps, standing):
 
 
 @njit(cache=True)
+def split(moves, mover, piece):
+    """The same motion with moves along the way cut into pieces no longer than `piece` m."""
+    count = 0
+    for k in range(len(moves)):
+        count += max(1, int(math.ceil(abs(moves[k, LENGTH]) / piece)))
+    rows = np.empty((count, moves.shape[1]))
+    at = 0
+    a = mover[ACCELERATION]
+    for k in range(len(moves)):
+        length, turn = moves[k, LENGTH], moves[k, TURN]
+        parts = max(1, int(math.ceil(abs(length) / piece)))
+        if parts == 1:
+            rows[at] = moves[k]
+            at += 1
+            continue
+        v0, v1 = moves[k, V0], moves[k, V1]
+        _, peak = trapezoid(abs(length), v0, v1, moves[k, VMAX], a)
+        before = v0
+        for i in range(1, parts + 1):
+            way = abs(length) * i / parts
+            after = min(peak, math.sqrt(v0 * v0 + 2.0 * a * way))
+            after = min(after, math.sqrt(v1 * v1 + 2.0 * a * (abs(length) - way)))
+            if i == parts:
+                after = v1
+            make_move(rows[at], length / parts, turn / parts, before, after, peak, mover)
+            before = after
+            at += 1
+    return rows
+
+
+@njit(cache=True)
 def shorten(grid, others, mover, start, moves, margins, steps, price, rounds):
     """The way with parts of it replaced by cheaper words, greedily from its start.
 
@@ -32,7 +80,7 @@ def shorten(grid, others, mover, start, moves, margins, steps, price, rounds):
     words = np.empty((MOST_WORDS, MOST_MOVES, 6))
     counts = np.zeros(MOST_WORDS, dtype=np.int64)
     costs = np.empty(MOST_WORDS)
-    rows = moves.copy()
+    rows = split(moves, mover, _PIECE)
     goal = poses_between(start, moves)[-1]
     taken = free_from(others, goal[0], goal[1], goal[2], mover, 0.0, margins[1])
     for _ in range(rounds):

@@ -83,11 +83,11 @@ class _Call:
             return self._team_plan("infeasible", proof.text, proof.robots, nothing)
         if self.method == "joint":
             # Its trees plan all robots at once; nobody is planned alone.
-            found = self._joint()
-            if found is None:
+            together = self._joint()
+            if together is None:
                 text = f"no plan found in the product space; {budget}"
                 return self._team_plan("budget", text, (), nothing)
-            return self._team_plan("solved", "", (), list(found))
+            return self._team_plan("solved", "", (), list(together))
         alone = [self.planner.plan(k, (), budget, 50 * EFFORT) for k in robots]
         lost = tuple(k for k in robots if alone[k] is None)
         if lost:
