@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cavalcade.campaign.escape import Scene, Thing
-from cavalcade.campaign.judging import CONTACT
+from cavalcade.campaign.verdict import CONTACT
 from cavalcade.checking.report import Report, Violation
 from cavalcade.running.frames import Recording
 from cavalcade.scenario import Scenario, World

@@ -13,12 +13,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from cavalcade.campaign.draws.model import SOLVED
 from cavalcade.campaign.lines import CRASHED, REFUSED, Line, failure_line
 from cavalcade.campaign.trial import Trial
 from cavalcade.errors import InputError, OutputError
 
 if TYPE_CHECKING:
+    from cavalcade.campaign.planned import Planned
     from cavalcade.running import Recording, RunResult
+    from cavalcade.running.plans import PlanResult
     from cavalcade.scenario import Scenario, World
 
 
@@ -42,12 +45,15 @@ def carry_out(trial: Trial) -> Line:
     return carry_out_into(trial, None)[0]
 
 
-def replay(trial: Trial) -> tuple[Scenario, World, Recording, Mapping[str, Any]] | None:
-    """Scenario, world at the start, recording and summary of one trial; None without a run."""
+def replay(
+    trial: Trial,
+) -> tuple[Scenario, World, Recording | PlanResult, Mapping[str, Any]] | None:
+    """Scenario, world at the start, recording or plan, and summary; None without a run."""
     _, ran = carry_out_into(trial, None)
     if ran is None:
         return None
-    return ran.scenario, ran.world, ran.result.recording, ran.result.summary
+    what = ran.result.recording if isinstance(ran, Ran) else ran.result
+    return ran.scenario, ran.world, what, ran.result.summary
 
 
 def lost_line(trial: Trial, outcome: str, detail: str) -> Line:
@@ -62,7 +68,7 @@ def lost_line(trial: Trial, outcome: str, detail: str) -> Line:
 
 def carry_out_into(
     trial: Trial, out: Path | None, *, force: bool = False, quiet: bool = True
-) -> tuple[Line, Ran | None]:
+) -> tuple[Line, Ran | Planned | None]:
     """Run one trial and judge it.
 
     Args:
@@ -84,6 +90,8 @@ def carry_out_into(
         with warnings.catch_warnings():
             # What is said of a map's thresholds has been said to whoever chose the map.
             warnings.simplefilter("ignore", MapWarning)
+            if trial.draw.own_goals:
+                return _planned(known, out, force, quiet)
             return _carried_out(known, out, force, quiet)
     except InputError as error:
         return known.line(REFUSED, str(error)), None
@@ -102,15 +110,18 @@ class _Known:
     trial: Trial
     feasible: bool = True
     level: float | None = None
+    expected: str = SOLVED
 
     def draw(self) -> Scenario:
         drawn = self.trial.drawn()
         self.feasible = bool(drawn.feasible)
         self.level = None if drawn.level is None else float(drawn.level)
+        self.expected = drawn.expected
         return self.trial.scenario(drawn)
 
     def line(self, outcome: str, detail: str, **more: Any) -> Line:
-        return failure_line(self.trial, outcome, detail, self.feasible, self.level) | more
+        known = (self.feasible, self.level, self.expected)
+        return failure_line(self.trial, outcome, detail, *known) | more
 
 
 def _carried_out(known: _Known, out: Path | None, force: bool, quiet: bool) -> tuple[Line, Ran]:
@@ -139,6 +150,27 @@ def _carried_out(known: _Known, out: Path | None, force: bool, quiet: bool) -> t
         summary=result.summary,
     )
     return line, Ran(scenario, world, result)
+
+
+def _planned(known: _Known, out: Path | None, force: bool, quiet: bool) -> tuple[Line, Planned]:
+    from cavalcade.campaign.planned import carry_out_plan, judged_plan, measured_plan
+    from cavalcade.campaign.warming import warm
+
+    scenario = known.draw()
+    warm(known.trial.variant, scenario.world.has_heights)
+    planned = carry_out_plan(scenario, out, force, quiet)
+    verdict = judged_plan(planned.scenario, planned.result, known.expected)
+    line = known.line(
+        verdict.outcome,
+        verdict.detail,
+        success=verdict.success,
+        contacts=verdict.contacts,
+        avoidable=verdict.avoidable,
+        violations=list(verdict.violations),
+        measured=measured_plan(planned),
+        summary=planned.result.summary,
+    )
+    return line, planned
 
 
 def _told(error: BaseException) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 from cavalcade.campaign.carrying import carry_out, lost_line
 from cavalcade.campaign.engines.protocol import Ended, Engine, Work
@@ -21,6 +22,8 @@ COMPILING = 600.0
 """Added to the time limit while the numerical kernels are being compiled, s."""
 
 _WAIT = 0.5
+_PREPARING = "."
+"""The key of what is no trial: their IDs begin with a letter or a digit."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +43,7 @@ def dispatch(
     *,
     work: Work = carry_out,
     first_alone: bool = False,
+    prepare: tuple[Work, tuple[Any, ...]] | None = None,
     tick: Callable[[], None] = lambda: None,
 ) -> Iterator[Line]:
     """The lines of the trials as they are finished, in any order.
@@ -54,11 +58,17 @@ def dispatch(
         work: What to do with a trial.
         first_alone: Let the first trial finish before the others start, with more time: it
             compiles the numerical kernels for all.
+        prepare: A function and its arguments: a job that has to end, however it does, before the
+            first trial begins; it may take `COMPILING` s.
         tick: Called now and then.
     """
     coming = iter(trials)
     again: deque[_Job] = deque()
     under_way: dict[str, _Job] = {}
+    if prepare is not None:
+        engine.submit(_PREPARING, *prepare, COMPILING)
+        while not engine.collect(_WAIT):
+            tick()
     alone = first_alone
     exhausted = False
     while True:

@@ -2,47 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
+from cavalcade.campaign.verdict import (
+    COLLISION,
+    CONTACT,
+    INVALID,
+    Verdict,
+    count_contacts,
+    lines_of,
+)
 from cavalcade.checking.check import judge
 from cavalcade.checking.report import Report
 from cavalcade.checking.tracks import Track
 from cavalcade.running.frames import Recording
 from cavalcade.scenario import Scenario, World
 
-CONTACT = ("robot-robot", "robot-obstacle", "robot-map")
-"""The checker's kinds of violation that are collisions."""
-
 ARRIVED_WITHIN = 0.10
 """How far from its slot a robot may end where it arrived, m, as in the contract."""
-
-MOST_VIOLATIONS = 5
-"""So many of the checker's lines are kept."""
-
-
-@dataclass(frozen=True)
-class Verdict:
-    """What the checker and the audit say of a run.
-
-    Attributes:
-        outcome: The run's reason, `collision` or `invalid`.
-        detail: One line.
-        success: Arrived without an avoidable collision or another violation.
-        contacts: How many collisions there were.
-        avoidable: How many of them could have been avoided.
-        violations: The checker's lines, the first few.
-    """
-
-    outcome: str
-    detail: str
-    success: bool
-    contacts: int
-    avoidable: int
-    violations: tuple[str, ...]
 
 
 def tracks_of(recording: Recording) -> tuple[Track, ...]:
@@ -75,14 +55,14 @@ def judged(
         summary: What the run says of itself.
     """
     report = judge(scenario, tracks_of(recording), dict(summary))
-    contacts = sum(violation.kind in CONTACT for violation in report.violations)
+    contacts = count_contacts(report)
     other = len(report.violations) - contacts
     avoidable, why = _avoidable(scenario, world, recording, report) if contacts else (0, "")
     outcome = str(summary["reason"])
     if contacts:
-        outcome = "collision"
+        outcome = COLLISION
     elif other:
-        outcome = "invalid"
+        outcome = INVALID
     arrived = bool(summary["success"]) or (contacts > 0 and _ended_there(scenario, summary))
     return Verdict(
         outcome=outcome,
@@ -90,7 +70,7 @@ def judged(
         success=arrived and not avoidable and not other,
         contacts=contacts,
         avoidable=avoidable,
-        violations=_lines(report),
+        violations=lines_of(report),
     )
 
 
@@ -144,8 +124,3 @@ def lost_at_the_end(scenario: Scenario) -> frozenset[int]:
         if event.rejoin is not None:
             lost.discard(event.rejoin)
     return frozenset(lost)
-
-
-def _lines(report: Report) -> tuple[str, ...]:
-    found: Sequence[Any] = report.violations[:MOST_VIOLATIONS]
-    return tuple(f"{v.time:.2f} s {v.kind}: {v.message}" for v in found)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from cavalcade.campaign.draws.model import EXPECTED, SOLVED
 from cavalcade.campaign.trial import Trial
 
 Line = dict[str, Any]
@@ -12,12 +13,17 @@ Line = dict[str, Any]
 CRASHED, REFUSED, OVERTIME = "crashed", "refused", "overtime"
 """Outcomes beside those of `summary.json` and the checker's `collision` and `invalid`."""
 
-TIMES = ("wall_time_s", "planning_time_s", "cycle_ms", "versions")
-"""What differs in the summaries of two runs of the same scenario."""
+TIMES = ("wall_time_s", "planning_time_s", "cycle_ms", "versions", "single_time_ratio")
+"""What differs in the summaries and measures of two runs of the same scenario."""
 
 
 def failure_line(
-    trial: Trial, outcome: str, detail: str, feasible: bool = True, level: float | None = None
+    trial: Trial,
+    outcome: str,
+    detail: str,
+    feasible: bool = True,
+    level: float | None = None,
+    expected: str = SOLVED,
 ) -> Line:
     """The line of a trial without a run.
 
@@ -27,6 +33,7 @@ def failure_line(
         detail: One line about it.
         feasible: Whether its world is; a failure in an unknown world counts as one.
         level: Of its world.
+        expected: Of its world, as in `Drawn`.
     """
     return {
         "trial": trial.id,
@@ -37,8 +44,9 @@ def failure_line(
         "seed": trial.seed,
         "outcome": outcome,
         "detail": " ".join(detail.split()),
-        "success": False,
+        "success": outcome in EXPECTED.get(expected, ()),
         "feasible": feasible,
+        "expected": expected,
         "level": level,
         "level_name": trial.draw.level_name,
         "contacts": 0,
@@ -52,4 +60,5 @@ def failure_line(
 def without_times(line: Mapping[str, Any]) -> Line:
     """The line without what differs when its trial is repeated."""
     summary = {key: value for key, value in line["summary"].items() if key not in TIMES}
-    return {**line, "summary": summary}
+    measured = {key: value for key, value in line["measured"].items() if key not in TIMES}
+    return {**line, "summary": summary, "measured": measured}

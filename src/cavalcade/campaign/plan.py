@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from cavalcade.campaign.draws import DataFolder
+from cavalcade.campaign.methods import changed, check_variant
 from cavalcade.campaign.shipped import find_suite, load_suite
 from cavalcade.campaign.suite import MOST_SEEDS, Suite, parse_suite
 from cavalcade.campaign.trial import Trial, check_worlds, trials_of
@@ -19,7 +20,7 @@ from cavalcade.errors import InputError, RecordingError, ScenarioError
 from cavalcade.scenario.yaml_text import parse_yaml
 
 FILE = "campaign.json"
-_VARIANT = "planner.variant"
+_VARIANT, _METHOD = "planner.variant", "planner.method"
 
 
 @dataclass(frozen=True)
@@ -95,8 +96,8 @@ def make_plan(
 
     Args:
         suite: A shipped suite's name, or a file.
-        overrides: `KEY=VALUE` texts over every scenario; `planner.variant` takes the place of the
-            suite's variants.
+        overrides: `KEY=VALUE` texts over every scenario; `planner.variant` and, for goals of
+            single robots, `planner.method` take the place of the suite's.
         seed: The first seed of every group, over the suite's.
         seeds: How many worlds of each group at most, over the suite's.
         data: The folder with the data of other projects.
@@ -211,21 +212,34 @@ def _changed(suite: Suite, seed: int | None, seeds: int | None) -> Suite:
 
 
 def _with_variant(suite: Suite, overrides: Sequence[str]) -> tuple[Suite, tuple[str, ...]]:
-    """The suite with the variant that the overrides name, and the other overrides."""
+    """The suite with the variant and the method that the overrides name, and the other ones.
+
+    A method is named so only for goals of single robots; it is left to scenarios otherwise.
+    """
+    said: dict[str, Any] = {}
     rest = []
+    methods = any(group.draw.own_goals for group in suite.worlds)
     for text in overrides:
         key, separator, value = str(text).partition("=")
-        if separator and key.strip() == _VARIANT:
-            variant = parse_yaml(value, key=f"--set {_VARIANT}")
-            try:
-                alone = {"variants": [variant], "references": {}}
-                suite = parse_suite({**suite.plain(), **alone})
-            except ScenarioError as error:
-                text = str(error).removeprefix(f"{error.key}: ")
-                raise ScenarioError(text, key=f"--set {_VARIANT}") from None
+        word = key.strip()
+        if separator and (word == _VARIANT or (word == _METHOD and methods)):
+            said[word] = parse_yaml(value, key=f"--set {word}")
         else:
             rest.append(str(text))
-    return suite, tuple(rest)
+    if not said:
+        return suite, tuple(rest)
+    method, variant = said.get(_METHOD), said.get(_VARIANT)
+    groups = []
+    for group in suite.worlds:
+        names = group.variants
+        if group.draw.own_goals:
+            names = changed(names, method, variant)
+        elif variant is not None:
+            check_variant(str(variant), False, f"--set {_VARIANT}")
+            names = (str(variant),)
+        groups.append(replace(group, variants=names))
+    variants = tuple(dict.fromkeys(name for group in groups for name in group.variants))
+    return replace(suite, worlds=tuple(groups), variants=variants, references={}), tuple(rest)
 
 
 def _nearest(word: str, ids: Sequence[str]) -> list[str]:

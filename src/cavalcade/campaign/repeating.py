@@ -5,12 +5,16 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from cavalcade.campaign.carrying import Ran, carry_out_into
 from cavalcade.campaign.lines import Line, without_times
 from cavalcade.campaign.plan import read_plan
 from cavalcade.campaign.store import LINES
 from cavalcade.errors import InputError, OutputError
+
+if TYPE_CHECKING:
+    from cavalcade.campaign.planned import Planned
 
 
 @dataclass(frozen=True)
@@ -19,14 +23,14 @@ class Repeated:
 
     Attributes:
         line: Its line, as the campaign would have kept it.
-        ran: The run; None where the trial has none.
+        ran: The run or plan; None where the trial has none.
         before: The campaign's line of it, None if it has none yet.
         same: Whether the lines are the same but for times; None without one to compare with.
         version: Of the package that the campaign was run with.
     """
 
     line: Line
-    ran: Ran | None
+    ran: Ran | Planned | None
     before: Line | None
     same: bool | None
     version: str

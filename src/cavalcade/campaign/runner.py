@@ -11,12 +11,14 @@ from typing import Any
 
 from cavalcade.campaign.carrying import carry_out, replay
 from cavalcade.campaign.dispatch import dispatch
+from cavalcade.campaign.draws.model import EXPECTED
 from cavalcade.campaign.engines.protocol import Engine, Work
 from cavalcade.campaign.lines import Line
 from cavalcade.campaign.plan import Plan
 from cavalcade.campaign.progress import CampaignReporter
 from cavalcade.campaign.store import Store
 from cavalcade.campaign.suite import Suite
+from cavalcade.campaign.warming import warm_all, warmth_of
 
 Report = Callable[[Path, Suite, Sequence[Line]], Sequence[Path]]
 """Writes table and report into the folder; gives the files."""
@@ -85,7 +87,9 @@ def run_campaign(
         try:
             with reporter:
                 if left:
-                    first_alone = _compiles(reporter)
+                    warmth = warmth_of(left) if work is carry_out else ()
+                    formations = any(not trial.draw.own_goals for trial in left)
+                    first_alone = _compiles(reporter, formations, bool(warmth))
                     with engine:
                         for line in dispatch(
                             engine,
@@ -93,6 +97,7 @@ def run_campaign(
                             plan.suite.time_limit,
                             work=work,
                             first_alone=first_alone,
+                            prepare=(warm_all, (warmth,)) if warmth else None,
                             tick=reporter.tick,
                         ):
                             store.append(line)
@@ -108,14 +113,23 @@ def run_campaign(
     return CampaignResult(_summary(plan, lines), tuple(files))
 
 
-def _compiles(reporter: CampaignReporter) -> bool:
-    """Whether the numerical kernels must be compiled first."""
+def _compiles(reporter: CampaignReporter, formations: bool, plans: bool) -> bool:
+    """Whether the first trial has to compile the numerical kernels; says if that takes a while.
+
+    Args:
+        reporter: Says it.
+        formations: There are trials of formations.
+        plans: There are trials with goals of single robots, whose kernels are prepared for.
+    """
     from cavalcade.running.warm import kernels_are_cached
 
-    if kernels_are_cached():
-        return False
-    reporter.say("compiling the numerical kernels, once after installation (about 20 s) ...")
-    return True
+    first = formations and not kernels_are_cached()
+    long = "about 20 s" if first else ""
+    if plans and not kernels_are_cached("coordination", "_conflicts.find_conflicts"):
+        long = "a few minutes"
+    if long:
+        reporter.say(f"compiling the numerical kernels, once after installation ({long}) ...")
+    return first
 
 
 def _write_report(
@@ -150,6 +164,8 @@ def _summary(plan: Plan, lines: Sequence[Line]) -> dict[str, Any]:
                 "disturbance": disturbance,
                 "variant": variant,
                 "trials": len(members),
+                "hopeless": sum(line["expected"] in EXPECTED for line in members),
+                "refused": sum(line["success"] for line in members if line["expected"] in EXPECTED),
                 "feasible": sum(line["feasible"] for line in members),
                 "success_of_feasible": sum(line["success"] for line in members if line["feasible"]),
                 "contacts": sum(line["contacts"] for line in members),

@@ -10,14 +10,18 @@ from typing import Annotated, Any, Literal, Self, get_args
 from pydantic import BaseModel, Field, Strict, ValidationError, field_validator, model_validator
 
 from cavalcade.campaign.draws import DataFolder, Draw, DrawSection
+from cavalcade.campaign.methods import check_variant, choices, default
 from cavalcade.errors import InputError, ScenarioError
 from cavalcade.scenario.fields import Positive, Section, Seed, expected
 from cavalcade.scenario.messages import did_you_mean, scenario_error, short
-from cavalcade.scenario.settings import Delay, Noise, Variant
+from cavalcade.scenario.settings import Delay, Noise
 
 LONGEST_NAME = 60
 Name = Annotated[str, Field(pattern=rf"^[A-Za-z0-9][A-Za-z0-9_-]{{0,{LONGEST_NAME - 1}}}$")]
 """Of suites, groups and disturbances: they become parts of trials' IDs, which dots separate."""
+
+Variants = Annotated[tuple[str, ...], Field(min_length=1)]
+"""Of formation planners, or methods for goals of single robots; see `methods`."""
 
 UNDISTURBED = "none"
 
@@ -44,31 +48,15 @@ class _Head(Section):
     about: Annotated[str, Field(max_length=2000)] = ""
     time_limit: Positive = 120.0
     seed: Seed = 0
-    variants: Annotated[tuple[Variant, ...], Field(min_length=1)] = ("cavalcade",)
-    references: dict[Variant, Variant] = Field(default_factory=dict)
+    variants: Variants | None = None
+    references: dict[str, str] = Field(default_factory=dict)
     disturbances: dict[Name, Disturbance] = Field(default_factory=dict)
     worlds: Annotated[tuple[dict[str, Any], ...], Field(min_length=1)]
 
     @field_validator("variants")
     @classmethod
-    def _once(cls, variants: tuple[str, ...]) -> tuple[str, ...]:
-        if len(set(variants)) < len(variants):
-            raise expected("a variant stands here twice")
-        return variants
-
-    @model_validator(mode="after")
-    def _references(self) -> Self:
-        choices = ", ".join(self.variants)
-        for variant, reference in self.references.items():
-            key = f"references.{variant}"
-            for name in (variant, reference):
-                if name not in self.variants:
-                    raise expected(
-                        f"{short(name)} is none of the suite's variants ({choices})", key=key
-                    )
-            if variant == reference:
-                raise expected("a variant cannot be its own reference", key=key)
-        return self
+    def _once(cls, variants: tuple[str, ...] | None) -> tuple[str, ...] | None:
+        return _each_once(variants)
 
     @model_validator(mode="after")
     def _groups(self) -> Self:
@@ -82,6 +70,18 @@ class _Head(Section):
 class _GroupHead(Section):
     name: Name
     seeds: Annotated[int, Strict(), Field(gt=0, le=MOST_SEEDS)] | None = None
+    variants: Variants | None = None
+
+    @field_validator("variants")
+    @classmethod
+    def _once(cls, variants: tuple[str, ...] | None) -> tuple[str, ...] | None:
+        return _each_once(variants)
+
+
+def _each_once(variants: tuple[str, ...] | None) -> tuple[str, ...] | None:
+    if variants is not None and len(set(variants)) < len(variants):
+        raise expected("a variant stands here twice")
+    return variants
 
 
 @dataclass(frozen=True)
@@ -92,11 +92,13 @@ class Group:
         name: What the trials' lines call `scenario`.
         seeds: How many worlds are drawn; None for all that there are, which must have an end.
         draw: Where they come from.
+        variants: Every world is run with each.
     """
 
     name: str
     seeds: int | None
     draw: Draw
+    variants: tuple[str, ...]
 
     def numbers(self, first: int, data: DataFolder) -> range:
         """The seeds of its worlds, beginning with `first`."""
@@ -115,7 +117,7 @@ class Suite:
         about: One line.
         time_limit: Of wall clock for one trial, s.
         seed: The first seed of every group.
-        variants: Of the planner; every world is run with each.
+        variants: All that there are, in the order of the report.
         references: What a variant is compared with; for those that are not in it the first one.
         disturbances: By name; empty where the suite names none.
         worlds: The groups.
@@ -144,7 +146,9 @@ class Suite:
         """The same as its file would say it, with all defaults; `parse_suite` reads it."""
         worlds = []
         for group in self.worlds:
-            head = {"name": group.name, "seeds": group.seeds}
+            head: dict[str, Any] = {"name": group.name, "seeds": group.seeds}
+            if group.variants != self.variants:
+                head["variants"] = list(group.variants)
             section: Any = group.draw
             worlds.append({**head, **section.model_dump(mode="json")})
         return {
@@ -175,21 +179,53 @@ def parse_suite(data: Mapping[str, Any], file: str | Path | None = None) -> Suit
     """
     head: _Head = _validated(_Head, data, file, "")
     groups = tuple(
-        _group(group, file, f"worlds[{index}]") for index, group in enumerate(head.worlds)
+        _group(group, head.variants, file, f"worlds[{index}]")
+        for index, group in enumerate(head.worlds)
     )
+    every = [*(head.variants or ()), *(name for group in groups for name in group.variants)]
+    variants = tuple(dict.fromkeys(every))
+    for index, name in enumerate(head.variants or ()):
+        if all(name not in choices(group.draw.own_goals) for group in groups):
+            _check_variant(name, groups[0].draw.own_goals, file, f"variants[{index}]")
+    _check_references(head.references, variants, file)
     return Suite(
         suite=head.suite,
         about=head.about,
         time_limit=head.time_limit,
         seed=head.seed,
-        variants=head.variants,
-        references={str(name): str(other) for name, other in head.references.items()},
+        variants=variants,
+        references=dict(head.references),
         disturbances=dict(head.disturbances),
         worlds=groups,
     )
 
 
-def _group(said: dict[str, Any], file: str | Path | None, place: str) -> Group:
+def _check_variant(name: str, own_goals: bool, file: str | Path | None, key: str) -> None:
+    try:
+        check_variant(name, own_goals, key)
+    except ScenarioError as error:
+        raise ScenarioError(str(error).removeprefix(f"{key}: "), file=file, key=key) from None
+
+
+def _check_references(
+    references: Mapping[str, str], variants: tuple[str, ...], file: str | Path | None
+) -> None:
+    for variant, reference in references.items():
+        key = f"references.{variant}"
+        for name in (variant, reference):
+            if name not in variants:
+                text = f"{short(name)} is none of the suite's variants ({', '.join(variants)})"
+                raise ScenarioError(text, file=file, key=key)
+        if variant == reference:
+            raise ScenarioError("a variant cannot be its own reference", file=file, key=key)
+
+
+def _group(
+    said: dict[str, Any],
+    variants: tuple[str, ...] | None,
+    file: str | Path | None,
+    place: str,
+) -> Group:
     head_keys = tuple(_GroupHead.model_fields)
     head: _GroupHead = _validated(
         _GroupHead, {key: said[key] for key in head_keys if key in said}, file, place
@@ -205,7 +241,13 @@ def _group(said: dict[str, Any], file: str | Path | None, place: str) -> Group:
         )
     rest = {key: value for key, value in said.items() if key not in head_keys}
     draw: Any = _validated(kinds[kind], rest, file, place)
-    return Group(head.name, head.seeds, draw)
+    own_goals = bool(draw.own_goals)
+    for where, names in ((f"{place}.variants", head.variants), ("variants", variants)):
+        if names is not None:
+            for index, name in enumerate(names):
+                _check_variant(name, own_goals, file, f"{where}[{index}]")
+            return Group(head.name, head.seeds, draw, names)
+    return Group(head.name, head.seeds, draw, default(own_goals))
 
 
 def draw_kinds() -> dict[str, type[BaseModel]]:

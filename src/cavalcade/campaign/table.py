@@ -31,6 +31,7 @@ _FRONT = {
     "outcome": "VARCHAR",
     "success": "BOOLEAN",
     "feasible": "BOOLEAN",
+    "expected": "VARCHAR",
     "level": "DOUBLE",
     "contacts": "BIGINT",
     "avoidable": "BIGINT",
@@ -73,7 +74,14 @@ _SUMMARY = {
     "versions.numba": "VARCHAR",
     "versions.scipy": "VARCHAR",
 }
-_BACK = {"measured.time_ratio": "DOUBLE", "level_name": "VARCHAR", "violations": "VARCHAR[]"}
+_BACK = {
+    "measured.time_ratio": "DOUBLE",
+    "measured.length_ratio": "DOUBLE",
+    "measured.makespan_ratio": "DOUBLE",
+    "measured.single_time_ratio": "DOUBLE",
+    "level_name": "VARCHAR",
+    "violations": "VARCHAR[]",
+}
 
 COLUMNS: Mapping[str, str] = MappingProxyType({**_FRONT, **_SUMMARY, **_BACK})
 """DuckDB's type of each column that every table has, in their order.

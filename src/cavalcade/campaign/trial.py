@@ -7,7 +7,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from cavalcade.campaign.draws import DataFolder, Draw, Drawn
+from cavalcade.campaign.draws import DataFolder, Draw, Drawn, unplanned
+from cavalcade.campaign.methods import planner_words
 from cavalcade.campaign.suite import UNDISTURBED, Disturbance, Suite
 from cavalcade.errors import InputError, ScenarioError
 from cavalcade.scenario import Scenario, parse_scenario
@@ -22,7 +23,7 @@ class Trial:
         id: Unique within the campaign.
         suite: The suite's name.
         group: The group's name; the line's `scenario`.
-        variant: Of the planner.
+        variant: Of the planner, or the method for goals of single robots.
         disturbance: Its name, `none` where the suite names none.
         seed: Of the world, and of the run's noise.
         draw: Where the world comes from.
@@ -53,12 +54,15 @@ class Trial:
             ScenarioError: The overrides do not fit, or make it another trial than its line says.
         """
         data: dict[str, Any] = copy.deepcopy(dict(drawn.scenario))
-        data["planner"] = {**data.get("planner", {}), "variant": self.variant}
+        words = planner_words(self.variant, self.draw.own_goals)
+        data["planner"] = {**data.get("planner", {}), **words}
         data["execution"] = self.disturbed.over({"seed": self.seed, **data.get("execution", {})})
         apply_overrides(data, self.overrides, None)
         scenario = parse_scenario(data)
-        if scenario.planner.variant != self.variant:
-            raise ScenarioError("give it by itself: planner.variant=NAME", key="planner.variant")
+        for word, said in words.items():
+            if getattr(scenario.planner, word) != said:
+                key = f"planner.{word}"
+                raise ScenarioError(f"give it by itself: {key}=NAME", key=key)
         if scenario.seed != self.seed:
             raise ScenarioError("every world has its own; use --seed", key="execution.seed")
         return scenario
@@ -70,7 +74,7 @@ def trials_of(suite: Suite, overrides: tuple[str, ...], data: DataFolder) -> Ite
     for group in suite.worlds:
         for seed in group.numbers(suite.seed, data):
             for name, disturbance in disturbances.items():
-                for variant in suite.variants:
+                for variant in group.variants:
                     words = [group.name, f"{seed:04d}", variant]
                     if suite.disturbances:
                         words.append(name)
@@ -97,7 +101,7 @@ def check_worlds(suite: Suite, overrides: tuple[str, ...], data: DataFolder) -> 
         InputError: One cannot be drawn, or an override does not fit.
     """
     for index, group in enumerate(suite.worlds):
-        first = replace(suite, worlds=(replace(group, seeds=1),))
+        first = replace(suite, worlds=(replace(group, seeds=1, draw=unplanned(group.draw)),))
         drawn: Drawn | None = None
         for trial in trials_of(first, (), data):
             try:

@@ -44,6 +44,11 @@ class BarnDraw(Section):
     timeout: Positive = 180.0
 
     @property
+    def own_goals(self) -> bool:
+        """A formation has the goals."""
+        return False
+
+    @property
     def level_name(self) -> str | None:
         """What the curve runs over."""
         return "robots"

@@ -66,6 +66,11 @@ class CrowdDraw(Section):
         return self
 
     @property
+    def own_goals(self) -> bool:
+        """A formation has the goals."""
+        return False
+
+    @property
     def level_name(self) -> str | None:
         """What the curve runs over."""
         return "robots"

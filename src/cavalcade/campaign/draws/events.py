@@ -68,6 +68,11 @@ class EventsDraw(Section):
     timeout: Positive = 240.0
 
     @property
+    def own_goals(self) -> bool:
+        """A formation has the goals."""
+        return False
+
+    @property
     def level_name(self) -> str | None:
         """There is no curve."""
         return None

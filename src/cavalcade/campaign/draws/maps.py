@@ -67,6 +67,11 @@ class MapsDraw(Section):
         return self
 
     @property
+    def own_goals(self) -> bool:
+        """A formation has the goals."""
+        return False
+
+    @property
     def level_name(self) -> str | None:
         """What the curve runs over."""
         return "length of the way, m"

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
-from pydantic import ValidationInfo, field_validator
+from pydantic import PrivateAttr, ValidationInfo, field_validator, model_validator
 
 from cavalcade.campaign.draws.data import DataFolder
 from cavalcade.campaign.draws.feasibility import DiscRegions
@@ -13,18 +13,25 @@ from cavalcade.campaign.draws.model import Drawn
 from cavalcade.geometry import transform_points
 from cavalcade.scenario.fields import Section, expected
 from cavalcade.scenario.model import Scenario
+from cavalcade.scenario.settings import FORMATION_KEYS, Budget
 from cavalcade.scenario.shipped import scenario_names
+from cavalcade.scenario.task import INDIVIDUAL
 
 
 class ShippedDraw(Section):
     """The scenario as it is; the seed is that of its execution, so only disturbances differ.
 
     `scenario` is a shipped one's name or a file. Feasible means that every goal in turn can be
-    reached from the one before with what stands at the start; events are not looked at.
+    reached from the one before with what stands at the start; events are not looked at. Of goals
+    of single robots each one has to be reached by its robot alone. `budget` is set over the
+    scenario's.
     """
 
     draw: Literal["shipped"]
     scenario: str
+    budget: Budget = Budget()
+
+    _own_goals: bool = PrivateAttr(default=False)
 
     @field_validator("scenario")
     @classmethod
@@ -36,6 +43,16 @@ class ShippedDraw(Section):
         if not file.is_file():
             raise expected("expected a shipped scenario or a file", choices=scenario_names())
         return str(file.resolve())
+
+    @model_validator(mode="after")
+    def _kind(self) -> Self:
+        self._own_goals = self._loaded(0).task.individual
+        return self
+
+    @property
+    def own_goals(self) -> bool:
+        """As the scenario says."""
+        return self._own_goals
 
     @property
     def level_name(self) -> str | None:
@@ -56,20 +73,57 @@ class ShippedDraw(Section):
         Raises:
             InputError: There is no such scenario, or it cannot be used.
         """
-        from cavalcade.scenario import load_scenario
-
-        scenario = load_scenario(self.scenario, seed=seed)
+        scenario = self._loaded(seed)
         said: dict[str, Any] = scenario.model_dump(mode="json", exclude_none=True)
+        budget = self.budget.model_dump(mode="json", exclude_none=True)
+        said["planner"]["budget"] = {**said["planner"].get("budget", {}), **budget}
+        if self.own_goals:
+            said["task"] = {"goals": INDIVIDUAL}
+            said["planner"] = {k: v for k, v in said["planner"].items() if k not in FORMATION_KEYS}
+            _without_defaults(said["planner"])
         for source in ("map", "terrain", "movingai", "barn"):
             if source in said["world"]:
                 said["world"][source] = _absolute(said["world"][source])
+        if self.own_goals:
+            return Drawn(said, _each_feasible(scenario))
         return Drawn(said, _feasible(scenario))
+
+    def _loaded(self, seed: int) -> Scenario:
+        from cavalcade.scenario import load_scenario
+
+        return load_scenario(self.scenario, seed=seed)
+
+
+def _without_defaults(planner: dict[str, Any]) -> None:
+    """Take out what the file's own variant means, so that another one can mean other things."""
+    published = planner.get("variant") == "published"
+    for key, default in (
+        ("constraints", "static" if published else "timed"),
+        ("conflict", "first" if published else "costly"),
+    ):
+        if planner.get(key) == default:
+            del planner[key]
 
 
 def _absolute(source: Any) -> Any:
     if isinstance(source, dict):
         return {**source, "file": _absolute(source["file"])}
     return str(Path(source).resolve())
+
+
+def _each_feasible(scenario: Scenario) -> bool:
+    """Whether a disc of half its body's width gets each robot to its goal, past what is solid."""
+    from cavalcade.scenario import build_world
+
+    world = build_world(scenario)
+    if world.terrain is not None:  # the shipped ones can be crossed, by their construction
+        return True
+    return all(
+        DiscRegions(world.base, world.shapes, radius=model.width / 2.0).connect(
+            [start[:2]], [goal[:2]]
+        )
+        for model, start, goal in zip(scenario.models, scenario.starts, scenario.goals, strict=True)
+    )
 
 
 def _feasible(scenario: Scenario) -> bool:

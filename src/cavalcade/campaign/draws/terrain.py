@@ -1,0 +1,79 @@
+"""One to three robots across generated terrain."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field, Strict
+
+from cavalcade.campaign.draws.areas import Area
+from cavalcade.campaign.draws.data import DataFolder
+from cavalcade.campaign.draws.fields import Lengths, draw_length
+from cavalcade.campaign.draws.model import Drawn
+from cavalcade.campaign.draws.own_goals import Robot, TeamDraw, draw_team
+from cavalcade.errors import InputError
+from cavalcade.scenario.fields import Length, Size
+
+_TAG = 24
+_ATTEMPTS = 50
+
+
+class TerrainDraw(TeamDraw):
+    """The robots start within `zone` m of the left edge at random, and end so at the right one.
+
+    With `against`, every third robot goes the other way. `kind` with `value`: a `gap` of that
+    width, a `step` of that height, `rough` ground with features of that height, m; a `slope` of
+    that angle, rad; `flat` takes none. Every such ground can be crossed by its construction: the
+    zones are level, and in between there is one thing to be crossed, across the whole width.
+    """
+
+    draw: Literal["terrain"]
+    kind: Literal["flat", "gap", "step", "slope", "rough"]
+    value: Lengths | None = None
+    size: Size = (9.0, 4.0)
+    zone: Length = 2.5
+    robots: Annotated[int, Strict(), Field(ge=1, le=16)] = 1
+    against: Annotated[bool, Strict()] = True
+
+    @property
+    def level_name(self) -> str | None:
+        """What the curve runs over, where it is drawn from a range."""
+        if self.value is None or self.value[0] == self.value[1]:
+            return None
+        return "angle of the slope, rad" if self.kind == "slope" else f"{self.kind}, m"
+
+    def draw_world(self, seed: int, data: DataFolder) -> Drawn:
+        """World number `seed`.
+
+        Raises:
+            InputError: The zones are too small.
+        """
+        rng = np.random.default_rng([seed, _TAG])
+        models = self.models_of(seed, self.robots)
+        value = None if self.value is None else draw_length(rng, self.value)
+        left: Area = (0.0, 0.0, self.zone, self.size[1])
+        right: Area = (self.size[0] - self.zone, 0.0, *self.size)
+        back = [self.against and k % 3 == 2 for k in range(self.robots)]
+        for _ in range(_ATTEMPTS):
+            starts = draw_team(rng, models, [right if b else left for b in back], self.gap)
+            goals = draw_team(rng, models, [left if b else right for b in back], self.gap)
+            if starts is None or goals is None:
+                continue
+            robots = [Robot(*row) for row in zip(models, starts, goals, strict=True)]
+            said = self.scenario_of(f"{self.kind}-{seed}", self._world(value, seed), robots, seed)
+            return Drawn(said, True, None if self.level_name is None else value)
+        raise InputError(f"no place for {self.robots} robots", key="zone")
+
+    def _world(self, value: float | None, seed: int) -> dict[str, Any]:
+        if self.kind == "flat":
+            return {"empty": {"size": list(self.size)}}
+        said: dict[str, Any] = {"kind": self.kind, "size": list(self.size)}
+        if self.kind == "rough":
+            said |= {"seed": seed, "zone": self.zone}
+        if value is not None:
+            said[_VALUES[self.kind]] = value
+        return {"generate": said}
+
+
+_VALUES = {"gap": "width", "step": "height", "slope": "angle", "rough": "height"}

@@ -1,0 +1,90 @@
+"""What a suite's `variants` may name: variants of the formation planner, or methods for own goals.
+
+A method's name may end in `-published`: then it plans with the paper's options.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, get_args
+
+from cavalcade.errors import ScenarioError
+from cavalcade.scenario.messages import did_you_mean, short
+from cavalcade.scenario.settings import TEAM_VARIANTS, Variant
+
+PUBLISHED = "published"
+_SUFFIX = f"-{PUBLISHED}"
+
+FORMATION_VARIANTS: tuple[str, ...] = get_args(Variant)
+"""Of groups whose teams keep a formation."""
+
+METHODS = ("auto", "cbs", "joint", "sequential")
+
+METHOD_VARIANTS: tuple[str, ...] = (*METHODS, *(f"{method}{_SUFFIX}" for method in METHODS))
+"""Of groups whose robots have goals of their own."""
+
+_WORDS = {True: "goals of single robots", False: "formations"}
+
+
+def choices(own_goals: bool) -> tuple[str, ...]:
+    """What the variants of a group may be."""
+    return METHOD_VARIANTS if own_goals else FORMATION_VARIANTS
+
+
+def default(own_goals: bool) -> tuple[str, ...]:
+    """The variants of a group for which the suite names none."""
+    return ("auto",) if own_goals else ("cavalcade",)
+
+
+def check_variant(name: str, own_goals: bool, key: str) -> None:
+    """Refuse a variant that a group cannot be run with.
+
+    Raises:
+        ScenarioError: It cannot.
+    """
+    known = choices(own_goals)
+    if name in known:
+        return
+    if name in choices(not own_goals):
+        text = f"{short(name)} is for {_WORDS[not own_goals]}, not for {_WORDS[own_goals]}"
+    else:
+        text = f"unknown value {short(name)}{did_you_mean(name, known)}"
+    raise ScenarioError(text, key=key, choices=known)
+
+
+def planner_words(name: str, own_goals: bool) -> dict[str, Any]:
+    """What a variant sets in a scenario's planner section."""
+    if not own_goals:
+        return {"variant": name}
+    method, variant = _parts(name)
+    return {"method": method, "variant": variant}
+
+
+def changed(names: Iterable[str], method: str | None, variant: str | None) -> tuple[str, ...]:
+    """Methods with another method, another variant or both in their place; each once.
+
+    Args:
+        names: Some of `METHOD_VARIANTS`.
+        method: In the place of all methods; None keeps them.
+        variant: In the place of all variants; None keeps them.
+
+    Raises:
+        ScenarioError: There is no such method or variant.
+    """
+    for key, said, known in (
+        ("planner.method", method, METHODS),
+        ("planner.variant", variant, TEAM_VARIANTS),
+    ):
+        if said is not None and said not in known:
+            hint = did_you_mean(str(said), known)
+            text = f"unknown value {short(said)}{hint}"
+            raise ScenarioError(text, key=f"--set {key}", choices=known)
+    found = ((method or own, variant or plain) for own, plain in (_parts(name) for name in names))
+    return tuple(dict.fromkeys(f"{a}{_SUFFIX}" if b == PUBLISHED else a for a, b in found))
+
+
+def _parts(name: str) -> tuple[str, str]:
+    """Method and variant of one of `METHOD_VARIANTS`."""
+    if name.endswith(_SUFFIX):
+        return name.removesuffix(_SUFFIX), PUBLISHED
+    return name, TEAM_VARIANTS[0]

@@ -1,0 +1,146 @@
+"""Trials of robots with goals of their own: planned, and judged by the independent checker."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cavalcade.campaign.draws.model import EXPECTED, SOLVED
+from cavalcade.campaign.verdict import COLLISION, INVALID, Verdict, count_contacts, lines_of
+from cavalcade.checking import judge_plan
+from cavalcade.coordination import TeamPlan, TeamProblem, plan_team, problem_of
+from cavalcade.running.plans import PlanResult, plan
+from cavalcade.running.plans.asking import settings_of
+from cavalcade.running.plans.planning import coordinate
+from cavalcade.scenario import Scenario, World
+
+_ALONE = "cbs"
+"""Of a single robot: the course that all methods but the joint one begin with."""
+
+
+@dataclass(frozen=True)
+class Planned:
+    """A plan that was made.
+
+    Attributes:
+        scenario: The resolved one.
+        world: Its ground.
+        result: The plan with its summary, and files if there are any.
+    """
+
+    scenario: Scenario
+    world: World
+    result: PlanResult
+
+
+def carry_out_plan(scenario: Scenario, out: Path | None, force: bool, quiet: bool) -> Planned:
+    """Plan; with `out` into a folder, with everything that a plan leaves.
+
+    Raises:
+        InputError: The scenario or its world cannot be used.
+        OutputError: `out` cannot be written.
+    """
+    seen: list[tuple[Scenario, World]] = []
+
+    def coordinator(resolved: Scenario, world: World) -> TeamPlan:
+        # The one place where planning shows its resolved scenario and the world that it built.
+        seen.append((resolved, world))
+        return coordinate(resolved, world)
+
+    result = plan(scenario, out, force=force, quiet=quiet, coordinator=coordinator)
+    return Planned(*seen[0], result)
+
+
+def judged_plan(scenario: Scenario, result: PlanResult, expected: str = SOLVED) -> Verdict:
+    """The verdict on a plan; nothing is written or read back.
+
+    Args:
+        scenario: The resolved one.
+        result: Its plan.
+        expected: As in `Drawn`: where there is no plan, refusing is the success.
+    """
+    report = judge_plan(scenario, arrays_of(result), result.summary)
+    contacts = count_contacts(report)
+    outcome = str(result.summary["reason"])
+    if contacts:
+        outcome = COLLISION
+    elif report.violations:
+        outcome = INVALID
+    solved = result.solved and not report.violations
+    return Verdict(
+        outcome=outcome,
+        detail=str(result.summary["detail"] or ""),
+        success=solved if expected == SOLVED else outcome in EXPECTED[expected],
+        contacts=contacts,
+        avoidable=contacts,
+        violations=lines_of(report),
+    )
+
+
+def arrays_of(result: PlanResult) -> dict[str, NDArray[Any]]:
+    """What `plan.npz` would hold."""
+    arrays: dict[str, NDArray[Any]] = {}
+    for k, (path, feet) in enumerate(zip(result.trajectories, result.footholds, strict=True)):
+        if path is not None:
+            arrays |= {
+                f"t_{k}": np.asarray(path.time, dtype=float),
+                f"position_{k}": np.asarray(path.position, dtype=float),
+                f"velocity_{k}": np.asarray(path.velocity, dtype=float),
+                f"yaw_{k}": np.asarray(path.yaw, dtype=float),
+                f"phase_{k}": np.asarray(path.phase, dtype=np.int8),
+                f"footholds_{k}": np.asarray(feet, dtype=float).reshape(-1, 6),
+            }
+    return arrays
+
+
+def measured_plan(planned: Planned) -> dict[str, float | None]:
+    """Figures beside those of the summary; null where there is no plan, or only one robot.
+
+    `length_ratio`: the summed lengths over the summed lower bounds; `makespan_ratio`: the
+    makespan over that of the slowest robot planned alone with the same options;
+    `single_time_ratio`: the planning time over that of all these single plans.
+    """
+    summary = planned.result.summary
+    found: dict[str, float | None] = {
+        "time_ratio": None,
+        "length_ratio": None,
+        "makespan_ratio": None,
+        "single_time_ratio": None,
+    }
+    if not planned.result.solved:
+        return found
+    lengths, bounds = summary["path_length_m"], summary["lower_bound_m"]
+    if None not in bounds and sum(bounds) > 0.0:
+        found["length_ratio"] = round(sum(lengths) / sum(bounds), 6)
+    if len(planned.scenario.robots) < 2:
+        return found
+    durations, seconds = _alone(planned.scenario, planned.world)
+    slowest = max((time for time in durations if time is not None), default=0.0)
+    if None not in durations and slowest > 0.0:
+        found["makespan_ratio"] = round(summary["makespan_s"] / slowest, 6)
+    if seconds > 0.0:
+        found["single_time_ratio"] = round(summary["planning_time_s"] / seconds, 6)
+    return found
+
+
+def _alone(scenario: Scenario, world: World) -> tuple[list[float | None], float]:
+    """Durations of the robots' plans if each were alone, s, and the time to plan them all, s."""
+    problem, settings = problem_of(scenario, world), settings_of(scenario)
+    durations: list[float | None] = []
+    seconds = 0.0
+    for k in range(len(problem.models)):
+        single: TeamProblem = replace(
+            problem,
+            models=problem.models[k : k + 1],
+            starts=problem.starts[k : k + 1],
+            goals=problem.goals[k : k + 1],
+        )
+        found = plan_team(single, _ALONE, settings, scenario.seed)
+        seconds += found.planning_time
+        path = found.trajectories[0]
+        durations.append(path.duration if found.solved and path is not None else None)
+    return durations, seconds
