@@ -10,7 +10,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from cavalcade.body._moves import DURATION
-from cavalcade.body._moves_contact import move_free
+from cavalcade.body._moves_contact import move_free, place_free, pose_free
 from cavalcade.body.timed import (
     CAREFUL,
     NOBODY,
@@ -32,6 +32,10 @@ EFFORT = 20_000
 
 _CRAMPED = 50
 """A search that ends within so few expansions was shut in: the margins are what is too large."""
+
+
+_LATE = 1e9
+"""When everybody stands for good, s."""
 
 
 class Span(NamedTuple):
@@ -94,6 +98,8 @@ class EvenPlanner:
         """See `RobotPlanner`."""
         others = others_among(self.problem, spans)
         for care in CAREFUL:
+            if care is not CAREFUL[-1] and not self._roomy(robot, others, care):
+                continue
             before = budget.used
             way = self._search(robot, others, care, budget, effort)
             if way is not None:
@@ -114,9 +120,8 @@ class EvenPlanner:
         stand = np.zeros(6)
         stand[DURATION] = delay
         care = CAREFUL[-1]
-        ground = self.problem.ground
         if not move_free(
-            (ground.cell, ground.solid, ground.clearance),
+            self.timed.grid,
             tuple(others),
             *start,
             stand,
@@ -139,6 +144,18 @@ class EvenPlanner:
     def standing(self, robot: int) -> Array:
         """See `RobotPlanner`."""
         return np.array(self.problem.starts[robot])[None]
+
+    def _roomy(self, robot: int, others: Others, care: Care) -> bool:
+        """Whether start and goal keep the margins: otherwise no search with them can end well."""
+        model = self.problem.models[robot]
+        mover, grid = self.timed.mover(model), self.timed.grid
+        shape = (model.length / 2.0, model.width / 2.0, float(model.round))
+        for pose, time in ((self.problem.starts[robot], 0.0), (self.problem.goals[robot], _LATE)):
+            if not pose_free(grid, *pose, *shape, care.ground):
+                return False
+            if not place_free(tuple(others), *pose, mover, time, care.others):
+                return False
+        return True
 
     def _search(
         self, robot: int, others: Others, care: Care, budget: Budget, effort: int
