@@ -104,13 +104,15 @@ class TimedPlanner:
 
     Args:
         ground: Even, or to be walked on wherever it is not solid.
-        price: Cost of a metre; that of a second is 1. None: a second at the robot's speed.
+        price: Cost of a metre; that of a second is 1. None: two seconds at the robot's speed.
+        greed: Factor of what is left to the goal: larger ones find ways sooner, smaller ones
+            better ways.
     """
 
-    def __init__(self, ground: Ground, price: float | None = None) -> None:
+    def __init__(self, ground: Ground, price: float | None = None, greed: float = 1.2) -> None:
         self.ground = ground
         self.price = price
-        self.greed = 1.2
+        self.greed = greed
         self.grid = (ground.cell, ground.solid, ground.clearance)
         self._open = not ground.solid.any()
         self._guides: dict[tuple[int, int, float, float], tuple[Array, float]] = {}
@@ -139,7 +141,7 @@ class TimedPlanner:
         """
         mover, prims = self._kind(model, care.finer)
         guide, guide_cell = self._likely_guide(start, goal, model)
-        price = 2.0 / mover[0] if self.price is None else self.price
+        price = self.price_for(mover)
         margins = np.array([care.ground, care.others])
         steps = np.array(care.steps)
         bins = np.array([0.1, 0.25]) * 0.5**care.finer
@@ -167,8 +169,11 @@ class TimedPlanner:
 
     def cost(self, way: Way) -> float:
         """What the search minimises: seconds and the price of the metres."""
-        price = 2.0 / way.mover[0] if self.price is None else self.price
-        return way.duration + price * way.length
+        return way.duration + self.price_for(way.mover) * way.length
+
+    def price_for(self, mover: Array) -> float:
+        """What a metre costs, in s."""
+        return 2.0 / float(mover[0]) if self.price is None else self.price
 
     def mover(self, model: RobotModel) -> Array:
         """The model as kernels take it."""

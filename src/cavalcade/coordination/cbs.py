@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import count
 
@@ -28,11 +28,18 @@ _PAD = 0.5
 _LENIENT = 2
 """So often two robots may conflict on a branch before one has to avoid the other's whole course."""
 
+_MERGE = 6
+"""After so many conflicts of two robots on a branch they are planned as one."""
+
 _EARLY = 3.0
 """Conflicts before this are about leaving the starts, s."""
 
 _PAIRS = 3
 """So many pairs in conflict are looked at to find the most telling conflict."""
+
+
+Merge = Callable[[tuple[int, int]], tuple[Course, ...] | None]
+"""Courses of two robots that avoid each other, or None."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +61,7 @@ def conflict_search(
     root: tuple[Course, ...],
     budget: Budget,
     most_nodes: int = 400,
+    merge: Merge | None = None,
 ) -> Found:
     """Resolve the conflicts of courses that were planned regardless of each other.
 
@@ -64,6 +72,7 @@ def conflict_search(
         root: A course for each robot.
         budget: Of the call.
         most_nodes: Nodes of the tree at most.
+        merge: Plans two robots that keep conflicting as one; None leaves them to constraints.
     """
     order = count()
 
@@ -100,10 +109,22 @@ def conflict_search(
         courses[robot], avoids[robot] = course, avoid
         return node(tuple(courses), tuple(avoids), met)
 
+    def merged(parent: _Node, conflict: Conflict) -> list[_Node]:
+        pair = (conflict.i, conflict.j)
+        together = None if merge is None else merge(pair)
+        if together is None:
+            return []
+        courses, avoids = list(parent.courses), list(parent.avoid)
+        for robot, course in zip(pair, together, strict=True):
+            courses[robot], avoids[robot] = course, ()
+        return [node(tuple(courses), tuple(avoids), {**parent.met, pair: 0})]
+
     def children(parent: _Node) -> list[_Node]:
         best: list[_Node] = []
         least = -math.inf
         for conflict in _choice(parent.conflicts, settings.conflict):
+            if parent.met.get((conflict.i, conflict.j), 0) >= _MERGE:
+                return merged(parent, conflict)
             made = [
                 child(parent, conflict, conflict.i, conflict.j),
                 child(parent, conflict, conflict.j, conflict.i),

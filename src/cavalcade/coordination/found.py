@@ -17,9 +17,11 @@ class Found:
         solved: Whether they are a plan.
         method: Which method it was; empty where no two robots were in conflict.
         counts: Figures of the method.
+        history: Iterations and summed cost as the plan got better.
     """
 
     courses: tuple[Course, ...]
     solved: bool
     method: str
     counts: Mapping[str, int] = field(default_factory=dict)
+    history: tuple[tuple[int, float], ...] = ()

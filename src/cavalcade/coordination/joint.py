@@ -14,8 +14,10 @@ from cavalcade.body._timed_shorten import shorten
 from cavalcade.body.timed import CAREFUL, NOBODY, Care, TimedPlanner, Way, others_of
 from cavalcade.coordination._joint import FOUND, search_joint, shorten_joint, word_between
 from cavalcade.coordination.budget import Budget
+from cavalcade.coordination.conflicts import conflicts_of
 from cavalcade.coordination.course import Course
 from cavalcade.coordination.problem import TeamProblem
+from cavalcade.coordination.single import RobotPlanner, spans_of
 from cavalcade.geometry import Array
 
 _ATTEMPT = 200
@@ -83,7 +85,7 @@ def _searched(
     """What one pair of trees finds within so many extensions."""
     movers = np.array([timed.mover(model) for model in problem.models])
     starts, goals = np.array(problem.starts), np.array(problem.goals)
-    price = 2.0 / float(movers[:, 0].mean())
+    price = timed.price_for(movers.mean(axis=0))
     margins, steps = np.array([care.ground, care.others]), np.array(care.steps)
     ground, nobody = timed.grid, tuple(NOBODY)
     share = _PRICE * len(movers)
@@ -160,10 +162,49 @@ def _polished(problem: TeamProblem, timed: TimedPlanner, ways: list[Way], care: 
                 way.moves,
                 margins,
                 steps,
-                2.0 / way.mover[0],
+                timed.price_for(way.mover),
                 3,
             )
             ways[k] = Way(way.start, moves, way.mover, way.model)
         if sum(timed.cost(way) for way in ways) > before - 1e-6:
             break
     return ways
+
+
+def solve_merged(
+    problem: TeamProblem,
+    timed: TimedPlanner,
+    planner: RobotPlanner,
+    alone: tuple[Course, ...],
+    budget: Budget,
+    rng: np.random.Generator,
+) -> tuple[Course, ...] | None:
+    """Robots whose own courses conflict planned as one, the others one by one past them.
+
+    Args:
+        problem: The team's.
+        timed: Whose ground, price and movers are used.
+        planner: Of one robot.
+        alone: Each robot's course regardless of the others.
+        budget: Of the call.
+        rng: Seeds the trees.
+    """
+    conflicts = conflicts_of([course.track for course in alone], problem.models, 1)
+    group = sorted({robot for conflict in conflicts for robot in (conflict.i, conflict.j)})
+    part = TeamProblem(
+        problem.ground,
+        tuple(problem.models[k] for k in group),
+        tuple(problem.starts[k] for k in group),
+        tuple(problem.goals[k] for k in group),
+    )
+    together = solve_joint(part, timed, budget, rng)
+    if together is None:
+        return None
+    courses = dict(zip(group, together, strict=True))
+    for robot in range(len(alone)):
+        if robot not in courses:
+            course = planner.plan(robot, spans_of(courses.items()), budget)
+            if course is None:
+                return None
+            courses[robot] = course
+    return tuple(courses[k] for k in range(len(alone)))

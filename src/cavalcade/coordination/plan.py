@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +14,8 @@ from cavalcade.coordination.cbs import conflict_search
 from cavalcade.coordination.course import Course
 from cavalcade.coordination.feasibility import impossible
 from cavalcade.coordination.found import Found
-from cavalcade.coordination.joint import solve_joint
+from cavalcade.coordination.joint import solve_joint, solve_merged
+from cavalcade.coordination.prioritised import improved
 from cavalcade.coordination.problem import PlanSettings, TeamProblem
 from cavalcade.coordination.published import DISTANCE, PublishedPlanner
 from cavalcade.coordination.result import TeamPlan
@@ -95,7 +97,10 @@ class _Call:
             reason = "infeasible" if why else "budget"
             why = why or f"no way was found, not even alone; {budget}"
             return self._team_plan(reason, f"robot {lost[0]}: {why}", lost, alone)
-        found = self._solve(tuple(course for course in alone if course is not None))
+        courses = tuple(course for course in alone if course is not None)
+        found = self._solve(courses)
+        if found.solved and self.settings.improve and isinstance(self.planner, EvenPlanner):
+            found = self._improved(found, courses)
         return self._team_plan(
             "solved" if found.solved else "budget",
             "" if found.solved else f"no plan without conflicts was found; {budget}",
@@ -128,11 +133,43 @@ class _Call:
             found = solve_auto(problem, planner, settings, alone, budget, self.rng)
             if found.solved or budget.spent:
                 return found
-            merged = self._joint()
+            merged = None
+            if problem.ground.flat and len(alone) > 2:
+                merged = solve_merged(problem, self.timed, planner, alone, budget, self.rng)
+            merged = merged or self._joint()
             return found if merged is None else Found(merged, True, "joint")
         if self.method == "sequential":
             return solve_sequential(problem, planner, settings, alone, budget)
-        return conflict_search(problem, planner, settings, alone, budget)
+        merge = None if self.published else self._pair
+        return conflict_search(problem, planner, settings, alone, budget, merge=merge)
+
+    def _pair(self, pair: tuple[int, int]) -> tuple[Course, ...] | None:
+        """Two robots as one, regardless of the others."""
+        if not self.problem.ground.flat:
+            return None
+        part = replace(
+            self.problem,
+            models=tuple(self.problem.models[k] for k in pair),
+            starts=tuple(self.problem.starts[k] for k in pair),
+            goals=tuple(self.problem.goals[k] for k in pair),
+        )
+        return solve_joint(part, self.timed, self.budget, self.rng)
+
+    def _improved(self, found: Found, alone: tuple[Course, ...]) -> Found:
+        """Robot by robot anew among the others, more patiently, until nothing gets cheaper."""
+        timed = TimedPlanner(self.problem.ground, greed=1.0)
+        planner = EvenPlanner(self.problem, timed)
+        budget = Budget(self.settings.improve, self.settings.seconds)
+        team, courses = dict(enumerate(alone)), dict(enumerate(found.courses))
+        history = [(self.budget.used, _total(courses))]
+        while not budget.spent:
+            better = improved(planner, courses, team, budget, rounds=1)
+            if _total(better) > _total(courses) - 1e-6:
+                break
+            courses = better
+            history.append((self.budget.used + budget.used, _total(courses)))
+        self.budget.spend(budget.used)
+        return replace(found, courses=tuple(courses.values()), history=tuple(history))
 
     def _team_plan(
         self,
@@ -155,4 +192,9 @@ class _Call:
             self.budget.used,
             self.budget.elapsed,
             {} if found is None else found.counts,
+            () if found is None else found.history,
         )
+
+
+def _total(courses: Mapping[int, Course]) -> float:
+    return sum(course.cost for course in courses.values())

@@ -22,6 +22,8 @@ class TeamPlan:
         method: Which coordinator found it; of `auto` the one that it fell back on.
         iterations: Expansions of searches and trees, what the iteration budget counts.
         planning_time: s of wall time, without the compilation or loading of kernels.
+        history: Iterations and summed cost of the first plan and of each better one, where
+            improvement was asked for.
         counts: Further figures of the method, such as nodes of the conflict tree.
     """
 
@@ -33,6 +35,7 @@ class TeamPlan:
     iterations: int
     planning_time: float
     counts: Mapping[str, int] = field(default_factory=dict)
+    history: tuple[tuple[int, float], ...] = ()
 
     @property
     def solved(self) -> bool:
