@@ -163,7 +163,11 @@ def _print_groups(summary: dict[str, Any]) -> None:
     rows = [[*names, "trials", "feasible", "succeeded", "", "collisions", "avoidable"]]
     for group in groups:
         feasible, succeeded = group["feasible"], group["success_of_feasible"]
-        share = f"{100.0 * succeeded / feasible:.1f} %" if feasible else "-"
+        if group.get("hopeless"):  # refusing is the success
+            succeeded = group["refused"]
+            share = f"{100.0 * succeeded / group['hopeless']:.1f} %"
+        else:
+            share = f"{100.0 * succeeded / feasible:.1f} %" if feasible else "-"
         counts = [group["trials"], feasible, succeeded, share]
         counts += [group["contacts"], group["avoidable"]]
         rows.append([*(group[name] for name in names), *map(str, counts)])

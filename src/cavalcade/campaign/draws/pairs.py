@@ -85,4 +85,6 @@ def _alone(robot: Robot, size: tuple[float, float]) -> Array:
     path = plan_team(problem).trajectories[0]
     if path is None:
         raise InputError(f"a {robot.model} alone finds no way on that ground", key="size")
-    return path.poses_at(np.arange(math.ceil(path.duration / _CLOCK) + 1) * _CLOCK)
+    last = math.ceil(path.duration / _CLOCK)
+    times = np.linspace(0.0, last * _CLOCK, last + 1)
+    return path.poses_at(times)

@@ -120,6 +120,13 @@ def draw_spreads(cells: Sequence[Cell], order: Order, folder: Path, name: str) -
         ("smallest gap (cm)", 100.0, lambda cell: cell.spread("min_footprint_gap_m")),
         ("cycle, 99 % (ms)", 1.0, lambda cell: cell.spread("cycle_ms.p99")),
     ]
+    if cells[0].planned:
+        panels = [
+            ("length over bound", 1.0, lambda cell: cell.length_ratio),
+            ("makespan over slowest alone", 1.0, lambda cell: cell.time_ratio),
+            panels[2],
+            ("planning time (s)", 1.0, lambda cell: cell.planning_time),
+        ]
     with canvas.chart_style():
         labels = [cell_label(cell, order) for cell in cells]
         figure, axes = canvas.rows_figure(labels, len(panels), top=0.06)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from cavalcade.campaign.report import canvas
 from cavalcade.campaign.report.blocks import Drawn
-from cavalcade.campaign.report.comparisons import QUANTITIES, Comparison
+from cavalcade.campaign.report.comparisons import Comparison
 from cavalcade.campaign.statistics import Estimate
 from cavalcade.running.figures import style
 
@@ -29,7 +29,8 @@ def draw_comparisons(
         + (f" against {c.first}" if c.first != usual else "")
         for c in comparisons
     ]
-    titles = ["success (points)", *(f"{q.name} ({q.unit})" for q in QUANTITIES)]
+    quantities = comparisons[0].quantities
+    titles = ["success (points)", *(f"{q.name} ({q.unit})" for q in quantities)]
     seconds = list(dict.fromkeys(c.second for c in comparisons))
     with canvas.chart_style():
         figure, axes = canvas.rows_figure(labels, len(titles), top=0.06)
@@ -65,4 +66,4 @@ def _estimate(comparison: Comparison, panel: int) -> Estimate | None:
     if panel == 0:
         return comparison.success.difference.scaled(100.0) if comparison.success else None
     found = comparison.values[panel - 1]
-    return found.mean.scaled(QUANTITIES[panel - 1].factor) if found else None
+    return found.mean.scaled(comparison.quantities[panel - 1].factor) if found else None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from cavalcade.campaign.report.blocks import Block, Heading, Table, Text, code
-from cavalcade.campaign.report.comparisons import ALL, QUANTITIES, Comparison
+from cavalcade.campaign.report.comparisons import ALL, Comparison
 from cavalcade.campaign.report.wording import (
     collision_words,
     count,
@@ -38,7 +38,7 @@ def comparison_tables(comparisons: Sequence[Comparison], kind: str, setting: str
         ]
     else:
         blocks.append(Text("No trial of any pair had an avoidable collision."))
-    for k, quantity in enumerate(QUANTITIES):
+    for k, quantity in enumerate(comparisons[0].quantities):
         table = _values(comparisons, kind, setting, k)
         if table.rows:
             name = quantity.name.capitalize()
@@ -114,11 +114,11 @@ def _proportions(
 def _values(comparisons: Sequence[Comparison], kind: str, setting: str, index: int) -> Table:
     several = len(references(comparisons)) > 1
     head = _head(setting, kind, several)
-    quantity = QUANTITIES[index]
+    quantity = comparisons[0].quantities[index]
     digits = quantity.digits + 1
     rows = []
     for comparison in comparisons:
-        found = comparison.values[index]
+        found = comparison.values[index] if quantity in comparison.quantities else None
         if found is None:
             continue
         rows.append(

@@ -56,6 +56,22 @@ QUANTITIES = (
 )
 """Compared over the pairs of which both trials succeeded."""
 
+PLAN_QUANTITIES = (
+    QUANTITIES[0],
+    Quantity("summed length", "m", 1.0, lambda trial: trial.length, 2, "longer", "shorter"),
+    Quantity(
+        "planning time",
+        "s",
+        1.0,
+        lambda trial: trial.number("planning_time_s"),
+        3,
+        "longer to plan",
+        "sooner planned",
+    ),
+    QUANTITIES[2],
+)
+"""The same where robots have goals of their own."""
+
 
 @dataclass(frozen=True)
 class Comparison:
@@ -67,7 +83,8 @@ class Comparison:
         first, second: The names of what is compared; differences are second less first.
         success: In feasible worlds; None without pairs.
         collision: Trials with an avoidable collision, in all worlds; None without pairs.
-        values: Per quantity of `QUANTITIES`; None with fewer than two pairs.
+        values: Per quantity; None with fewer than two pairs.
+        quantities: `QUANTITIES` or `PLAN_QUANTITIES`.
     """
 
     scenario: str
@@ -77,6 +94,7 @@ class Comparison:
     success: PairedProportions | None
     collision: PairedProportions | None
     values: tuple[PairedValues | None, ...]
+    quantities: tuple[Quantity, ...] = QUANTITIES
 
 
 def compare_variants(trials: Sequence[Trial], order: Order) -> list[Comparison]:
@@ -146,6 +164,7 @@ def _comparison(
 ) -> Comparison:
     feasible = [pair for pair in pairs if pair[0].feasible and pair[1].feasible]
     both = [pair for pair in pairs if pair[0].success and pair[1].success]
+    quantities = PLAN_QUANTITIES if pairs[0][0].planned else QUANTITIES
     return Comparison(
         scenario,
         setting,
@@ -157,6 +176,7 @@ def _comparison(
         ),
         tuple(
             paired_values([quantity.of(a) for a, _ in both], [quantity.of(b) for _, b in both])
-            for quantity in QUANTITIES
+            for quantity in quantities
         ),
+        quantities,
     )

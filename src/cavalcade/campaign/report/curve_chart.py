@@ -22,7 +22,7 @@ _LEGEND_COLUMNS = 6
 
 
 def draw_curves(curves: Sequence[Curve], labels: Sequence[str], folder: Path, name: str) -> Drawn:
-    """Success, time and formation error over the level, a line per curve."""
+    """Success, time and formation error, or planning time, over the level, a line per curve."""
     columns = min(len(curves), _LEGEND_COLUMNS)
     top = 0.09 + 0.15 * -(-len(curves) // columns) if len(curves) > 1 else 0.06
     few = len(curves) <= FEW_CURVES
@@ -52,10 +52,17 @@ def draw_curves(curves: Sequence[Curve], labels: Sequence[str], folder: Path, na
             handles.append(_draw_line(axes[0], points, _success, 100.0, number, spread, shift))
             spread = "band" if few else "none"
             _draw_line(axes[1], points, lambda p: _quartiles(p.time_ratio), 1.0, number, spread)
-            _draw_line(
-                axes[2], points, lambda p: _quartiles(p.formation_error), 100.0, number, spread
-            )
-        titles = ("success (%)", "time over lower bound", "formation error (cm)")
+            if curve.cell.planned:
+                _draw_line(
+                    axes[2], points, lambda p: _quartiles(p.planning_time), 1.0, number, spread
+                )
+            else:
+                _draw_line(
+                    axes[2], points, lambda p: _quartiles(p.formation_error), 100.0, number, spread
+                )
+        titles = ["success (%)", "time over lower bound", "formation error (cm)"]
+        if curves[0].cell.planned:
+            titles[1:] = ["makespan over slowest alone", "planning time (s)"]
         for axis, title in zip(axes, titles, strict=True):
             axis.set_ylabel(title)
             axis.set_xlabel(f"number of {curves[0].axis}" if curves[0].axis.endswith("s")

@@ -31,6 +31,7 @@ class Point:
         successes: Of these.
         time_ratio: Of those that succeeded.
         formation_error: Of those that succeeded, m.
+        planning_time: Of those that succeeded, s.
     """
 
     low: float
@@ -39,6 +40,7 @@ class Point:
     successes: int
     time_ratio: Spread
     formation_error: Spread
+    planning_time: Spread
 
     @property
     def middle(self) -> float:
@@ -126,6 +128,7 @@ def _points(cell: Cell, edges: Sequence[tuple[float, float]]) -> tuple[Point, ..
                 len(done),
                 Spread.of(trial.time_ratio for trial in done),
                 Spread.of(trial.number("formation_error_m.mean") for trial in done),
+                Spread.of(trial.number("planning_time_s") for trial in done),
             )
         )
     return tuple(points)

@@ -17,7 +17,8 @@ from cavalcade.campaign.report.comparisons import (
 )
 from cavalcade.campaign.report.curve_chart import FEW_CURVES, draw_curves
 from cavalcade.campaign.report.curves import curves_of
-from cavalcade.campaign.report.methods import DISTURBED, NOTES
+from cavalcade.campaign.report.methods import PAPER_NOTE, notes_of
+from cavalcade.campaign.report.plan_tables import paper_table, plan_measure_table
 from cavalcade.campaign.report.repeating import Replay, pictures_of
 from cavalcade.campaign.report.trials import Order, Trial
 from cavalcade.campaign.report.verdict import Cell, cells_of
@@ -59,12 +60,14 @@ def compose(
     Raises:
         OutputError: A picture cannot be written.
     """
-    cells = cells_of(trials, order)
+    cells = cells_of([trial for trial in trials if not trial.hopeless], order)
+    hopeless = cells_of([trial for trial in trials if trial.hopeless], order)
     blocks = sections.header(suite.suite, suite.about, trials, order, command)
-    blocks += [Heading("Verdict"), *sections.sentences(cells, order)]
+    blocks.append(Heading("Verdict"))
+    blocks += sections.sentences(cells, order) if cells or not hopeless else []
     if cells:
         outcomes = tables.outcome_table(cells, order)
-        hopeless = "In brackets: failures in worlds that are not feasible."
+        remark = "In brackets: failures in worlds that are not feasible."
         caption = "Success in feasible worlds with 95 % interval, and how the failures ended."
         blocks += [
             tables.success_table(cells, order),
@@ -72,25 +75,33 @@ def compose(
             Heading("How the trials ended", 3),
             outcomes,
             *(
-                [Text(hopeless, small=True)]
+                [Text(remark, small=True)]
                 if any("(" in c for r in outcomes.rows for c in r)
                 else []
             ),
-            Heading("Time, formation, clearance"),
-            tables.measure_table(cells, order),
+            *_measures(cells, order),
+        ]
+    if hopeless:
+        blocks += [
+            Heading("Problems without a plan", 3),
+            tables.refusal_table(hopeless, order),
         ]
     if any(cell.run for cell in cells):
         caption = "Median (mark), quartiles (bar) and 5 % to 95 % (line) over single trials."
+        for planned in (False, True):
+            alike = [cell for cell in cells if cell.planned == planned]
+            name = "spread-plans" if planned and len(alike) < len(cells) else "spread"
+            blocks += artist.charts(caption, charts.draw_spreads, alike, name)
         blocks += [
-            *artist.charts(caption, charts.draw_spreads, cells, "spread"),
             Heading("Closest approaches of all trials that ran", 3),
             tables.clearance_table(cells, order),
         ]
+    solvable = [trial for trial in trials if not trial.hopeless]
     blocks += _comparisons(
-        compare_variants(trials, order), "variant", order.disturbances, "disturbance", artist
+        compare_variants(solvable, order), "variant", order.disturbances, "disturbance", artist
     )
     blocks += _comparisons(
-        compare_disturbances(trials, order), "disturbance", order.variants, "variant", artist
+        compare_disturbances(solvable, order), "disturbance", order.variants, "variant", artist
     )
     blocks += _curves(cells, order, artist)
     blocks += sections.failures(trials, order)
@@ -98,8 +109,23 @@ def compose(
     chosen = worst_trials(trials, order)
     drawn, remarks = pictures_of(chosen, artist, replay)
     blocks += sections.worst(chosen, drawn, remarks)
-    notes = (*NOTES, DISTURBED) if len(order.disturbances) > 1 else NOTES
-    return [*blocks, Heading("How to read this"), Bullets(notes)]
+    return [*blocks, Heading("How to read this"), Bullets(notes_of(trials, order))]
+
+
+def _measures(cells: Sequence[Cell], order: Order) -> list[Block]:
+    """What was measured, of each kind of task that there is."""
+    planned = [cell for cell in cells if cell.planned]
+    driven = [cell for cell in cells if not cell.planned]
+    blocks: list[Block] = []
+    paper = paper_table(planned)
+    if paper is not None:
+        blocks += [Heading("Beside the paper's Table I"), paper, Text(PAPER_NOTE, small=True)]
+    if driven:
+        heading = Heading("Time, formation, clearance")
+        blocks += [heading, tables.measure_table(driven, order)]
+    if planned:
+        blocks += [Heading("Length, time, planning"), plan_measure_table(planned, order)]
+    return blocks
 
 
 def _comparisons(
@@ -153,12 +179,11 @@ def _curves(cells: Sequence[Cell], order: Order, artist: Artist) -> list[Block]:
             by_variant = len(order.variants) > 1
             labels = [c.cell.variant if by_variant else c.cell.disturbance for c in shown]
             where = f" Disturbance {code(part)}." if part else ""
+            third = "planning time" if shown[0].cell.planned else "formation error"
             if len(shown) <= FEW_CURVES:
-                what = (
-                    "success with 95 % interval; median and quartiles of time and formation error"
-                )
+                what = f"success with 95 % interval; median and quartiles of time and {third}"
             else:
-                what = "success; median time and formation error"
+                what = f"success; median time and {third}"
             caption = f"{code(scenario)}: {what} of the trials that succeeded.{where}"
             name = f"curves-{scenario}-{part}" if part else f"curves-{scenario}"
             blocks += artist.figure(caption, draw_curves, shown, labels, name=name)

@@ -2,17 +2,11 @@
 
 from __future__ import annotations
 
-NOTES = (
-    "A world is **feasible** if a disc gets from each robot's start to its place at the goal. The "
-    "planner has no part in this test. It is necessary, not sufficient: a team may still not fit.",
-    "A trial is a **success** if the team arrived and the independent checker found neither an "
-    "avoidable collision nor any other violation.",
-    "Every collision counts as **avoidable** but, where things happen on the way, three kinds: a "
-    "robot that is lost was hit by what moved or appeared after its loss; an obstacle appeared in "
-    "a robot, or in its way nearer than it could brake, and was touched while it would have "
-    "braked; an obstacle moved, and from 3 s before the contact the robot could neither have "
-    "stood still nor gone aside in any of 16 directions. "
-    "Contact with what stands, with the map or with another robot is none of these.",
+from collections.abc import Sequence
+
+from cavalcade.campaign.report.trials import Order, Trial
+
+_SHARES = (
     "**Intervals of shares** are Wilson's score intervals with 95 % confidence. **Upper bounds** "
     "of collisions are one-sided Clopper–Pearson bounds over the trials that ran; without a "
     "collision in n trials they are about 3/n (the rule of three).",
@@ -24,6 +18,21 @@ NOTES = (
     "interval says how large a difference may still be.",
     "Each interval stands for itself: there is no correction for the number of comparisons, so "
     "about one in twenty excludes the truth by chance.",
+)
+"""What holds of every campaign."""
+
+NOTES = (
+    "A world is **feasible** if a disc gets from each robot's start to its place at the goal. The "
+    "planner has no part in this test. It is necessary, not sufficient: a team may still not fit.",
+    "A trial is a **success** if the team arrived and the independent checker found neither an "
+    "avoidable collision nor any other violation.",
+    "Every collision counts as **avoidable** but, where things happen on the way, three kinds: a "
+    "robot that is lost was hit by what moved or appeared after its loss; an obstacle appeared in "
+    "a robot, or in its way nearer than it could brake, and was touched while it would have "
+    "braked; an obstacle moved, and from 3 s before the contact the robot could neither have "
+    "stood still nor gone aside in any of 16 directions. "
+    "Contact with what stands, with the map or with another robot is none of these.",
+    *_SHARES,
     "**Time** is when the last robot was at its place for good, of successful trials. Its **lower "
     "bound** is the longest of the robots' shortest ways, each alone, at top speed, on the ground "
     "as it was at the start and to the last goal by way of those only that were reached before: "
@@ -42,3 +51,39 @@ DISTURBED = (
     "expect, unless `planner.expect` says otherwise."
 )
 """The same, of campaigns with disturbances."""
+
+PLAN_NOTES = (
+    "A problem is **feasible** if a disc of half its body's width gets each robot from its start "
+    "to its goal past what is solid; generated terrain can be crossed by its construction. The "
+    "planner has no part in this. Worlds in the table of problems without a plan are infeasible by "
+    "construction: there, refusing is the success, and they count nowhere else.",
+    "A trial is a **success** if the method said that it had solved the problem and the "
+    "independent checker found nothing: no contact of swept bodies, also after parking, no broken "
+    "limit, start and goal met.",
+    "**Length** is the sum over the robots of the way of the body's centre, in space, of "
+    "successful trials; its **lower bound** the sum of the shortest ways of discs of half "
+    "the body's width, each alone. **Makespan** is when the last robot is at its goal for good; it is compared with "
+    "that of the slowest robot planned alone with the same options, where there are several. "
+    "Comparing these between methods that succeed in different worlds favours the one that fails "
+    "in the hard ones; the paired tables do not.",
+    "**Planning time** is wall time of one thread, of all trials that ran, without reading the "
+    "scenario, footholds and files; it depends on the machine and on what else it did. **Over "
+    "single plans**: the same over the time to plan each robot alone.",
+)
+"""The same, of plans for goals of single robots."""
+
+PAPER_NOTE = (
+    "The paper's: Table I of its section IV, two Spirit robots on flat ground with random goals; "
+    "its machine, its goals and what it counts as a success are not ours."
+)
+
+
+def notes_of(trials: Sequence[Trial], order: Order) -> tuple[str, ...]:
+    """What there is to know of these trials."""
+    planned = [trial.planned for trial in trials]
+    notes: tuple[str, ...] = ()
+    if not all(planned) or not planned:
+        notes += NOTES
+    if any(planned):
+        notes += PLAN_NOTES + (_SHARES if all(planned) else ())
+    return (*notes, DISTURBED) if len(order.disturbances) > 1 else notes

@@ -14,13 +14,15 @@ from cavalcade.campaign.report.worst import Worst
 
 if TYPE_CHECKING:
     from cavalcade.running import Recording
+    from cavalcade.running.plans import PlanResult
     from cavalcade.scenario import Scenario, World
 
 Replay = Callable[
-    [Mapping[str, Any]], "tuple[Scenario, World, Recording, Mapping[str, Any]] | None"
+    [Mapping[str, Any]],
+    "tuple[Scenario, World, Recording | PlanResult, Mapping[str, Any]] | None",
 ]
-"""Repeats the trial of a line in memory: scenario, world at the start, recording, summary; None
-where it cannot be repeated. It is called for the few worst trials only."""
+"""Repeats the trial of a line in memory: scenario, world at the start, recording or plan, and
+summary; None where it cannot be repeated. It is called for the few worst trials only."""
 
 _VARYING = ("wall_time_s", "planning_time_s", "cycle_ms", "versions")
 """Keys of a summary that a repetition may change."""
@@ -55,14 +57,18 @@ def pictures_of(
 def _repeat(trial: Trial, folder: Path, replay: Replay) -> _Repeated:
     from cavalcade.campaign.report.pictures import draw_way
     from cavalcade.errors import OutputError
+    from cavalcade.running import Recording
 
     name = f"worst-{safe_name(trial.name)}.png"
     try:
         repeated = replay(trial.line)
         if repeated is None:
             return _Repeated(None, "")
-        scenario, world, recording, summary = repeated
-        path = draw_way(scenario, world, recording, summary, folder / name)
+        scenario, world, what, summary = repeated
+        if isinstance(what, Recording):
+            path = draw_way(scenario, world, what, summary, folder / name)
+        else:
+            path = _draw_plan(scenario, world, what, folder / name)
     except OutputError:
         raise
     except Exception as error:  # one picture less is no reason to lose the report
@@ -71,6 +77,13 @@ def _repeat(trial: Trial, folder: Path, replay: Replay) -> _Repeated:
         return _Repeated(None, "")
     remark = "" if same_run(trial.summary, summary) else "The repetition ended differently."
     return _Repeated(Drawn(path.name, path.read_bytes()), remark)
+
+
+def _draw_plan(scenario: Scenario, world: World, made: PlanResult, path: Path) -> Path:
+    from cavalcade.running.plans.figures.top_view import draw_top_view
+    from cavalcade.running.plans.scene import plan_scene
+
+    return draw_top_view(plan_scene(scenario, world, made), path)
 
 
 def same_run(first: Mapping[str, Any], second: Mapping[str, Any]) -> bool:

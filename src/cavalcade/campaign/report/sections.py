@@ -23,7 +23,7 @@ from cavalcade.campaign.report.tables import cell_names
 from cavalcade.campaign.report.trials import Order, Trial
 from cavalcade.campaign.report.verdict import Cell, in_order
 from cavalcade.campaign.report.wording import bound, count, interval, number, share
-from cavalcade.campaign.report.worst import Worst, is_failure
+from cavalcade.campaign.report.worst import Worst, bound_of, is_failure
 from cavalcade.campaign.scrubbing import scrubbed
 
 _NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?!\w)")
@@ -101,9 +101,10 @@ def _over_scenarios(cells: Sequence[Cell], order: Order) -> list[Cell]:
 def _sentence(cell: Cell, order: Order) -> str:
     name = ", ".join(cell_names(cell, order))
     feasible, done = len(cell.feasible), cell.feasible_successes
+    what = "feasible problems solved" if cell.planned else "feasible worlds crossed"
     if feasible:
         text = (
-            f"{count(done)} of {count(feasible)} feasible worlds crossed: "
+            f"{count(done)} of {count(feasible)} {what}: "
             f"**{share(done, feasible)}** {interval(cell.interval, feasible)}"
         )
     else:
@@ -120,7 +121,9 @@ def _sentence(cell: Cell, order: Order) -> str:
 def failures(trials: Sequence[Trial], order: Order) -> list[Block]:
     """Failures that need not have been, by reason, with examples."""
     failed = [trial for trial in order.sorted(trials) if is_failure(trial)]
-    hopeless = sum(not trial.success and not trial.feasible for trial in trials)
+    hopeless = sum(
+        not trial.success and not trial.feasible and not trial.hopeless for trial in trials
+    )
     blocks: list[Block] = [Heading("Failures by reason")]
     if hopeless:
         noun = "trial" if hopeless == 1 else "trials"
@@ -192,7 +195,8 @@ def worst(
         Heading("Worst trials"),
         Text(
             "Failures first, then the smallest gap, then the longest time. Each command, given in "
-            "this folder, repeats its trial bit for bit and leaves recording, figures and replay."
+            "this folder, repeats its trial bit for bit and leaves recording or plan, figures and "
+            "replay."
         ),
     ]
     for item in chosen:
@@ -205,11 +209,13 @@ def worst(
         if trial.name in remarks:
             blocks.append(Text(plain(remarks[trial.name]), small=True))
         if trial.name in pictures:
-            caption = (
-                f"{code(trial.name)}: ways driven, bodies at the start (white) and at the end "
-                "(coloured), goals; the ring marks the tightest place, outlines and moving "
-                "obstacles are as they were then."
-            )
+            caption = f"{code(trial.name)}: the plan."
+            if not trial.planned:
+                caption = (
+                    f"{code(trial.name)}: ways driven, bodies at the start (white) and at the end "
+                    "(coloured), goals; the ring marks the tightest place, outlines and moving "
+                    "obstacles are as they were then."
+                )
             blocks.append(Figure(pictures[trial.name], caption))
     return blocks
 
@@ -220,14 +226,20 @@ def repeat_command(name: str) -> str:
 
 
 def _facts(trial: Trial) -> str:
-    parts = [] if trial.feasible else ["the world is not feasible"]
+    parts = [] if trial.feasible or trial.hopeless else ["the world is not feasible"]
     if trial.level is not None:
         name = trial.level_name or "level"
         parts.append(f"{trial.level:g} {name}" if name.endswith("s") else f"{name} {trial.level:g}")
     if trial.number("sim_time_s") is not None:
         parts.append(f"{number(trial.number('sim_time_s'), 1)} s simulated")
+    if trial.planned and trial.number("makespan_s") is not None:
+        parts.append(f"makespan {number(trial.number('makespan_s'), 1)} s")
     if trial.time_ratio is not None:
-        parts.append(f"{number(trial.time_ratio)} times the lower bound")
+        parts.append(f"{number(trial.time_ratio)} times {bound_of(trial)}")
+    if trial.length_ratio is not None:
+        parts.append(f"{number(trial.length_ratio, 3)} times the shortest ways")
+    if trial.planned and trial.number("planning_time_s") is not None:
+        parts.append(f"planned in {number(trial.number('planning_time_s'), 3)} s")
     if trial.gap is not None:
         parts.append(f"smallest gap {number(trial.gap, 3)} m")
     if trial.contacts:

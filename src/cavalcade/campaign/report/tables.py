@@ -10,6 +10,7 @@ from cavalcade.campaign.report.curves import Curve
 from cavalcade.campaign.report.trials import Order
 from cavalcade.campaign.report.verdict import Cell, Spread, in_order
 from cavalcade.campaign.report.wording import NONE, bound, count, interval, number, share
+from cavalcade.campaign.statistics import wilson
 
 
 def head_of(order: Order) -> tuple[str, ...]:
@@ -121,6 +122,51 @@ def measure_table(cells: Sequence[Cell], order: Order) -> Table:
     return without_empty_columns(table, range(len(head)))
 
 
+def refusal_table(cells: Sequence[Cell], order: Order) -> Table:
+    """Problems without a plan: how many were refused as they have to be, and how fast.
+
+    Args:
+        cells: Of such problems.
+        order: Of rows.
+    """
+    head = head_of(order)
+    rows = []
+    for cell in cells:
+        done, trials = len(cell.succeeded), len(cell.trials)
+        ended = ", ".join(f"{count(n)} {name}" for name, n in cell.outcomes.items())
+        time = cell.planning_time
+        rows.append(
+            (
+                *cell_names(cell, order),
+                _WORDS.get(cell.trials[0].expected, cell.trials[0].expected),
+                count(trials),
+                share(done, trials),
+                interval(wilson(done, trials), trials),
+                number(time.median, 4),
+                number(time.most, 4),
+                ended,
+            )
+        )
+    columns = (
+        *head,
+        "has to be",
+        "trials",
+        "as it has to be",
+        "95 % interval",
+        "after (s) p50",
+        "slowest",
+        "ended",
+    )
+    return Table(columns, tuple(rows), len(head) + 1, words=(len(columns) - 1,))
+
+
+_WORDS = {
+    "infeasible": "proven infeasible",
+    "unsolved": "infeasible, or budget spent",
+    "refused": "refused as bad input",
+}
+
+
 def clearance_table(cells: Sequence[Cell], order: Order) -> Table:
     """Closest approaches over all trials that ran."""
     head = head_of(order)
@@ -144,7 +190,8 @@ def curve_table(curves: Sequence[Curve], order: Order) -> Table:
     rows = []
     for curve in curves:
         for point in curve.points:
-            error = point.formation_error.median
+            error, time = point.formation_error.median, point.planning_time
+            last = [number(time.median, 3), number(time.p95, 3)]
             rows.append(
                 (
                     *cell_names(curve.cell, order)[1:],
@@ -153,16 +200,20 @@ def curve_table(curves: Sequence[Curve], order: Order) -> Table:
                     share(point.successes, point.trials),
                     interval(point.interval, point.trials),
                     number(point.time_ratio.median),
-                    number(error, 1, 100.0),
+                    *(last if curve.cell.planned else [number(error, 1, 100.0)]),
                 )
             )
+    measured: tuple[str, ...]
+    if curves[0].cell.planned:
+        measured = ("makespan over slowest alone, median", "planning time (s), median", "p95")
+    else:
+        measured = ("time over lower bound, median", "formation error, median (cm)")
     columns = (
         *head,
         curves[0].axis,
         "feasible trials",
         "success",
         "95 % interval",
-        "time over lower bound, median",
-        "formation error, median (cm)",
+        *measured,
     )
     return Table(columns, tuple(rows), len(head))

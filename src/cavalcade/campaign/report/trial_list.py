@@ -12,6 +12,7 @@ from cavalcade.campaign.report.trials import Order, Trial
 def all_trials(trials: Sequence[Trial], order: Order) -> dict[str, Any]:
     """What the page's table of trials shows."""
     arranged = order.sorted(trials)
+    planned = bool(trials) and all(trial.planned for trial in trials)
     columns: list[tuple[str, int | None]] = [
         ("trial", None),
         ("feasible", None),
@@ -19,8 +20,8 @@ def all_trials(trials: Sequence[Trial], order: Order) -> dict[str, Any]:
         ("outcome", None),
         ("level", _level_digits(arranged)),
         ("end (s)", 1),
-        ("over bound", 2),
-        ("error (cm)", 1),
+        ("over alone" if planned else "over bound", 2),
+        ("planned in (s)", 3) if planned else ("error (cm)", 1),
         ("gap (m)", 3),
         ("collisions", 0),
         ("detail", None),
@@ -30,15 +31,18 @@ def all_trials(trials: Sequence[Trial], order: Order) -> dict[str, Any]:
 
 def _row(trial: Trial) -> tuple[Any, ...]:
     error = trial.number("formation_error_m.mean")
+    third = None if error is None else 100.0 * error
+    if trial.planned:
+        third = trial.number("planning_time_s")
     return (
         trial.name,
         "yes" if trial.feasible else "no",
         "yes" if trial.success else "no",
         trial.outcome,
         trial.level,
-        _round(trial.number("sim_time_s"), 2),
+        _round(trial.number("makespan_s" if trial.planned else "sim_time_s"), 2),
         _round(trial.time_ratio, 3),
-        _round(None if error is None else 100.0 * error, 2),
+        _round(third, 4 if trial.planned else 2),
         _round(trial.gap, 4),
         trial.contacts,
         trial.said,

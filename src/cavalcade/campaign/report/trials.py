@@ -7,6 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from cavalcade.campaign.draws.model import EXPECTED, SOLVED
+from cavalcade.campaign.methods import METHOD_VARIANTS
 from cavalcade.campaign.scrubbing import scrubbed
 
 NO_DISTURBANCE = "none"
@@ -32,7 +34,12 @@ class Trial:
         avoidable: could have been avoided.
         violations: What the checker said first.
         summary: The run's figures; empty where there are none.
-        time_ratio: Makespan over the longest lower bound at top speed.
+        expected: `solved`, or how a problem without a plan has to be refused, see `draws`.
+        time_ratio: Makespan over the longest lower bound at top speed; of plans for goals of
+            single robots over the makespan of the slowest robot alone.
+        length_ratio: Of such plans: summed lengths over summed lower bounds.
+        single_time_ratio: Of such plans: planning time over that of all robots alone.
+        planned: Whether the robots have goals of their own.
         line: The line itself.
     """
 
@@ -51,7 +58,11 @@ class Trial:
     avoidable: int = 0
     violations: tuple[str, ...] = ()
     summary: Mapping[str, Any] = field(default_factory=dict)
+    expected: str = SOLVED
     time_ratio: float | None = None
+    length_ratio: float | None = None
+    single_time_ratio: float | None = None
+    planned: bool = False
     line: Mapping[str, Any] = field(default_factory=dict, repr=False, compare=False)
 
     @property
@@ -65,6 +76,20 @@ class Trial:
         for part in key.split("."):
             value = value.get(part) if isinstance(value, Mapping) else None
         return known(value)
+
+    @property
+    def hopeless(self) -> bool:
+        """Whether there is no plan by construction, so that refusing is the success."""
+        return self.expected in EXPECTED
+
+    @property
+    def length(self) -> float | None:
+        """Summed length of the robots' ways, m; None unless it succeeded."""
+        lengths = self.summary.get("path_length_m") if self.success else None
+        if not isinstance(lengths, Sequence) or not lengths:
+            return None
+        parts = [known(length) for length in lengths]
+        return None if None in parts else sum(part for part in parts if part is not None)
 
     @property
     def said(self) -> str:
@@ -101,10 +126,13 @@ def read_trials(lines: Iterable[Mapping[str, Any]]) -> list[Trial]:
 def _trial(name: str, line: Mapping[str, Any]) -> Trial:
     summary = line.get("summary") or {}
     level_name = line.get("level_name")
+    variant = str(line.get("variant") or "?")
+    planned = variant in METHOD_VARIANTS
+    measured = line.get("measured") or {}
     return Trial(
         name=name,
         scenario=str(line.get("scenario") or "?"),
-        variant=str(line.get("variant") or "?"),
+        variant=variant,
         disturbance=str(line.get("disturbance") or NO_DISTURBANCE),
         seed=int(line.get("seed") or 0),
         outcome=str(line.get("outcome") or "unknown"),
@@ -117,7 +145,11 @@ def _trial(name: str, line: Mapping[str, Any]) -> Trial:
         avoidable=int(line.get("avoidable") or 0),
         violations=tuple(scrubbed(str(text)) for text in line.get("violations") or ()),
         summary=summary if isinstance(summary, Mapping) else {},
-        time_ratio=known((line.get("measured") or {}).get("time_ratio")),
+        expected=str(line.get("expected") or SOLVED),
+        time_ratio=known(measured.get("makespan_ratio" if planned else "time_ratio")),
+        length_ratio=known(measured.get("length_ratio")),
+        single_time_ratio=known(measured.get("single_time_ratio")),
+        planned=planned,
         line=line,
     )
 

@@ -12,6 +12,7 @@ from cavalcade.campaign.statistics import quantile, upper_bound, wilson
 
 OUTCOMES = (
     "arrived",
+    "solved",
     "timeout",
     "stuck",
     "stopped",
@@ -65,6 +66,11 @@ class Cell:
         return wilson(self.feasible_successes, len(self.feasible))
 
     @property
+    def planned(self) -> bool:
+        """Whether the robots have goals of their own."""
+        return any(trial.planned for trial in self.trials)
+
+    @property
     def run(self) -> tuple[Trial, ...]:
         """Those of which the robots moved, so that the checker had something to judge."""
         return tuple(trial for trial in self.trials if trial.summary)
@@ -102,6 +108,26 @@ class Cell:
     def time_ratio(self) -> Spread:
         """Over the lower bound, of the trials that succeeded."""
         return Spread.of(trial.time_ratio for trial in self.succeeded)
+
+    @property
+    def length(self) -> Spread:
+        """Summed lengths in m, of the trials that succeeded."""
+        return Spread.of(trial.length for trial in self.succeeded)
+
+    @property
+    def length_ratio(self) -> Spread:
+        """Summed lengths over the lower bounds, of the trials that succeeded."""
+        return Spread.of(trial.length_ratio for trial in self.succeeded)
+
+    @property
+    def single_time_ratio(self) -> Spread:
+        """Planning time over that of the robots alone, of the trials that succeeded."""
+        return Spread.of(trial.single_time_ratio for trial in self.succeeded)
+
+    @property
+    def planning_time(self) -> Spread:
+        """Seconds of the trials that ran."""
+        return self.spread("planning_time_s")
 
     @property
     def formation_error(self) -> Spread:

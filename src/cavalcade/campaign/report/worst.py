@@ -57,15 +57,20 @@ def worst_trials(trials: Sequence[Trial], order: Order, most: int = MOST) -> lis
     taken = {worst.trial.name for worst in chosen}
     slow = [trial for trial in by_time if trial.name not in taken][: most - len(chosen)]
     chosen += [
-        Worst(t, f"longest time of those that succeeded: {t.time_ratio:.2f} times the lower bound")
+        Worst(t, f"longest time of those that succeeded: {t.time_ratio:.2f} times {bound_of(t)}")
         for t in slow
     ]
     return chosen
 
 
+def bound_of(trial: Trial) -> str:
+    """What its time is compared with."""
+    return "the slowest robot alone" if trial.planned else "the lower bound"
+
+
 def is_failure(trial: Trial) -> bool:
     """Whether the trial failed where it need not have, or touched what it need not have."""
-    return not trial.success and (trial.feasible or trial.avoidable > 0)
+    return not trial.success and (trial.feasible or trial.hopeless or trial.avoidable > 0)
 
 
 def _failures(trials: Sequence[Trial], order: Order) -> list[Trial]:
