@@ -33,8 +33,7 @@ from cavalcade.body._moves import (
 def pose_free(grid, x, y, yaw, half_length, half_width, is_round, margin):
     """Whether a footprint keeps `margin` from everything solid and from the grid's border.
 
-    Cells are squares. A box is tested on its own axes only where a cell is near a corner of it,
-    which is on the safe side by less than a third of a cell.
+    Cells are squares; what only touches one is free of it.
     """
     cell, solid, clearance = grid
     rows, cols = solid.shape
@@ -76,15 +75,13 @@ def pose_free(grid, x, y, yaw, half_length, half_width, is_round, margin):
                     return False
                 continue
             dx, dy = (j + 0.5) * cell - x, (i + 0.5) * cell - y
-            if abs(c * dx + s * dy) < hl + half - 1e-9 and abs(c * dy - s * dx) < hw + half - 1e-9:
-                # The square's own axes.
-                if (
-                    j * cell < high_x - 1e-9
-                    and (j + 1) * cell > low_x + 1e-9
-                    and i * cell < high_y - 1e-9
-                    and (i + 1) * cell > low_y + 1e-9
-                ):
-                    return False
+            apart = abs(c * dx + s * dy) >= hl + half - 1e-9
+            apart = apart or abs(c * dy - s * dx) >= hw + half - 1e-9
+            # The square's own axes.
+            apart = apart or j * cell >= high_x - 1e-9 or (j + 1) * cell <= low_x + 1e-9
+            apart = apart or i * cell >= high_y - 1e-9 or (i + 1) * cell <= low_y + 1e-9
+            if not apart:
+                return False
     return True
 
 

@@ -41,7 +41,8 @@ class Course:
         if isinstance(self.motion, Way):
             return self.motion.track()
         count = int(np.ceil(self.motion.duration / TRACK_STEP - 1e-9)) + 1
-        return self.motion.poses_at(np.arange(count) * TRACK_STEP)
+        times = np.asarray(np.arange(count) * TRACK_STEP, dtype=np.float64)
+        return self.motion.poses_at(times)
 
     def trajectory(self, ground: Ground) -> Trajectory:
         """The same as samples."""

@@ -10,6 +10,7 @@ import numpy as np
 from cavalcade.body._moves_contact import bodies_meet, pose_free
 from cavalcade.body.timed import TimedPlanner
 from cavalcade.coordination.problem import Pose, TeamProblem
+from cavalcade.geometry import Array
 from cavalcade.robots import RobotModel
 
 _TOUCH = -1e-6
@@ -83,6 +84,6 @@ def _overlap(one: RobotModel, at: Pose, other: RobotModel, there: Pose) -> bool:
     )
 
 
-def _cell(guide: object, cell: float, pose: Pose) -> tuple[int, int]:
-    shape = np.shape(guide)
-    return min(int(pose[1] / cell), shape[0] - 1), min(int(pose[0] / cell), shape[1] - 1)
+def _cell(guide: Array, cell: float, pose: Pose) -> tuple[int, int]:
+    rows, cols = guide.shape
+    return min(int(pose[1] / cell), rows - 1), min(int(pose[0] / cell), cols - 1)

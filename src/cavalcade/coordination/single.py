@@ -116,14 +116,16 @@ class EvenPlanner:
         skip = round(delay / TRACK_STEP)
         delay = skip * TRACK_STEP
         model = self.problem.models[robot]
-        start = np.array(self.problem.starts[robot])
+        x, y, yaw = self.problem.starts[robot]
         stand = np.zeros(6)
         stand[DURATION] = delay
         care = CAREFUL[-1]
         if not move_free(
             self.timed.grid,
             tuple(others),
-            *start,
+            x,
+            y,
+            yaw,
             stand,
             self.timed.mover(model),
             0.0,
