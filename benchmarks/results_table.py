@@ -1,4 +1,4 @@
-"""The table of docs/results.md from finished campaigns.
+"""The tables of docs/results.md from finished campaigns: of formations, and of plans.
 
 Run as `python benchmarks/results_table.py runs/evidence/*/`; `make evidence` ends with it.
 """
@@ -11,6 +11,7 @@ from typing import Any
 
 import duckdb
 
+from cavalcade.campaign.methods import METHOD_VARIANTS
 from cavalcade.campaign.statistics import upper_bound, wilson
 
 QUERY = """
@@ -25,6 +26,7 @@ QUERY = """
            min(min_footprint_gap_m),
            median("cycle_ms.p50"), median("cycle_ms.p99")
     from read_parquet(?, file_row_number = true)
+    where not list_contains(?, variant)
     group by suite, variant, disturbance
     order by disturbance <> 'none', min(file_row_number)
 """
@@ -34,15 +36,52 @@ HEAD = (
     "formation error, m", "least gap, m", "cycle p50 / p99, ms",
 )  # fmt: skip
 
+PLAN_QUERY = """
+    select suite, scenario, variant, count(*),
+           count(*) filter (feasible or expected <> 'solved'),
+           count(*) filter (success and (feasible or expected <> 'solved')),
+           count(*) filter (outcome in ('collision', 'invalid')),
+           count(*) filter (outcome in ('crashed', 'overtime')),
+           avg(list_sum(path_length_m)) filter (success),
+           median("measured.length_ratio") filter (success),
+           median("measured.makespan_ratio") filter (success),
+           avg(planning_time_s), median(planning_time_s),
+           quantile_cont(planning_time_s, 0.99), max(planning_time_s),
+           median("measured.single_time_ratio") filter (success)
+    from read_parquet(?, file_row_number = true)
+    where list_contains(?, variant)
+    group by suite, scenario, variant
+    order by min(file_row_number)
+"""
+PLAN_HEAD = (
+    "suite", "scenario", "variant", "worlds", "counted", "success", "95 %",
+    "judged faulty", "no verdict", "mean length, m", "length / bound", "makespan / alone",
+    "planning mean, s", "p50", "p99", "max", "planning / single plans",
+)  # fmt: skip
+
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("campaign", type=Path, nargs="+", help="folder of a finished campaign")
-    print("| " + " | ".join(HEAD) + " |")
-    print("|" + "---|" * 3 + "--:|" * (len(HEAD) - 3))
-    for folder in parser.parse_args().campaign:
-        for row in duckdb.execute(QUERY, [str(folder / "trials.parquet")]).fetchall():
-            print("| " + " | ".join(cells(*row)) + " |")
+    folders = parser.parse_args().campaign
+    print_table(HEAD, [cells(*row) for row in rows(QUERY, folders)])
+    print_table(PLAN_HEAD, [plan_cells(*row) for row in rows(PLAN_QUERY, folders)])
+
+
+def rows(query: str, folders: list[Path]) -> list[Any]:
+    """Of all folders, from a query that takes the file and the variants that make plans."""
+    plans = list(METHOD_VARIANTS)
+    files = [str(folder / "trials.parquet") for folder in folders]
+    return [row for file in files for row in duckdb.execute(query, [file, plans]).fetchall()]
+
+
+def print_table(head: tuple[str, ...], lines: list[list[str]]) -> None:
+    if lines:
+        print("| " + " | ".join(head) + " |")
+        print("|" + "---|" * 3 + "--:|" * (len(head) - 3))
+        for line in lines:
+            print("| " + " | ".join(line) + " |")
+        print()
 
 
 def cells(*row: Any) -> list[str]:
@@ -58,6 +97,19 @@ def cells(*row: Any) -> list[str]:
         f"{100.0 * upper_bound(avoidable, ran):.2f} %" if ran else "–",
         str(lost), text(ratio, 2), text(error, 3), text(gap, 3),
         f"{text(p50, 2)} / {text(p99, 2)}",
+    ]  # fmt: skip
+
+
+def plan_cells(*row: Any) -> list[str]:
+    (suite, scenario, variant, trials, counted, good, faulty, lost) = row[:8]
+    (length, ratio, makespan, mean, p50, p99, most, single) = row[8:]
+    low, high = wilson(good, counted) if counted else (0.0, 1.0)
+    return [
+        f"`{suite}`", f"`{scenario}`", f"`{variant}`", str(trials), str(counted),
+        f"{100.0 * good / counted:.1f} %" if counted else "–",
+        f"{100.0 * low:.1f}–{100.0 * high:.1f}", str(faulty), str(lost),
+        text(length, 2), text(ratio, 3), text(makespan, 2),
+        text(mean, 4), text(p50, 4), text(p99, 4), text(most, 4), text(single, 2),
     ]  # fmt: skip
 
 

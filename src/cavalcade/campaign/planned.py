@@ -63,7 +63,9 @@ def judged_plan(scenario: Scenario, result: PlanResult, expected: str = SOLVED) 
         result: Its plan.
         expected: As in `Drawn`: where there is no plan, refusing is the success.
     """
-    report = judge_plan(scenario, arrays_of(result), result.summary)
+    # Also of a plan whose own summary finds contact, all that the coordinator claims is judged.
+    claimed = {**result.summary, "success": result.plan.solved}
+    report = judge_plan(scenario, arrays_of(result), claimed)
     contacts = count_contacts(report)
     outcome = str(result.summary["reason"])
     if contacts:

@@ -62,8 +62,9 @@ PLAN_NOTES = (
     "limit, start and goal met.",
     "**Length** is the sum over the robots of the way of the body's centre, in space, of "
     "successful trials; its **lower bound** the sum of the shortest ways of discs of half "
-    "the body's width, each alone. **Makespan** is when the last robot is at its goal for good; it is compared with "
-    "that of the slowest robot planned alone with the same options, where there are several. "
+    "the body's width, each alone. **Makespan** is when the last robot is at its goal for good; it "
+    "is compared with that of the slowest robot planned alone with the same options, where there "
+    "are several. "
     "Comparing these between methods that succeed in different worlds favours the one that fails "
     "in the hard ones; the paired tables do not.",
     "**Planning time** is wall time of one thread, of all trials that ran, without reading the "
