@@ -47,8 +47,10 @@ def pose_free(grid, x, y, yaw, half_length, half_width, is_round, margin):
         return True
     if known + 0.7072 * cell < hw:
         return False
+    slack = 1e-9
     if is_round > 0.0:
-        if x < hl or y < hl or x > cols * cell - hl or y > rows * cell - hl:
+        near = hl - slack
+        if x < near or y < near or x > cols * cell - near or y > rows * cell - near:
             return False
         low_x, high_x, low_y, high_y = x - hl, x + hl, y - hl, y + hl
         c, s = 1.0, 0.0
@@ -56,7 +58,6 @@ def pose_free(grid, x, y, yaw, half_length, half_width, is_round, margin):
         c, s = math.cos(yaw), math.sin(yaw)
         span_x, span_y = abs(c) * hl + abs(s) * hw, abs(s) * hl + abs(c) * hw
         low_x, high_x, low_y, high_y = x - span_x, x + span_x, y - span_y, y + span_y
-        slack = 1e-9
         if low_x < -slack or low_y < -slack:
             return False
         if high_x > cols * cell + slack or high_y > rows * cell + slack:
