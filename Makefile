@@ -64,6 +64,7 @@ bench: $(VENV)/.stamp-bench
 	@-$(PIP) --only-binary :all: eikonalfm
 	@$(BIN)/python benchmarks/bench_eikonal.py
 	@$(BIN)/python benchmarks/bench_cycle.py
+	@$(BIN)/python benchmarks/bench_body.py
 	@$(BIN)/python benchmarks/bench_startup.py
 
 # A campaign that is there is gone on with; after a change of the code, remove $(RUNS)/evidence first.

@@ -16,21 +16,21 @@ from cavalcade.geometry import Array
 
 
 class Forest(NamedTuple):
-    """Nodes of tree 0 (start) and 1 (goal); `count (2,)` of the `N` places are taken.
+    """Nodes of tree 0 (start) and 1 (goal); `used (2,)` of the `N` places are taken.
 
     Attributes:
         states: `(2, N, 6)`.
         yaws: `(2, N)` with which the body arrives (tree 0) or sets off (tree 1), rad.
         parents: `(2, N)`; -1 of the roots.
         edges: `(2, N, SIZE)` the primitive between parent and node, in forward time.
-        count: `(2,)`.
+        used: `(2,)`.
     """
 
     states: Array
     yaws: Array
     parents: NDArray[np.int64]
     edges: Array
-    count: NDArray[np.int64]
+    used: NDArray[np.int64]
 
 
 def make_forest(size: int, old: Forest | None = None) -> Forest:
@@ -46,7 +46,7 @@ def make_forest(size: int, old: Forest | None = None) -> Forest:
         places = old.yaws.shape[1]
         for new, before in zip(forest[:4], old[:4], strict=True):
             new[:, :places] = before
-        forest.count[:] = old.count
+        forest.used[:] = old.used
     return forest
 
 
@@ -56,13 +56,13 @@ def plant(forest, tree, state, yaw):
     forest.states[tree, 0] = state
     forest.yaws[tree, 0] = yaw
     forest.parents[tree, 0] = -1
-    forest.count[tree] = 1
+    forest.used[tree] = 1
 
 
 @njit(cache=True)
 def attach(forest, tree, parent, edge):
     """Add the far end of a primitive; returns its number."""
-    node = forest.count[tree]
+    node = forest.used[tree]
     far = END if tree == 0 else START
     for k in range(SIZE):
         forest.edges[tree, node, k] = edge[k]
@@ -71,7 +71,7 @@ def attach(forest, tree, parent, edge):
     cos, sin = edge_heading(edge, tree == 0)
     forest.yaws[tree, node] = math.atan2(sin, cos)
     forest.parents[tree, node] = parent
-    forest.count[tree] = node + 1
+    forest.used[tree] = node + 1
     return node
 
 
@@ -89,7 +89,7 @@ def edge_heading(edge, last):
 def nearest(forest, tree, state):
     """The node with the least |dp| + |dv|."""
     best, least = 0, math.inf
-    for i in range(forest.count[tree]):
+    for i in range(forest.used[tree]):
         s = forest.states[tree, i]
         dx, dy, dz = s[0] - state[0], s[1] - state[1], s[2] - state[2]
         way = math.sqrt(dx * dx + dy * dy + dz * dz)

@@ -159,12 +159,12 @@ def _leap_over(
             ground, body, discs, line, walk, take_off, landing, attempt, rng, draw, leap, scratch
         ):
             continue
-        before = forest.count[tree]
+        before = forest.used[tree]
         end = _link(
             ground, body, discs, forest, tree, node, leap[near : near + 6], line, link, scratch
         )
         if end < 0:
-            forest.count[tree] = before
+            forest.used[tree] = before
             continue
         end = attach(forest, tree, end, leap)
         # Come to rest behind it, for other ways on; the leap's end remains a node, too.
@@ -228,11 +228,28 @@ def _beside(ground, body, state, line, way, speed, out):
 
 
 @njit(cache=True)
+def sprout(ground, body, discs, forest):
+    """Walk straight ahead from the start and straight into the goal, where turning needs room."""
+    edge, scratch, state = np.empty(SIZE), np.empty(12), np.empty(6)
+    line = np.empty(4)
+    for tree in range(2):
+        root = forest.states[tree, 0]
+        line[2], line[3] = math.cos(forest.yaws[tree, 0]), math.sin(forest.yaws[tree, 0])
+        way = 0.2 if tree == 0 else -0.2
+        for k in range(8):
+            _beside(ground, body, root, line, way * (k + 1), 0.0, state)
+            found, _ = try_walk(ground, body, discs, forest, tree, 0, state, edge, scratch)
+            if found != OK:
+                break
+            attach(forest, tree, 0, edge)
+
+
+@njit(cache=True)
 def _published(ground, body, discs, leaps, rng, forest, tree, node, state, edge, until, scratch):
     """What the published planner does where CONNECT fails: leaps compete with the partial way."""
     best = -1
     least = math.inf
-    before = forest.count[tree]
+    before = forest.used[tree]
     end = _advance(ground, body, forest, tree, node, state, edge, until, scratch)
     if end >= 0:
         best, least = end, _apart(forest.states[tree, end], state)
@@ -245,7 +262,7 @@ def _published(ground, body, discs, leaps, rng, forest, tree, node, state, edge,
             at = END if tree == 0 else START
             away = _apart(edge[at : at + 6], state)
             if away < least:
-                forest.count[tree] = before
+                forest.used[tree] = before
                 best, least = attach(forest, tree, node, edge), away
     if best < 0:
         return TRAPPED, node

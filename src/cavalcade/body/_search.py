@@ -80,7 +80,7 @@ def search(ground, body, discs, leaps, rng, forest, guide, bound, begin, end):
     """
     state = np.empty(6)
     for iteration in range(begin, end):
-        if forest.states.shape[1] - max(forest.count[0], forest.count[1]) < 2 * PLACES:
+        if forest.states.shape[1] - max(forest.used[0], forest.used[1]) < 2 * PLACES:
             return FULL, iteration, -1, -1
         tree = iteration % 2
         if iteration < 2:

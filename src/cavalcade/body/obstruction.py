@@ -96,7 +96,7 @@ def _points(ground: Ground, way: Cells, start: Pose, goal: Pose) -> Array:
     """The cells' centres, with the start and the goal themselves as ends."""
     if len(way) < 2:
         return np.zeros((0, 2))
-    points: Array = (way[:, ::-1] + 0.5) * ground.cell
+    points: Array = (way[:, ::-1].astype(np.float64) + 0.5) * ground.cell
     points[0], points[-1] = start[:2], goal[:2]
     return points
 

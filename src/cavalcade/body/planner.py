@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from cavalcade.body._figures import SIZE, make_body
 from cavalcade.body._forest import Forest, make_forest, plant
-from cavalcade.body._grow import PLACES
+from cavalcade.body._grow import PLACES, sprout
 from cavalcade.body._pull import pull
 from cavalcade.body._sample import sample
 from cavalcade.body._search import FOUND, FULL, route, search
@@ -34,7 +34,7 @@ from cavalcade.robots import RobotModel
 _FIRST_LOOK = 200
 """Iterations after which it is asked whether there is a way at all."""
 
-_CHUNK = 500
+_CHUNK = 100
 """Iterations between looks at the clock, where there is a limit of time."""
 
 _SHORTCUTS = 40
@@ -195,6 +195,8 @@ class _Problem:
             edges = self._pulled()
         look = min(_FIRST_LOOK, self.settings.iterations)
         if edges is None:
+            if not self.body.published:
+                sprout(self.ground, self.body, self.discs, forest)
             edges, forest = self._search(forest, straight, look, math.inf, deadline)
         if edges is None and clock.perf_counter() <= deadline:
             why, self.guide = find_way(
@@ -205,7 +207,7 @@ class _Problem:
             if self.body.published:
                 self.guide = np.zeros((0, 2))
             edges, forest = self._search(forest, look, self.settings.iterations, math.inf, deadline)
-        self.sizes = (int(forest.count[0]), int(forest.count[1]))
+        self.sizes = (int(forest.used[0]), int(forest.used[1]))
         return edges, ""
 
     def _pulled(self) -> Array | None:
