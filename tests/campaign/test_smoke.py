@@ -1,4 +1,4 @@
-"""The shipped suite `smoke` for real, as `make test` promises."""
+"""The shipped suites `smoke` and `smoke-plans` for real, as `make test` promises."""
 
 from __future__ import annotations
 
@@ -29,3 +29,27 @@ def test_smoke(tmp_path: Path, table: Callable[[Path], list[dict[str, Any]]]) ->
     assert result.summary["trials"] == len(lines)
     assert {"trials.parquet", "report.md", "report.html"} <= set(os.listdir(tmp_path / "a"))
     assert all(file.is_file() for file in result.files)
+
+
+def test_smoke_of_plans(tmp_path: Path, table: Callable[[Path], list[dict[str, Any]]]) -> None:
+    plan = make_plan("smoke-plans")
+    assert plan.suite.missing(DataFolder(None)) is None
+    check_plan(plan)
+    assert len(plan.trials) >= 20
+    result = run_campaign(plan, tmp_path / "a", LocalEngine(2))
+    lines = table(tmp_path / "a")
+    assert [line["trial"] for line in lines] == sorted(trial.id for trial in plan.trials)
+    # The paper's options may bring robots into contact; everything else has to be right.
+    own = [line for line in lines if not line["variant"].endswith("-published")]
+    assert [(line["trial"], line["detail"]) for line in own if not line["success"]] == []
+    assert {line["outcome"] for line in own} == {"solved", "infeasible", "refused"}
+    hopeless = [line for line in own if line["expected"] == "infeasible"]
+    assert hopeless
+    assert max(line["summary"]["goal_moved_m"] for line in hopeless) == 0.0
+    assert {"crashed", "overtime"}.isdisjoint(line["outcome"] for line in lines)
+    text = (tmp_path / "a" / "report.md").read_text(encoding="utf-8")
+    assert "### Problems without a plan" in text
+    assert "## Length, time, planning" in text
+    assert result.summary["success_of_feasible"] == sum(
+        line["success"] for line in lines if line["feasible"]
+    )

@@ -26,7 +26,16 @@ from cavalcade.scenario import Scenario
 
 KEYS = [
     *("trial", "suite", "scenario", "variant", "disturbance", "seed", "outcome", "detail"),
-    *("success", "feasible", "level", "level_name", "contacts", "avoidable", "violations"),
+    *(
+        "success",
+        "feasible",
+        "expected",
+        "level",
+        "level_name",
+        "contacts",
+        "avoidable",
+        "violations",
+    ),
     *("measured", "summary"),
 ]
 
