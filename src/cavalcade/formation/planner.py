@@ -229,7 +229,7 @@ class FormationPlanner:
             wanted = np.zeros_like(local)
         else:
             wanted = self._mode.step(
-                self._routes(local), self._team, local, float(time), movers, speeds
+                self._routes(local), self._team, local, velocities, float(time), movers, speeds
             )
         commands = self._commands(local, velocities, wanted, movers, speeds)
         self._tracker.commanded(commands)
@@ -261,9 +261,12 @@ class FormationPlanner:
     ) -> Array:
         frozen = ~self._team.present
         if self.variant.filter:
+            flees = self._mode.evading(self._team.size)
+            # In an emergency it is footprints that are kept off obstacles, not circles.
+            clearances = np.where(flees, 0.0, self._mode.radius)
             commands, _ = self._filter.apply(
-                local, velocities, wanted, self._mode.rank(self._team.size), frozen,
-                self._ground.distance, self._ground.cell, self._mode.radius, movers, speeds,
+                local, velocities, wanted, self._mode.rank(self._team.size), frozen, flees,
+                self._ground.distance, self._ground.cell, clearances, movers, speeds,
             )  # fmt: skip
         else:
             commands = self._filter.in_body(local, wanted)
