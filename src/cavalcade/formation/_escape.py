@@ -128,8 +128,8 @@ def judge_ways(pose, velocity, ways, turning, durations, top, limits, half, move
         movers, speeds: `(M, 5)` and `(M, 2)` what moves, and how.
         others: `(K, T, 3)` the robots that do not give way, at each step.
         discs, disc_radius: Cover of a footprint, m.
-        gaps: What is kept: to what stands, to robots, between their centres, to what moves;
-            the last is aimed at, and a fifth of it has to remain; m.
+        gaps: To keep to what stands, to robots, between their centres and to what moves, and
+            the one to what moves that is aimed at; m. None is larger than at first.
         radius: Clearance of the centre that is aimed at in the end, m.
         distance, cell: Distance map and its cell size, m.
         steps: T.
@@ -149,7 +149,7 @@ def judge_ways(pose, velocity, ways, turning, durations, top, limits, half, move
     to_ground = ground_gap(pose[0], pose[1], pose[2], discs, disc_radius, movers, distance, cell)
     stands = min(gaps[0], to_ground - _EPS)
     to_mover = mover_gap(pose, half, movers, speeds, 0.0)
-    aimed, least = min(gaps[3], to_mover), min(0.2 * gaps[3], to_mover - _EPS)
+    least, aimed = min(gaps[3], to_mover - _EPS), min(gaps[4], to_mover)
     states = np.empty((steps, 6))
     for c in range(len(ways)):
         known = 0  # steps of the way that are judged: the beginning is common to all durations

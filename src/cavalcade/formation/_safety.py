@@ -256,8 +256,9 @@ def pair_slack(path_a, size_a, path_b, size_b, hard, centres):
 
 
 @njit(cache=True)
-def certify(poses, velocities, commands, rank, frozen, flees, limits, period, substeps, steps, sizes,
-            movers, mover_speeds, discs, disc_radius, keep, hard, distance, cell):  # fmt: skip
+def certify(poses, velocities, commands, rank, frozen, flees, limits, period, substeps, steps,
+            sizes, movers, mover_speeds, discs, disc_radius, keep, hard, distance,
+            cell):  # fmt: skip
     """Commands after which every robot can still stop without touching anything.
 
     Each robot's candidates, from the wanted command down to a stop, are rolled out for one

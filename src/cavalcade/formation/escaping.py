@@ -15,7 +15,8 @@ from cavalcade.robots.motion import limits_of
 
 STEPS = 80  # for which ways are judged
 _DURATIONS = np.array([0, 5, 10, 15, 20, 25, 30, 40, 50])  # steps for which a way may be gone
-_GAPS = np.array([0.02, 0.03, 0.61, 0.10])  # m: to what stands, robots, their centres, movers
+# m: to what stands, to robots, between their centres, to what moves: at least, and aimed at.
+_GAPS = np.array([0.02, 0.03, 0.61, 0.02, 0.10])
 _DEARER = 20.0  # s that a way may take longer for 1 m less behind what is aimed at
 _GOOD = 0.01  # m that a way at hand may stay behind before all others are looked at
 _FAIR = 0.05  # m that the way a robot goes already may stay behind before that
@@ -64,13 +65,16 @@ class WayFinder:
     Args:
         model: The robots'.
         top: Speed to command, m/s.
+        error: To which robots' places are known, m: gaps are that much wider.
     """
 
-    def __init__(self, model: RobotModel, top: float) -> None:
+    def __init__(self, model: RobotModel, top: float, error: float = 0.0) -> None:
         self._limits = limits_of(model)
         self._half = np.array([model.length, model.width]) / 2.0
         self._cover = BodyCover.of(model.length, model.width, 5, 2)
         self._top = top
+        both = np.sqrt(2.0)
+        self._gaps = _GAPS + error * np.array([1.0, both, both, 1.0, 1.0])
 
     def at_hand(
         self,
@@ -150,7 +154,7 @@ class WayFinder:
         hits, short = judge_ways(
             pose, velocity, np.array([way.direction for way in ways]), turning, _DURATIONS,
             self._top, self._limits, self._half, around.movers, around.speeds, around.others,
-            self._cover.offsets, self._cover.radius, _GAPS, around.radius, around.distance,
+            self._cover.offsets, self._cover.radius, self._gaps, around.radius, around.distance,
             around.cell, STEPS,
         )  # fmt: skip
         return hits, short

@@ -39,10 +39,11 @@ class Evasion:
     Args:
         model: The robots'.
         top: Speed to command, m/s.
+        error: To which robots' places are known, m.
     """
 
-    def __init__(self, model: RobotModel, top: float) -> None:
-        self._finder = WayFinder(model, top)
+    def __init__(self, model: RobotModel, top: float, error: float = 0.0) -> None:
+        self._finder = WayFinder(model, top, error)
         self._ways: dict[int, Way] = {}
 
     def forget(self) -> None:

@@ -53,6 +53,7 @@ class Navigator:
         model: RobotModel,
         period: float,
         rng: np.random.Generator,
+        error: float = 0.0,
     ) -> None:
         self._variant = variant
         self._settings = settings
@@ -60,7 +61,7 @@ class Navigator:
         self._cover = BodyCover.of(model.length, model.width)
         self._watch = StandoffWatch(settings.lookahead, rng)
         self._wedges = WedgeWatch(model)
-        self._evasion = Evasion(model, self._shaper.top)
+        self._evasion = Evasion(model, self._shaper.top, error)
         self._evading: list[int] = []
         self.goals: Array = np.empty((0, 3))
         self.radius = settings.r_max

@@ -99,8 +99,9 @@ class FormationPlanner:
         self._filter = SafetyFilter(self.model, period, self._expected)
         self._movers: tuple[MovingObstacle, ...] = ()
         self._mode = modes.Navigator(
-            self.variant, self.settings, self.model, period, np.random.default_rng(seed)
-        )
+            self.variant, self.settings, self.model, period, np.random.default_rng(seed),
+            self._expected.error(period, self.model.length / 2.0),
+        )  # fmt: skip
         self._paused = False
         self._bodies: tuple[Ground, Array, Ground] | None = None
         self._status = self._make_status(np.zeros((robots, 3)))
