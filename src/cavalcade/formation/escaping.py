@@ -75,6 +75,7 @@ class WayFinder:
         self._top = top
         both = np.sqrt(2.0)
         self._gaps = _GAPS + error * np.array([1.0, both, both, 1.0, 1.0])
+        self._get_ready()
 
     def at_hand(
         self,
@@ -146,6 +147,16 @@ class WayFinder:
         x, y = way.direction
         roll(pose, velocity, x, y, way.turning, self._top, way.steps, self._limits, states)
         return states[:, :3]
+
+    def _get_ready(self) -> None:
+        """Load or compile the kernels: no cycle may wait for that when something sets out."""
+        nothing = Surroundings(
+            np.empty((0, 5)), np.empty((0, 2)), np.empty((0, STEPS, 3)), np.ones((2, 2)), 1.0, 0.0
+        )
+        rest, way = np.zeros(3), Way(np.array([1.0, 0.0]), True, 1)
+        self._judged([way], rest, rest, nothing)
+        self.command(way, 0.0)
+        self.poses(way, rest, rest)
 
     def _judged(
         self, ways: list[Way], pose: Array, velocity: Array, around: Surroundings
