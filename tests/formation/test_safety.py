@@ -35,6 +35,7 @@ class Scene:
         self.distance = surface_distance(occupied, CELL)
         self.movers = movers
         self.frozen = np.isin(np.arange(len(poses)), frozen)
+        self.flees = np.zeros(len(poses), bool)
         self.rank = np.arange(len(poses))
         self.radius = radius
         self.filter = SafetyFilter(GO1, PERIOD)
@@ -42,7 +43,7 @@ class Scene:
     def commands(self, wanted):
         return self.filter.apply(
             self.poses, self.velocities, np.array(wanted, dtype=float), self.rank, self.frozen,
-            self.distance, CELL, self.radius, *self.movers,
+            self.flees, self.distance, CELL, np.full(len(self.poses), self.radius), *self.movers,
         )  # fmt: skip
 
     def advance(self, commands, cycles=1, seen=None, substeps=5):
@@ -312,7 +313,8 @@ def test_any_rate_stops_in_time(tools, rate):
     for _ in range(round(8.0 * rate)):
         commands, _ = guard.apply(
             np.array([state[:3]]), np.array([state[3:]]), np.array([[0.5, 0.0, 0.0]]),
-            np.zeros(1, np.int64), np.zeros(1, bool), distance, CELL, RADIUS, *NO_MOVERS,
+            np.zeros(1, np.int64), np.zeros(1, bool), np.zeros(1, bool), distance, CELL,
+            np.full(1, RADIUS), *NO_MOVERS,
         )  # fmt: skip
         for _ in range(10):
             state = advance(*state, *commands[0], 0.1 / rate, LIMITS)

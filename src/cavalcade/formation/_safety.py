@@ -195,13 +195,13 @@ def least_change(poses, wanted, weights, sizes, movers, mover_speeds, discs, dis
 
 
 @njit(cache=True)
-def roll_out(pose, velocity, command, limits, period, substeps, out):
-    """Poses `(T, 3)` while the command is held for one period and then a stop is commanded."""
+def roll_out(pose, velocity, command, limits, period, substeps, held, out):
+    """Poses `(T, 3)` while the command is held for some steps and then a stop is commanded."""
     x, y, yaw = pose[0], pose[1], pose[2]
     vx, vy, wz = velocity[0], velocity[1], velocity[2]
     dt = period / substeps
     for t in range(out.shape[0]):
-        if t < substeps:
+        if t < held:
             x, y, yaw, vx, vy, wz = advance(
                 x, y, yaw, vx, vy, wz, command[0], command[1], command[2], dt, limits
             )
@@ -256,8 +256,9 @@ def pair_slack(path_a, size_a, path_b, size_b, hard, centres):
 
 
 @njit(cache=True)
-def certify(poses, velocities, commands, rank, frozen, limits, period, substeps, steps, sizes,
-            movers, mover_speeds, discs, disc_radius, keep, hard, distance, cell):  # fmt: skip
+def certify(poses, velocities, commands, rank, frozen, flees, limits, period, substeps, steps,
+            sizes, movers, mover_speeds, discs, disc_radius, keep, hard, distance,
+            cell):  # fmt: skip
     """Commands after which every robot can still stop without touching anything.
 
     Each robot's candidates, from the wanted command down to a stop, are rolled out for one
@@ -270,6 +271,8 @@ def certify(poses, velocities, commands, rank, frozen, limits, period, substeps,
         commands: `(N, 3)` in the body frame.
         rank: `(N,)` order of precedence, 0 first.
         frozen: `(N,)` robots that are not commanded.
+        flees: `(N,)` robots that get out of the way of what moves: stopping there is what hits
+            them, so of that they keep clear by going on.
         limits: Of the robots' motion, see `robots.motion`.
         period, substeps, steps: Cycle, its division and the number of rolled-out steps.
         hard: Least gaps: footprint to obstacles, footprint to footprint, centre to centre (m);
@@ -294,7 +297,13 @@ def certify(poses, velocities, commands, rank, frozen, limits, period, substeps,
             else:
                 options[i, 3, k] = commands[i, k]
         for k in range(LEVELS):
-            roll_out(poses[i], velocities[i], options[i, k], limits, period, substeps, paths[i, k])
+            roll_out(poses[i], velocities[i], options[i, k], limits, period, substeps, substeps,
+                     paths[i, k])  # fmt: skip
+            ahead = paths[i, k]
+            if flees[i] and movers.shape[0] > 0:
+                ahead = np.empty((steps, 3))
+                roll_out(poses[i], velocities[i], options[i, k], limits, period, substeps, steps,
+                         ahead)  # fmt: skip
             slack[i, k] = map_slack(paths[i, k], discs, disc_radius, keep[i], hard[0], distance,
                                     cell)  # fmt: skip
             for j in range(movers.shape[0]):
@@ -306,7 +315,7 @@ def certify(poses, velocities, commands, rank, frozen, limits, period, substeps,
                     other[t, 2] = movers[j, 2]
                 slack[i, k] = min(
                     slack[i, k],
-                    pair_slack(paths[i, k], sizes[i], other, movers[j, 3:5], hard[1], 0.0),
+                    pair_slack(ahead, sizes[i], other, movers[j, 3:5], hard[1], 0.0),
                 )
         while level[i] < LEVELS - 1 and slack[i, level[i]] < min(0.0, slack[i, LEVELS - 1]):
             level[i] += 1

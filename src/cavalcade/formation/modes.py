@@ -18,7 +18,7 @@ from cavalcade.formation.cycle import (
     named,
     order_of,
 )
-from cavalcade.formation.evasion import evade
+from cavalcade.formation.evasion import Evasion
 from cavalcade.formation.goals import (
     BodyCover,
     GoalPlan,
@@ -53,6 +53,7 @@ class Navigator:
         model: RobotModel,
         period: float,
         rng: np.random.Generator,
+        error: float = 0.0,
     ) -> None:
         self._variant = variant
         self._settings = settings
@@ -60,6 +61,8 @@ class Navigator:
         self._cover = BodyCover.of(model.length, model.width)
         self._watch = StandoffWatch(settings.lookahead, rng)
         self._wedges = WedgeWatch(model)
+        self._evasion = Evasion(model, self._shaper.top, error)
+        self._evading: list[int] = []
         self.goals: Array = np.empty((0, 3))
         self.radius = settings.r_max
         self._waypoint = 0
@@ -69,7 +72,8 @@ class Navigator:
         """Replace the goals `(G, 3)`; `keep` says that they are the same ones, seen anew."""
         self.goals = goals
         if keep:
-            self._wedges.restart()  # what it remembers is in the old frame
+            self._wedges.restart()  # what they remember is in the old frame
+            self._evasion.forget()
         else:
             self._waypoint = 0
             self.restart()
@@ -102,8 +106,18 @@ class Navigator:
         self.refresh()
 
     def rank(self, robots: int) -> NDArray[np.int64]:
-        """Precedence of the robots, 0 first."""
-        return np.arange(robots) if self._rank is None else self._rank
+        """Precedence of the robots, 0 first: those that evade before all others."""
+        rank = np.arange(robots) if self._rank is None else self._rank
+        if not self._evading:
+            return rank
+        late = [k for k in np.argsort(rank, kind="stable") if k not in self._evading]
+        return np.argsort([*self._evading, *late])
+
+    def evading(self, robots: int) -> NDArray[np.bool_]:
+        """`(N,)` which robots get out of the way of what moves."""
+        evading = np.zeros(robots, np.bool_)
+        evading[self._evading] = True
+        return evading
 
     def view(self, team: Team) -> View:
         """What the last cycle came to."""
@@ -122,11 +136,13 @@ class Navigator:
         ground: Ground,
         team: Team,
         poses: Array,
+        velocities: Array,
         time: float,
         movers: Array,
         mover_speeds: Array,
     ) -> Array:
         """Wanted velocities `(N, 3)`: m/s, m/s, rad/s; the limits of eq. 7 hold for them."""
+        self._evading = []
         active = team.active
         wanted = np.zeros((len(poses), 3))
         if self._state == "inactive" or len(active) == 0:
@@ -154,10 +170,9 @@ class Navigator:
             wanted[:, :2] = cycle.velocity
             wanted[:, 2] = self._shaper.yaw_rates(cycle)
         if self._variant.improved and len(movers):
-            evade(
-                wanted, poses, active, movers, mover_speeds, ground, self._shaper.top,
-                self._shaper.turn,
-            )  # fmt: skip
+            self._evading = self._evasion.apply(
+                wanted, poses, velocities, active, movers, mover_speeds, ground, self.radius
+            )
         self._view = cycle.view(self._state, self._leader, self._waypoint, message, involved)
         self._advance_waypoint(cycle)
         return wanted

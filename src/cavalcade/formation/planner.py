@@ -99,8 +99,9 @@ class FormationPlanner:
         self._filter = SafetyFilter(self.model, period, self._expected)
         self._movers: tuple[MovingObstacle, ...] = ()
         self._mode = modes.Navigator(
-            self.variant, self.settings, self.model, period, np.random.default_rng(seed)
-        )
+            self.variant, self.settings, self.model, period, np.random.default_rng(seed),
+            self._expected.error(period, self.model.length / 2.0),
+        )  # fmt: skip
         self._paused = False
         self._bodies: tuple[Ground, Array, Ground] | None = None
         self._status = self._make_status(np.zeros((robots, 3)))
@@ -229,7 +230,7 @@ class FormationPlanner:
             wanted = np.zeros_like(local)
         else:
             wanted = self._mode.step(
-                self._routes(local), self._team, local, float(time), movers, speeds
+                self._routes(local), self._team, local, velocities, float(time), movers, speeds
             )
         commands = self._commands(local, velocities, wanted, movers, speeds)
         self._tracker.commanded(commands)
@@ -261,9 +262,12 @@ class FormationPlanner:
     ) -> Array:
         frozen = ~self._team.present
         if self.variant.filter:
+            flees = self._mode.evading(self._team.size)
+            # In an emergency it is footprints that are kept off obstacles, not circles.
+            clearances = np.where(flees, 0.0, self._mode.radius)
             commands, _ = self._filter.apply(
-                local, velocities, wanted, self._mode.rank(self._team.size), frozen,
-                self._ground.distance, self._ground.cell, self._mode.radius, movers, speeds,
+                local, velocities, wanted, self._mode.rank(self._team.size), frozen, flees,
+                self._ground.distance, self._ground.cell, clearances, movers, speeds,
             )  # fmt: skip
         else:
             commands = self._filter.in_body(local, wanted)

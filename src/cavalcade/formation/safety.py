@@ -94,9 +94,10 @@ class SafetyFilter:
         wanted: Array,
         rank: NDArray[np.int64],
         frozen: NDArray[np.bool_],
+        flees: NDArray[np.bool_],
         distance: Array,
         cell: float,
-        radius: float,
+        clearances: Array,
         movers: Array,
         mover_speeds: Array,
     ) -> tuple[Array, NDArray[np.int64]]:
@@ -108,9 +109,10 @@ class SafetyFilter:
             wanted: `(N, 3)` wanted velocities, grid's frame.
             rank: `(N,)` precedence, 0 first: later robots give way.
             frozen: `(N,)` robots that cannot be commanded.
+            flees: `(N,)` robots that get out of the way of what moves.
             distance: `(rows, cols)` distance to the nearest obstacle, m.
             cell: Cell size, m.
-            radius: Clearance that centres keep, m.
+            clearances: `(N,)` what centres keep off obstacles, m.
             movers: `(M, 5)` moving obstacles: pose, half length, half width.
             mover_speeds: `(M, 2)` m/s.
 
@@ -123,16 +125,16 @@ class SafetyFilter:
         sizes = np.repeat(self._half[None], count, axis=0)
         ratio = min(_PRECEDENCE, _WEIGHTS ** (1.0 / max(count - 1, 1)))
         weights = np.where(frozen, 1e9, ratio ** (count - 1.0 - rank))
-        keep = np.where(frozen, 0.0, radius)
+        keep = np.where(frozen, 0.0, clearances)
         u = least_change(
             poses, wanted, weights, sizes, movers, mover_speeds, self._discs, self._disc_radius,
-            np.where(frozen, 0.0, radius + 0.01), np.array([m.obstacle, m.footprint, m.centres]),
+            np.where(keep > 0.0, keep + 0.01, 0.0), np.array([m.obstacle, m.footprint, m.centres]),
             self._braking, self._period, distance, cell,
         )  # fmt: skip
         commands = self.in_body(poses, u)
         commands[frozen] = 0.0
         return certify(
-            poses, velocities, commands, rank, frozen, self._limits, self._period,
+            poses, velocities, commands, rank, frozen, flees, self._limits, self._period,
             self._substeps, self._steps, sizes, movers, mover_speeds, self._discs,
             self._disc_radius, keep,
             np.array([m.hard_obstacle, m.hard_footprint, m.hard_centres]), distance, cell,
