@@ -31,7 +31,6 @@ _FRONT = {
     "outcome": "VARCHAR",
     "success": "BOOLEAN",
     "feasible": "BOOLEAN",
-    "expected": "VARCHAR",
     "level": "DOUBLE",
     "contacts": "BIGINT",
     "avoidable": "BIGINT",
@@ -80,6 +79,7 @@ _BACK = {
     "measured.makespan_ratio": "DOUBLE",
     "measured.single_time_ratio": "DOUBLE",
     "level_name": "VARCHAR",
+    "expected": "VARCHAR",
     "violations": "VARCHAR[]",
 }
 
@@ -185,7 +185,7 @@ def _quoted(text: str) -> str:
 
 def _flat(line: Mapping[str, Any]) -> dict[str, Any]:
     """Column names and raw values of a line."""
-    names = (*_FRONT, "level_name", "violations")
+    names = (*_FRONT, "level_name", "expected", "violations")
     flat = {name: line.get(name) for name in names}
     for name, value in _leaves(line.get("summary") or {}, ""):
         if name not in flat:
