@@ -1,12 +1,13 @@
 """The default: cheap methods first, dearer ones where they fail, all within one budget.
 
 Each robot alone; if courses conflict, prioritised planning with orders that are mended, and then
-robot by robot anew among the others; then conflict-based search; then the product space.
+robot by robot anew among the others. Where a few robots are coupled, a short conflict-based search
+and a short one in the product space. Then all three at length.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -17,7 +18,16 @@ from cavalcade.coordination.course import Course
 from cavalcade.coordination.found import Found
 from cavalcade.coordination.prioritised import improved, in_order, mended_orders
 from cavalcade.coordination.problem import PlanSettings, TeamProblem
-from cavalcade.coordination.single import RobotPlanner
+from cavalcade.coordination.single import EFFORT, RobotPlanner
+
+_FEW = 4
+"""So few robots in conflict are searched for conflicts and planned as one, with a share of the
+budget, before orders are tried at length."""
+
+_SHARE = 0.05
+
+Together = Callable[[Budget], tuple[Course, ...] | None]
+"""Plans the robots in conflict as one and the others past them; None if it finds nothing."""
 
 
 def solve_auto(
@@ -27,6 +37,7 @@ def solve_auto(
     alone: tuple[Course, ...],
     budget: Budget,
     rng: np.random.Generator,
+    together: Together | None = None,
 ) -> Found:
     """Courses without conflicts, or the best that is known.
 
@@ -37,21 +48,41 @@ def solve_auto(
         alone: Each robot's course regardless of the others.
         budget: Of the call.
         rng: For orders that need luck.
+        together: The search in the product space.
     """
     team = dict(enumerate(alone))
-    if not conflicts_of([course.track for course in alone], problem.models, 1):
+    conflicts = conflicts_of([course.track for course in alone], problem.models, 1)
+    if not conflicts:
         return Found(alone, True, "")
-    courses = mended_orders(planner, team, budget, rng, 3 * len(team) + 10)
+    coupled = {robot for conflict in conflicts for robot in (conflict.i, conflict.j)}
+    courses = mended_orders(planner, team, budget, rng, len(team) + 2, EFFORT // 4)
+    if courses is None and len(coupled) <= _FEW:
+        part = budget.share(_SHARE)
+        searched = conflict_search(problem, planner, settings, alone, part)
+        budget.spend(part.used)
+        if searched.solved:
+            courses = improved(planner, dict(enumerate(searched.courses)), team, budget)
+            return Found(tuple(courses[k] for k in team), True, "cbs", searched.counts)
+        if together is not None:
+            part = budget.share(_SHARE)
+            merged = together(part)
+            budget.spend(part.used)
+            if merged is not None:
+                courses = improved(planner, dict(enumerate(merged)), team, budget)
+                return Found(tuple(courses[k] for k in team), True, "joint")
+    if courses is None:
+        courses = mended_orders(planner, team, budget, rng, 3 * len(team) + 10)
     if courses is not None:
         courses = improved(planner, courses, team, budget)
         if len(team) == 2:
             courses = _cheaper_way_round(planner, courses, team, budget)
         return Found(tuple(courses[k] for k in team), True, "prioritised")
     searched = conflict_search(problem, planner, settings, alone, budget)
-    if not searched.solved:
-        return searched
-    courses = improved(planner, dict(enumerate(searched.courses)), team, budget)
-    return Found(tuple(courses[k] for k in team), True, "cbs", searched.counts)
+    if searched.solved:
+        courses = improved(planner, dict(enumerate(searched.courses)), team, budget)
+        return Found(tuple(courses[k] for k in team), True, "cbs", searched.counts)
+    merged = None if together is None else together(budget)
+    return searched if merged is None else Found(merged, True, "joint")
 
 
 def _cheaper_way_round(
@@ -62,7 +93,7 @@ def _cheaper_way_round(
 ) -> dict[int, Course]:
     """Of two robots, either may give way."""
     order = sorted(courses, key=lambda k: (courses[k].cost - alone[k].cost, k), reverse=True)
-    other, failed = in_order(planner, order, budget, None, alone)
+    other, failed = in_order(planner, order, budget, None, alone, effort=EFFORT // 4)
     if failed is not None:
         return courses
     return min(courses, other, key=lambda found: sum(c.cost for c in found.values()))

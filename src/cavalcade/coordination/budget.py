@@ -47,6 +47,12 @@ class Budget:
         """As many expansions as are wanted and left, at least one."""
         return max(1, min(wanted, self.iterations - self.used))
 
+    def share(self, part: float) -> Budget:
+        """A budget of that part of what is left, which the caller notes as spent afterwards."""
+        left = max(1, int(part * (self.iterations - self.used)))
+        seconds = None if self.seconds is None else max(self.seconds - self.elapsed, 1e-3) * part
+        return Budget(left, seconds)
+
     def spend(self, iterations: int) -> None:
         """Note what was used."""
         self.used += iterations

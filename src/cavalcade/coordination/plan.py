@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -130,18 +131,16 @@ class _Call:
             self.budget,
         )
         if self.method == "auto":
-            found = solve_auto(problem, planner, settings, alone, budget, self.rng)
-            if found.solved or budget.spent:
-                return found
-            merged = None
-            if problem.ground.flat and len(alone) > 2:
-                merged = solve_merged(problem, self.timed, planner, alone, budget, self.rng)
-            merged = merged or self._joint()
-            return found if merged is None else Found(merged, True, "joint")
+            together = partial(self._together, alone) if problem.ground.flat else None
+            return solve_auto(problem, planner, settings, alone, budget, self.rng, together)
         if self.method == "sequential":
             return solve_sequential(problem, planner, settings, alone, budget)
         merge = None if self.published else self._pair
         return conflict_search(problem, planner, settings, alone, budget, merge=merge)
+
+    def _together(self, alone: tuple[Course, ...], budget: Budget) -> tuple[Course, ...] | None:
+        """The robots in conflict as one, and the others past them."""
+        return solve_merged(self.problem, self.timed, self.planner, alone, budget, self.rng)
 
     def _pair(self, pair: tuple[int, int]) -> tuple[Course, ...] | None:
         """Two robots as one, regardless of the others."""

@@ -12,10 +12,13 @@ import numpy as np
 
 from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.course import Course
-from cavalcade.coordination.single import RobotPlanner, Span, spans_of
+from cavalcade.coordination.single import EFFORT, RobotPlanner, Span, spans_of
 
 _DELAYS = (2.0, 4.0, 8.0, 16.0)
 """s that robots wait at their starts where no order helps."""
+
+_CORE = 0.3
+"""Of a body's size: what shy robots keep off."""
 
 LEAVE = 3.0
 """s that robots are given to leave their starts before others come past, once that is needed."""
@@ -28,6 +31,8 @@ def in_order(
     delays: Mapping[int, float] | None = None,
     alone: Mapping[int, Course] | None = None,
     leave: float = 0.0,
+    shy: bool = False,
+    effort: int = EFFORT,
 ) -> tuple[dict[int, Course], int | None]:
     """Plan robots one after the other.
 
@@ -38,6 +43,9 @@ def in_order(
         delays: Robots that stand at their starts first, s.
         alone: Courses of robots regardless of others, to begin with.
         leave: For so long the starts of those who are still to be planned are taken, s.
+        shy: Robots keep off the middle of the ways that later ones have alone, so that both give
+            way where there is room for two, but not beside one that keeps to the middle.
+        effort: Iterations that each robot may take.
 
     Returns:
         The courses, and the robot that found none or None.
@@ -47,13 +55,15 @@ def in_order(
         spans = spans_of(courses.items())
         if leave > 0.0:
             spans += [Span(k, planner.standing(k), 0.0, leave) for k in order[place + 1 :]]
+        if shy and alone is not None:
+            spans += [Span(k, alone[k].track, scale=_CORE) for k in order[place + 1 :]]
         delay = (delays or {}).get(robot, 0.0)
         if delay > 0.0:
             course = planner.delayed(robot, spans, delay, budget)
         elif not spans and alone is not None:
             course = alone[robot]
         else:
-            course = planner.plan(robot, spans, budget)
+            course = planner.plan(robot, spans, budget, effort)
         if course is None:
             return courses, robot
         courses[robot] = course
@@ -66,6 +76,7 @@ def mended_orders(
     budget: Budget,
     rng: np.random.Generator,
     attempts: int,
+    effort: int = EFFORT,
 ) -> dict[int, Course] | None:
     """Courses of all robots by the first order that works, mended after each failure.
 
@@ -75,20 +86,24 @@ def mended_orders(
         budget: Of the call.
         rng: Draws delays and orders once mending goes round in circles.
         attempts: Orders at most.
+        effort: Iterations that each robot may take.
     """
     order = sorted(alone, key=lambda robot: (-round(alone[robot].cost, 3), robot))
     tried: set[tuple[tuple[int, ...], tuple[tuple[int, float], ...]]] = set()
     delays: dict[int, float] = {}
-    leave = 0.0
+    leave, shy = 0.0, False
     for _ in range(attempts):
         tried.add((tuple(order), tuple(sorted(delays.items()))))
-        courses, failed = in_order(planner, order, budget, delays, alone, leave)
+        courses, failed = in_order(planner, order, budget, delays, alone, leave, shy, effort)
         if failed is None:
             return courses
         if budget.spent:
             return None
         if leave == 0.0:
             leave = LEAVE
+            continue
+        shy = not shy
+        if shy:
             continue
         order = [failed, *(robot for robot in order if robot != failed)]
         delays.pop(failed, None)
@@ -120,7 +135,7 @@ def improved(
             if losses[robot] < 0.01 * alone[robot].cost or budget.spent:
                 break
             spans = spans_of((k, course) for k, course in best.items() if k != robot)
-            course = planner.plan(robot, spans, budget)
+            course = planner.plan(robot, spans, budget, EFFORT // 4)
             if course is not None and course.cost < best[robot].cost - 1e-6:
                 best[robot] = course
                 changed = True

@@ -45,12 +45,14 @@ class Span(NamedTuple):
         robot: The other robot.
         track: Its poses `(K, 3)` every `TRACK_STEP` s; it stands at the last for good.
         begin, end: s.
+        scale: Of its body's length and width: a smaller one asks for less room than it needs.
     """
 
     robot: int
     track: Array
     begin: float = 0.0
     end: float = math.inf
+    scale: float = 1.0
 
 
 class RobotPlanner(Protocol):
@@ -185,7 +187,9 @@ def others_among(problem: TeamProblem, spans: Sequence[Span]) -> Others:
         return NOBODY
     models = [problem.models[span.robot] for span in spans]
     rows = [(k, span.begin, span.end) for k, span in enumerate(spans)]
-    return others_of([span.track for span in spans], models, rows)
+    others = others_of([span.track for span in spans], models, rows)
+    others.shapes[:, :2] *= np.array([span.scale for span in spans])[:, None]
+    return others
 
 
 def spans_of(courses: Iterable[tuple[int, Course]]) -> list[Span]:
