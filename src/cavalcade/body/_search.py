@@ -17,7 +17,11 @@ FOUND, SPENT, FULL = 0, 1, 2
 _MOVING = 0.2
 """Share of samples that move; the others rest, and trees may turn there on the spot."""
 
+_NEARBY = 0.15
+"""Share of samples just ahead of a node."""
+
 _SPREAD = 0.3
+_BEND = 0.6
 _GUIDED = 0.5
 _BESIDE = 0.15
 _REDRAWS = 30
@@ -33,6 +37,8 @@ def draw_state(ground, body, rng, forest, tree, guide, bound, out):
     Returns:
         The nearest node of the tree.
     """
+    if not body.published and uniform(rng) < _NEARBY:
+        return _draw_nearby(ground, body, rng, forest, tree, out)
     rows, cols = ground.solid.shape
     a, b = forest.states[0, 0], forest.states[1, 0]
     for _ in range(_REDRAWS):
@@ -62,6 +68,21 @@ def draw_state(ground, body, rng, forest, tree, guide, bound, out):
         out[5] = along_x * out[3] + along_y * out[4]
         if body.published:
             near = nearest(forest, tree, out)
+    return near
+
+
+@njit(cache=True)
+def _draw_nearby(ground, body, rng, forest, tree, out):
+    """Sample a place of rest a short way ahead of any node: a way on where it cannot turn far."""
+    near = int(uniform(rng) * forest.used[tree])
+    own = forest.states[tree, near]
+    angle = forest.yaws[tree, near] + _BEND * normal(rng)
+    way = between(rng, 0.15, 0.8)
+    if tree == 1:
+        way = -way
+    out[0], out[1] = own[0] + way * math.cos(angle), own[1] + way * math.sin(angle)
+    out[2] = surface(ground, out[0], out[1])[0] + body.h_nom
+    out[3], out[4], out[5] = 0.0, 0.0, 0.0
     return near
 
 

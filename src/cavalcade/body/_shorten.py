@@ -241,6 +241,8 @@ def round_corners(ground, body, discs, edges, yaw):
             state[3], state[4] = speed * cos / norm, speed * sin / norm
             state[5] = along[1] * state[3] + along[2] * state[4]
             begin, end = edges[i, START : START + 6], edges[i + 1, END : END + 6]
+            if not make_walk(ground, body, state, end, last) or turns_too_fast(body, last):
+                continue
             if not valid_walk(ground, body, discs, begin, state, before, none, yaw, first, scratch):
                 continue
             if not valid_walk(ground, body, discs, state, end, none, after, yaw, last, scratch):

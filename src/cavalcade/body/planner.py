@@ -40,6 +40,9 @@ _CHUNK = 100
 _SHORTCUTS = 40
 """Tries to shorten a first plan of several primitives."""
 
+_TRIES_EACH = 10
+"""The same for each primitive beyond the first."""
+
 _ROUND = 250
 """Iterations of each new search while a plan is being improved."""
 
@@ -252,7 +255,7 @@ class _Problem:
         if self.body.published:
             self._note(edges)
             return edges
-        for _ in range(shortcuts if len(edges) > 1 else 0):
+        for _ in range(min(shortcuts, _TRIES_EACH * (len(edges) - 1))):
             edges, _ = shortcut(self.ground, self.body, self.discs, self.rng, edges, self.yaw)
         edges = shorten(self.ground, self.body, self.discs, edges, self.yaw)
         round_corners(self.ground, self.body, self.discs, edges, self.yaw)
