@@ -26,8 +26,13 @@ from cavalcade.eikonal import surface_distance
 from cavalcade.geometry import Array
 from cavalcade.robots import RobotModel
 
-_POOL = 6
+_POOL = 12
 """Trajectories of the trees that are kept for each robot."""
+
+_LATER = 3000
+"""Iterations for each of them but the first."""
+
+_NO_DISCS = np.zeros((0, 3))
 
 _MARGIN, _LOOK = 0.05, 0.025
 """How far to keep off others, m, and how often to look, s."""
@@ -64,7 +69,7 @@ class UnevenPlanner:
         if self.refusal(robot):
             return None
         if found[0] is not None:
-            effort = min(effort, EFFORT)
+            effort = min(effort, EFFORT // 4)
         found.append(self._walking(robot).plan(robot, spans, budget, effort))
         return min((c for c in found if c is not None), key=lambda c: c.cost, default=None)
 
@@ -82,10 +87,8 @@ class UnevenPlanner:
 
     def refusal(self, robot: int) -> str:
         """Why the robot has no way even alone, as the body planner proves it; else empty."""
-        for answer in self.trees.get(robot, ()):
-            if answer.reason == "infeasible":
-                return answer.detail
-        return ""
+        pool = self.trees.get(robot)
+        return pool[0].detail if pool and pool[0].reason == "infeasible" else ""
 
     def _walking(self, robot: int) -> EvenPlanner:
         model = self.problem.models[robot]
@@ -102,20 +105,23 @@ class UnevenPlanner:
         """The cheapest of the trees' trajectories and waits that meets nobody."""
         timed = self._walking(robot).timed
         mover = timed.mover(self.problem.models[robot])
+        price = timed.price_for(mover)
         others = tuple(others_among(self.problem, spans))
         pool = self.trees.setdefault(robot, [])
         best: Course | None = None
+        met: list[float] = []
         for number in range(_POOL):
             if number == len(pool):
                 if budget.spent or best is not None:
                     break
-                pool.append(self._grown(robot, number, budget))
+                discs = self._keep_off(robot, spans, met) if number else _NO_DISCS
+                pool.append(self._grown(robot, number, discs, budget))
             trajectory = pool[number].trajectory
             if trajectory is None:
-                if pool[number].reason == "infeasible":
+                if not number and pool[number].reason == "infeasible":
                     break
                 continue
-            course = Course(trajectory, trajectory.duration + 2.0 / mover[0] * trajectory.length)
+            course = Course(trajectory, trajectory.duration + price * trajectory.length)
             for wait in _WAITS:
                 late = delay + wait
                 if best is not None and course.cost + late >= best.cost:
@@ -126,16 +132,37 @@ class UnevenPlanner:
                 if meeting < 0.0:
                     best = Course(begun_later(trajectory, late), course.cost + late)
                     break
+                if wait == 0.0:
+                    met.append(meeting)
                 if meeting <= late:  # it cannot even wait
                     break
         return best
 
-    def _grown(self, robot: int, number: int, budget: Budget) -> BodyPlan:
+    def _keep_off(self, robot: int, spans: Sequence[Span], met: Sequence[float]) -> Array:
+        """Discs `(K, 3)` where others begin, end, and were when earlier trajectories met them.
+
+        They are smaller where the robot's own start or goal is near, and left out where it would
+        have to touch the other one anyway.
+        """
+        own = np.array([self.problem.starts[robot][:2], self.problem.goals[robot][:2]])
+        model = self.problem.models[robot]
+        discs = []
+        for span in spans:
+            last = len(span.track) - 1
+            at = [0, last, *(min(int(time / TRACK_STEP), last) for time in met)]
+            for x, y in span.track[at, :2]:
+                room = float(np.hypot(*(own - (x, y)).T).min()) - 0.02
+                if room > model.width:
+                    discs.append((x, y, min(model.length + 0.05, room)))
+        return np.array(discs).reshape(-1, 3)
+
+    def _grown(self, robot: int, number: int, discs: Array, budget: Budget) -> BodyPlan:
         seed = (self.seed * 1_000_003 + robot) * 1_000 + number
         settings = BodySettings(
-            iterations=budget.most(BodySettings.iterations),
+            iterations=budget.most(BodySettings.iterations if number == 0 else _LATER),
             leaps=self.settings.leaps,
             improve=self.settings.improve,
+            discs=discs,
         )
         problem = self.problem
         answer = plan_body(

@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from cavalcade.body import _search as trees
+from cavalcade.body._figures import make_body
+from cavalcade.body._surface import surface_along
 from cavalcade.body._timed_shorten import shorten
 from cavalcade.body.ground import Ground
+from cavalcade.body.obstruction import find_way
 from cavalcade.body.planner import plan_body
 from cavalcade.body.settings import BodySettings
 from cavalcade.body.timed import TimedPlanner
@@ -17,6 +20,7 @@ from cavalcade.coordination.joint import solve_joint
 from cavalcade.coordination.problem import PlanSettings, TeamProblem
 from cavalcade.coordination.single import EvenPlanner, spans_of
 from cavalcade.coordination.uneven import UnevenPlanner
+from cavalcade.eikonal import surface_distance
 from cavalcade.robots import robot_model
 
 
@@ -60,8 +64,14 @@ def _uneven() -> None:
     first = planner.plan(0, (), Budget(10_000))
     if first is not None:
         planner.plan(1, spans_of([(0, first)]), Budget(10_000))
-    settings = BodySettings(iterations=300, variant="published")
-    plan_body(ground, model, starts[0], goals[0], settings, 0)
+    published = BodySettings(iterations=300, variant="published", discs=np.zeros((1, 3)))
+    plan_body(ground, model, starts[0], goals[0], published, 0)
+    # Round a wall, so that ways on the grid are looked for.
+    ground.solid[10:, 42:45] = True
+    ground = ground._replace(clearance=surface_distance(ground.solid, ground.cell))
+    plan_body(ground, model, starts[1], goals[1], BodySettings(iterations=300, improve=50), 0)
+    surface_along(ground, np.zeros((1, 2)))
+    find_way(ground, make_body(model, False, 0.01), np.zeros((0, 3)), True, starts[1], goals[1])
 
 
 def _head_on() -> TeamProblem:
