@@ -123,7 +123,7 @@ def draw_spreads(cells: Sequence[Cell], order: Order, folder: Path, name: str) -
     if cells[0].planned:
         panels = [
             ("length over bound", 1.0, lambda cell: cell.length_ratio),
-            ("makespan over slowest alone", 1.0, lambda cell: cell.time_ratio),
+            ("makespan over alone", 1.0, lambda cell: cell.time_ratio),
             panels[2],
             ("planning time (s)", 1.0, lambda cell: cell.planning_time),
         ]
