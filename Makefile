@@ -12,7 +12,8 @@ RUNS := runs
 WORKERS ?= 2
 PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --constraint constraints.txt
 INPUTS := pyproject.toml constraints.txt
-CAMPAIGNS ?= clutter forest rooms corridors barn real-maps sizes disturbed events ablation
+CAMPAIGNS ?= clutter forest rooms corridors barn real-maps sizes disturbed events ablation \
+             table1 swaps corridor crowd terrain infeasible
 
 # Nothing is kept outside the checkout: an empty or missing home directory is fine.
 export MPLCONFIGDIR ?= $(abspath $(VENV))/matplotlib
