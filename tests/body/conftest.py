@@ -210,7 +210,7 @@ def judged() -> Callable[..., None]:
     return judge
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def reference_problem() -> Callable[..., str]:
     return state_problem
 

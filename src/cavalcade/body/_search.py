@@ -17,8 +17,8 @@ FOUND, SPENT, FULL = 0, 1, 2
 _MOVING = 0.2
 """Share of samples that move; the others rest, and trees may turn there on the spot."""
 
-_NEARBY = 0.15
-"""Share of samples just ahead of a node."""
+_NEARBY, _STUCK = 0.15, 0.7
+"""Shares of samples just ahead of a node: as a rule, and for a tree left far behind the other."""
 
 _SPREAD = 0.3
 _BEND = 0.6
@@ -37,7 +37,8 @@ def draw_state(ground, body, rng, forest, tree, guide, bound, out):
     Returns:
         The nearest node of the tree.
     """
-    if not body.published and uniform(rng) < _NEARBY:
+    stuck = 4 * forest.used[tree] < forest.used[1 - tree]
+    if not body.published and uniform(rng) < (_STUCK if stuck else _NEARBY):
         return _draw_nearby(ground, body, rng, forest, tree, out)
     rows, cols = ground.solid.shape
     a, b = forest.states[0, 0], forest.states[1, 0]
