@@ -151,7 +151,9 @@ def search(
     if others[3].shape[0] > 0:
         for k in range(others[3].shape[0]):
             begin, end = others[3][k, 1], others[3][k, 2]
-            still = max(still, min(max(begin, (others[0].shape[1] - 1) * others[1]), end))
+            if end == math.inf:
+                end = max(begin, (others[0].shape[1] - 1) * others[1])
+            still = max(still, end)
     speed = mover[SPEED]
     turn_round, _ = trapezoid(math.pi, 0.0, 0.0, mover[RATE], mover[TURN_ACCELERATION])
     turn_round *= 2.0

@@ -19,6 +19,9 @@ from cavalcade.eikonal import arrival_times
 from cavalcade.geometry import Array
 from cavalcade.robots import RobotModel
 
+_CRAMPED_SPEED = 0.4
+"""Of guides, where a body can go but not turn."""
+
 TRACK_STEP = 0.05
 """Time between the poses of a track, s."""
 
@@ -115,7 +118,7 @@ class TimedPlanner:
         self.greed = greed
         self.grid = (ground.cell, ground.solid, ground.clearance)
         self._open = not ground.solid.any()
-        self._guides: dict[tuple[int, int, float, float], tuple[Array, float]] = {}
+        self._guides: dict[tuple[int, int, float, float | None], tuple[Array, float]] = {}
         self._kinds: dict[tuple[str, int], tuple[Array, Array]] = {}
 
     def plan(
@@ -179,37 +182,47 @@ class TimedPlanner:
         """The model as kernels take it."""
         return self._kind(model, 0)[0]
 
-    def guide(self, goal: Array, model: RobotModel, slack: float = 0.75) -> tuple[Array, float]:
+    def guide(self, goal: Array, model: RobotModel) -> tuple[Array, float]:
         """Lengths of the shortest ways to the goal on a coarser grid, m, and its cell.
 
-        For a disc of half the body's width, `(0, 0)` where nothing stands. Ways lead through cells
-        whose clearance misses half the width by no more than `slack` cells; with three quarters
-        of one no way of the disc is missed, and some lead through what is too narrow.
+        For a disc of half the body's width: no way of it is missed, though some that are found
+        lead through what is a little too narrow. `(0, 0)` where nothing stands.
         """
-        if self._open:
-            return np.zeros((0, 0)), 1.0
-        cell = self.ground.cell
-        factor = max(1, round(0.1 / cell))
-        row, col = int(goal[1] / cell) // factor, int(goal[0] / cell) // factor
-        key = (row, col, model.width, slack)
-        if key not in self._guides:
-            wide = self.ground.clearance > model.width / 2.0 - slack * cell
-            free = _coarser(wide, factor)
-            row, col = min(row, free.shape[0] - 1), min(col, free.shape[1] - 1)
-            free[row, col] = True
-            times = arrival_times(free.astype(float), [(row, col)], cell * factor)
-            self._guides[key] = (np.ascontiguousarray(times), cell * factor)
-        return self._guides[key]
+        return self._guide(goal, model.width / 2.0 - 0.75 * self.ground.cell, None)
 
     def _likely_guide(self, start: Array, goal: Array, model: RobotModel) -> tuple[Array, float]:
-        """The guide through what is wide enough; if the start is not on it, the cautious one."""
-        guide, cell = self.guide(goal, model, 0.0)
+        """A guide that has ways be longer where the body cannot turn, to search elsewhere first.
+
+        Where its narrowest ways don't reach the start, the cautious one.
+        """
+        half = model.width / 2.0
+        room = half if model.round else math.hypot(model.length, model.width) / 2.0
+        guide, cell = self._guide(goal, half, room)
         if guide.shape[0]:
             row = min(int(start[1] / cell), guide.shape[0] - 1)
             col = min(int(start[0] / cell), guide.shape[1] - 1)
             if not np.isfinite(guide[row, col]):
                 return self.guide(goal, model)
         return guide, cell
+
+    def _guide(self, goal: Array, least: float, room: float | None) -> tuple[Array, float]:
+        """Ways over ground with a clearance of at least `least` m, cheap where it is `room` m."""
+        if self._open:
+            return np.zeros((0, 0)), 1.0
+        cell = self.ground.cell
+        factor = max(1, round(0.1 / cell))
+        row, col = int(goal[1] / cell) // factor, int(goal[0] / cell) // factor
+        key = (row, col, least, room)
+        if key not in self._guides:
+            speed = (self.ground.clearance > least).astype(float)
+            if room is not None:
+                speed[self.ground.clearance <= room] *= _CRAMPED_SPEED
+            speed = _coarser(speed, factor)
+            row, col = min(row, speed.shape[0] - 1), min(col, speed.shape[1] - 1)
+            speed[row, col] = 1.0
+            times = arrival_times(speed, [(row, col)], cell * factor)
+            self._guides[key] = (np.ascontiguousarray(times), cell * factor)
+        return self._guides[key]
 
     def _kind(self, model: RobotModel, finer: int) -> tuple[Array, Array]:
         key = (model.name, finer)
@@ -261,10 +274,10 @@ def others_of(tracks: list[Array], models: list[RobotModel], spans: list[Any]) -
     return Others(table, TRACK_STEP, shapes, np.array(spans, dtype=float).reshape(-1, 3))
 
 
-def _coarser(free: Any, factor: int) -> Any:
-    """A grid of blocks that are free where any of their cells is."""
-    rows, cols = free.shape
-    padded = np.zeros((-(-rows // factor) * factor, -(-cols // factor) * factor), dtype=bool)
-    padded[:rows, :cols] = free
+def _coarser(speed: Array, factor: int) -> Array:
+    """A grid of blocks that are as quick as the quickest of their cells."""
+    rows, cols = speed.shape
+    padded = np.zeros((-(-rows // factor) * factor, -(-cols // factor) * factor))
+    padded[:rows, :cols] = speed
     blocks = padded.reshape(padded.shape[0] // factor, factor, padded.shape[1] // factor, factor)
-    return blocks.any(axis=(1, 3))
+    return np.asarray(blocks.max(axis=(1, 3)), dtype=np.float64)
