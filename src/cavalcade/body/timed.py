@@ -63,10 +63,13 @@ class Care:
 
 CAREFUL = (
     Care(),
-    Care(0.002, 0.02, (0.03, 0.06, 0.03), 1),
-    Care(0.0, 0.003, (0.02, 0.03, 0.01), 1),
+    Care(0.002, 0.025, (0.03, 0.06, 0.03), 1),
+    Care(0.0, 0.003, (0.02, 0.03, 0.004), 1),
 )
-"""Wide margins first; where that finds nothing, smaller ones and smaller steps."""
+"""Wide margins first; where that finds nothing, smaller ones and smaller steps.
+
+Two bodies that meet at 1.5 m/s come nearer by half of 1.5 m/s times the step in time between two
+tests that both find the margin kept: that is never more than the margin."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,6 +12,7 @@ from cavalcade.body.timed import TimedPlanner
 from cavalcade.coordination.auto import solve_auto
 from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.cbs import conflict_search
+from cavalcade.coordination.conflicts import conflicts_of
 from cavalcade.coordination.course import Course
 from cavalcade.coordination.feasibility import impossible
 from cavalcade.coordination.found import Found
@@ -99,7 +100,7 @@ class _Call:
             why = why or f"no way was found, not even alone; {budget}"
             return self._team_plan(reason, f"robot {lost[0]}: {why}", lost, alone)
         courses = tuple(course for course in alone if course is not None)
-        found = self._solve(courses)
+        found = self._checked(self._solve(courses))
         if found.solved and self.settings.improve and isinstance(self.planner, EvenPlanner):
             found = self._improved(found, courses)
         return self._team_plan(
@@ -137,6 +138,16 @@ class _Call:
             return solve_sequential(problem, planner, settings, alone, budget)
         merge = None if self.published else self._pair
         return conflict_search(problem, planner, settings, alone, budget, merge=merge)
+
+    def _checked(self, found: Found) -> Found:
+        """What is called solved has no conflicts; if it has some after all, they are resolved."""
+        tracks = [course.track for course in found.courses]
+        distance = self.settings.distance
+        if not found.solved or not conflicts_of(tracks, self.problem.models, 1, distance):
+            return found
+        return conflict_search(
+            self.problem, self.planner, self.settings, found.courses, self.budget
+        )
 
     def _together(self, alone: tuple[Course, ...], budget: Budget) -> tuple[Course, ...] | None:
         """The robots in conflict as one, and the others past them."""
