@@ -34,6 +34,11 @@ class Budget:
         return time.perf_counter() - self._begin
 
     @property
+    def left(self) -> float | None:
+        """S of wall time; None without a limit."""
+        return None if self.seconds is None else max(self.seconds - self.elapsed, 0.0)
+
+    @property
     def late(self) -> bool:
         """Whether the wall time is over."""
         return self.seconds is not None and self.elapsed >= self.seconds
@@ -50,7 +55,7 @@ class Budget:
     def share(self, part: float) -> Budget:
         """A budget of that part of what is left, which the caller notes as spent afterwards."""
         left = max(1, int(part * (self.iterations - self.used)))
-        seconds = None if self.seconds is None else max(self.seconds - self.elapsed, 1e-3) * part
+        seconds = None if self.left is None else max(part * self.left, 1e-3)
         return Budget(left, seconds)
 
     def spend(self, iterations: int) -> None:
@@ -60,4 +65,6 @@ class Budget:
     def __str__(self) -> str:
         if self.late:
             return f"{self.seconds:g} s are over"
+        if self.used < self.iterations:
+            return f"its searches ended after {self.used:,} iterations"
         return f"{self.used:,} of {self.iterations:,} iterations are used up"

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cavalcade.body.timed import TRACK_STEP
+from cavalcade.body.timed import TRACK_STEP, stacked
 from cavalcade.coordination._conflicts import find_conflicts
 from cavalcade.geometry import Array
 from cavalcade.robots import RobotModel
@@ -54,13 +54,3 @@ def conflicts_of(
     rows = find_conflicts(table, TRACK_STEP, shapes, MARGIN, speed, _LOOK, most)
     found = [Conflict(int(i), int(j), float(a), float(b)) for i, j, a, b in rows]
     return sorted(found, key=lambda conflict: (conflict.begin, conflict.i, conflict.j))
-
-
-def stacked(tracks: Sequence[Array]) -> Array:
-    """Tracks of different lengths as one array `(N, K, 3)`, each standing at its last pose."""
-    longest = max(map(len, tracks))
-    table = np.empty((len(tracks), longest, 3))
-    for row, track in zip(table, tracks, strict=True):
-        row[: len(track)] = track
-        row[len(track) :] = track[-1]
-    return table

@@ -30,23 +30,20 @@ class Proof:
     robots: tuple[int, ...]
 
 
-def impossible(problem: TeamProblem, timed: TimedPlanner, walls: bool = True) -> Proof | None:
+def impossible(problem: TeamProblem, timed: TimedPlanner) -> Proof | None:
     """A proof that there is no plan, if one is at hand.
 
     Args:
         problem: The team's.
         timed: Its guides say what is connected.
-        walls: Whether ground that is not solid connects; False where robots may leap.
     """
     for name, poses in (("start", problem.starts), ("goal", problem.goals)):
         for k, pose in enumerate(poses):
-            if not _stands_free(problem, problem.models[k], pose):
+            if not _stands_free(timed, problem.models[k], pose):
                 return Proof(f"the {name} of robot {k} is off the map or in an obstacle", (k,))
         for i, j in combinations(range(len(poses)), 2):
             if _overlap(problem.models[i], poses[i], problem.models[j], poses[j]):
                 return Proof(f"the {name}s of robots {i} and {j} overlap", (i, j))
-    if not walls:
-        return None
     for k, (start, goal) in enumerate(zip(problem.starts, problem.goals, strict=True)):
         guide, cell = timed.guide(np.array(goal), problem.models[k])
         if guide.shape[0] and not np.isfinite(guide[_cell(guide, cell, start)]):
@@ -54,11 +51,10 @@ def impossible(problem: TeamProblem, timed: TimedPlanner, walls: bool = True) ->
     return None
 
 
-def _stands_free(problem: TeamProblem, model: RobotModel, pose: Pose) -> bool:
-    ground = problem.ground
+def _stands_free(timed: TimedPlanner, model: RobotModel, pose: Pose) -> bool:
     return bool(
         pose_free(
-            (ground.cell, ground.solid, ground.clearance),
+            timed.grid,
             *pose,
             model.length / 2.0,
             model.width / 2.0,

@@ -26,6 +26,9 @@ _ATTEMPT = 200
 _PRICE = 30
 """Iterations of the budget that one robot's part of an extension costs, about as long as these."""
 
+_LONGEST = 3200
+"""Extensions of one attempt at most."""
+
 _AGAIN = 6
 """So many further searches for a cheaper plan."""
 
@@ -57,12 +60,14 @@ def solve_joint(
             best = _searched(problem, timed, budget, state, care, attempt, polish)
             if best is not None or budget.spent:
                 break
-        attempt *= 2
+        attempt = min(2 * attempt, _LONGEST)
     if best is None or not polish:
         return best
     for _ in range(_AGAIN):
         if budget.spent:
             break
+        if all(len(course.motion.moves) < 4 for course in best if isinstance(course.motion, Way)):
+            break  # straight there: the trees would find the same again
         other = _searched(problem, timed, budget, state, care, _ATTEMPT, polish)
         if other is not None and _total(other) < _total(best) - 1e-6:
             best = other
@@ -84,7 +89,8 @@ def _searched(
 ) -> tuple[Course, ...] | None:
     """What one pair of trees finds within so many extensions."""
     movers = np.array([timed.mover(model) for model in problem.models])
-    starts, goals = np.array(problem.starts), np.array(problem.goals)
+    starts = np.array(problem.starts, dtype=float)
+    goals = np.array(problem.goals, dtype=float)
     price = timed.price_for(movers.mean(axis=0))
     margins, steps = np.array([care.ground, care.others]), np.array(care.steps)
     ground, nobody = timed.grid, tuple(NOBODY)

@@ -53,6 +53,10 @@ def plan_team(
     """
     if method not in METHODS:
         raise InputError(f"unknown method {method!r}", key="planner.method", choices=METHODS)
+    if seed < 0:
+        raise InputError("expected 0 or more", key="seed")
+    if not problem.models:
+        raise InputError("expected at least one robot", key="robots")
     return _Call(problem, method, settings or PlanSettings(), seed).answer()
 
 
@@ -91,21 +95,28 @@ class _Call:
             if together is None:
                 text = f"no plan found in the product space; {budget}"
                 return self._team_plan("budget", text, (), nothing)
-            return self._team_plan("solved", "", (), list(together))
-        alone = [self.planner.plan(k, (), budget, 50 * EFFORT) for k in robots]
+            found = self._checked(Found(together, True, "joint"))
+            return self._answered(found)
+        effort = (50 if self.settings.seconds is None else 5) * EFFORT
+        alone = [self.planner.plan(k, (), budget, effort) for k in robots]
         lost = tuple(k for k in robots if alone[k] is None)
         if lost:
-            why = self.planner.refusal(lost[0])
-            reason = "infeasible" if why else "budget"
-            why = why or f"no way was found, not even alone; {budget}"
-            return self._team_plan(reason, f"robot {lost[0]}: {why}", lost, alone)
+            for robot in lost:
+                why = self.planner.refusal(robot)
+                if why:
+                    return self._team_plan("infeasible", f"robot {robot}: {why}", (robot,), alone)
+            text = f"robot {lost[0]}: no way was found, not even alone; {budget}"
+            return self._team_plan("budget", text, lost, alone)
         courses = tuple(course for course in alone if course is not None)
         found = self._checked(self._solve(courses))
-        if found.solved and self.settings.improve and isinstance(self.planner, EvenPlanner):
+        if found.solved and self.settings.improve and not self.published:
             found = self._improved(found, courses)
+        return self._answered(found)
+
+    def _answered(self, found: Found) -> TeamPlan:
         return self._team_plan(
             "solved" if found.solved else "budget",
-            "" if found.solved else f"no plan without conflicts was found; {budget}",
+            "" if found.solved else f"no plan without conflicts was found; {self.budget}",
             (),
             list(found.courses),
             found,
@@ -121,7 +132,10 @@ class _Call:
     def _joint(self) -> tuple[Course, ...] | None:
         timed = self.timed
         if not self.problem.ground.flat:
-            timed = TimedPlanner(walkable(self.problem.ground, self.problem.models[0]))
+            ground = self.problem.ground
+            for model in sorted(set(self.problem.models), key=lambda model: model.name):
+                ground = walkable(ground, model)
+            timed = TimedPlanner(ground)
         return solve_joint(self.problem, timed, self.budget, self.rng, not self.published)
 
     def _solve(self, alone: tuple[Course, ...]) -> Found:
@@ -167,9 +181,11 @@ class _Call:
 
     def _improved(self, found: Found, alone: tuple[Course, ...]) -> Found:
         """Robot by robot anew among the others, more patiently, until nothing gets cheaper."""
-        timed = TimedPlanner(self.problem.ground, greed=1.0)
-        planner = EvenPlanner(self.problem, timed)
-        budget = Budget(self.settings.improve, self.settings.seconds)
+        planner = self.planner
+        if isinstance(planner, EvenPlanner):
+            planner = EvenPlanner(self.problem, TimedPlanner(self.problem.ground, greed=1.0))
+        left = self.budget.left
+        budget = Budget(self.settings.improve, None if left is None else max(left, 1e-3))
         team, courses = dict(enumerate(alone)), dict(enumerate(found.courses))
         history = [(self.budget.used, _total(courses))]
         while not budget.spent:
@@ -179,7 +195,10 @@ class _Call:
             courses = better
             history.append((self.budget.used + budget.used, _total(courses)))
         self.budget.spend(budget.used)
-        return replace(found, courses=tuple(courses.values()), history=tuple(history))
+        better_plan = tuple(courses[k] for k in range(len(alone)))
+        if conflicts_of([course.track for course in better_plan], self.problem.models, 1):
+            return found
+        return replace(found, courses=better_plan, history=tuple(history))
 
     def _team_plan(
         self,

@@ -142,6 +142,3 @@ def improved(
         if not changed:
             break
     return best
-
-
-__all__ = ["Span", "improved", "in_order", "mended_orders"]

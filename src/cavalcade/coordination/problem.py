@@ -10,11 +10,19 @@ import numpy as np
 
 from cavalcade.body.ground import Ground, make_ground
 from cavalcade.body.trajectory import Trajectory
+from cavalcade.errors import InputError
 from cavalcade.geometry import inverse_transform_points, rotation, transform_points
 from cavalcade.robots import RobotModel
 from cavalcade.scenario import Scenario, World
 
 Pose = tuple[float, float, float]
+
+
+_CHOICES = {
+    "variant": ("cavalcade", "published"),
+    "constraints": ("timed", "static"),
+    "conflict": ("costly", "earliest", "first"),
+}
 
 
 @dataclass(frozen=True)
@@ -30,9 +38,14 @@ class PlanSettings:
             `first` in the order of the robots, as in the paper.
         leaps: Whether legged robots may leap.
         improve: Iterations spent on a better plan once there is one.
-        distance: Between centres, m: what counts as a conflict instead of the bodies.
+        distance: Between centres, m: what counts as a conflict instead of the bodies; of
+            `published`.
         iterations: The budget: expansions of searches and trees.
-        seconds: Limit of wall time, s; None for none. A plan never depends on it otherwise.
+        seconds: Limit of wall time, s; None for none. It is looked at between searches, and
+            searches are shorter where there is one; a plan never depends on it otherwise.
+
+    Raises:
+        InputError: A value out of range.
     """
 
     variant: Literal["cavalcade", "published"] = "cavalcade"
@@ -43,6 +56,18 @@ class PlanSettings:
     distance: float | None = None
     iterations: int = 2_000_000
     seconds: float | None = None
+
+    def __post_init__(self) -> None:
+        for name, choices in _CHOICES.items():
+            if getattr(self, name) not in choices:
+                said = getattr(self, name)
+                raise InputError(f"unknown value {said!r}", key=f"planner.{name}", choices=choices)
+        if self.improve < 0:
+            raise InputError("expected 0 or more", key="planner.improve")
+        if self.distance is not None and self.variant != "published":
+            raise InputError(
+                "centres are kept apart by the published variant alone", key="distance"
+            )
 
 
 @dataclass(frozen=True)

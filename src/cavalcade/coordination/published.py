@@ -58,6 +58,7 @@ class PublishedPlanner:
             problem.goals[robot],
             BodySettings(
                 iterations=budget.most(min(effort, BodySettings.iterations)),
+                seconds=budget.left,
                 leaps=self.settings.leaps,
                 variant="published",
                 discs=np.concatenate([np.zeros((0, 3)), *discs]),
@@ -78,7 +79,7 @@ class PublishedPlanner:
 
     def standing(self, robot: int) -> Array:
         """See `RobotPlanner`."""
-        return np.array(self.problem.starts[robot])[None]
+        return np.array(self.problem.starts[robot], dtype=float)[None]
 
     def refusal(self, robot: int) -> str:
         """See `RobotPlanner`."""

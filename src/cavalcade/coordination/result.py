@@ -17,8 +17,8 @@ class TeamPlan:
             was found before the budget was spent.
         detail: One line, empty where there is nothing to add.
         involved: The robots that `detail` is about.
-        trajectories: One per robot in the map frame. Of an unsolved problem the best that is
-            known: each robot's own plan regardless of the others, or None.
+        trajectories: One per robot in the map frame. Of an unsolved problem what is known: ways
+            to the goals that meet somewhere, or None.
         method: Which coordinator found it; of `auto` the one that it fell back on.
         iterations: Expansions of searches and trees, what the iteration budget counts.
         planning_time: s of wall time, without the compilation or loading of kernels.
@@ -39,5 +39,5 @@ class TeamPlan:
 
     @property
     def solved(self) -> bool:
-        """Whether every robot has a trajectory and none meets another."""
+        """Whether every robot has a trajectory and none meets another, as the method sees it."""
         return self.reason == "solved"

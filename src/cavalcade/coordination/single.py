@@ -147,7 +147,7 @@ class EvenPlanner:
 
     def standing(self, robot: int) -> Array:
         """See `RobotPlanner`."""
-        return np.array(self.problem.starts[robot])[None]
+        return np.array(self.problem.starts[robot], dtype=float)[None]
 
     def _roomy(self, robot: int, others: Others, care: Care) -> bool:
         """Whether start and goal keep the margins: otherwise no search with them can end well."""
@@ -167,8 +167,8 @@ class EvenPlanner:
         problem = self.problem
         way, _, expansions = self.timed.plan(
             problem.models[robot],
-            np.array(problem.starts[robot]),
-            np.array(problem.goals[robot]),
+            np.array(problem.starts[robot], dtype=float),
+            np.array(problem.goals[robot], dtype=float),
             others,
             budget.most(effort),
             care,

@@ -51,14 +51,14 @@ class UnevenPlanner:
         problem: The team's.
         settings: Whether to leap.
         seed: Of the trees.
-        walking: Over the ground that feet may stand on; by the name of the model.
+        walking: Over the ground that feet may stand on; by the model.
         trees: Answers of the body planner so far, by robot.
     """
 
     problem: TeamProblem
     settings: PlanSettings
     seed: int
-    walking: dict[str, EvenPlanner] = field(default_factory=dict)
+    walking: dict[RobotModel, EvenPlanner] = field(default_factory=dict)
     trees: dict[int, list[BodyPlan]] = field(default_factory=dict)
 
     def plan(
@@ -83,7 +83,7 @@ class UnevenPlanner:
 
     def standing(self, robot: int) -> Array:
         """See `RobotPlanner`."""
-        return np.array(self.problem.starts[robot])[None]
+        return np.array(self.problem.starts[robot], dtype=float)[None]
 
     def refusal(self, robot: int) -> str:
         """Why the robot has no way even alone, as the body planner proves it; else empty."""
@@ -92,12 +92,12 @@ class UnevenPlanner:
 
     def _walking(self, robot: int) -> EvenPlanner:
         model = self.problem.models[robot]
-        if model.name not in self.walking:
+        if model not in self.walking:
             ground = walkable(self.problem.ground, model)
-            self.walking[model.name] = EvenPlanner(
+            self.walking[model] = EvenPlanner(
                 replace(self.problem, ground=ground), TimedPlanner(ground)
             )
-        return self.walking[model.name]
+        return self.walking[model]
 
     def _by_trees(
         self, robot: int, spans: Sequence[Span], budget: Budget, delay: float
@@ -161,7 +161,7 @@ class UnevenPlanner:
         settings = BodySettings(
             iterations=budget.most(BodySettings.iterations if number == 0 else _LATER),
             leaps=self.settings.leaps,
-            improve=self.settings.improve,
+            seconds=budget.left,
             discs=discs,
         )
         problem = self.problem

@@ -8,7 +8,7 @@ from cavalcade.body import _search as trees
 from cavalcade.body._figures import make_body
 from cavalcade.body._surface import surface_along
 from cavalcade.body._timed_shorten import shorten
-from cavalcade.body.ground import Ground
+from cavalcade.body.ground import Ground, make_ground
 from cavalcade.body.obstruction import find_way
 from cavalcade.body.planner import plan_body
 from cavalcade.body.settings import BodySettings
@@ -22,6 +22,7 @@ from cavalcade.coordination.single import EvenPlanner, spans_of
 from cavalcade.coordination.uneven import UnevenPlanner
 from cavalcade.eikonal import surface_distance
 from cavalcade.robots import robot_model
+from cavalcade.world import OccupancyMap
 
 
 def warm_up(joint: bool, uneven: bool) -> None:
@@ -77,30 +78,19 @@ def _uneven() -> None:
 def _head_on() -> TeamProblem:
     model = robot_model("spirit")
     starts, goals = ((0.6, 1.5, 0.0), (3.4, 1.5, np.pi)), ((3.4, 1.5, 0.0), (0.6, 1.5, np.pi))
-    return TeamProblem(_plain(60, 80, True), (model, model), starts, goals)
+    ground = make_ground(OccupancyMap.empty((4.0, 3.0)))
+    return TeamProblem(ground, (model, model), starts, goals)
 
 
 def _trench() -> Ground:
-    ground = _plain(60, 90, False)
+    rows, cols, cell = 60, 90, 0.05
+    y, x = (np.arange(rows) + 0.5) * cell, (np.arange(cols) + 0.5) * cell
+    near_y, near_x = np.minimum(y, rows * cell - y), np.minimum(x, cols * cell - x)
+    near = np.minimum(near_y[:, None], near_x[None])
+    solid = np.zeros((rows, cols), dtype=bool)
+    height, level = np.zeros((rows, cols)), np.zeros((rows, cols))
+    ground = Ground(cell, solid, near, False, height, level, level, level, np.ones((rows, cols)))
     ground.height[:, 40:46] = -1.0
     ground.traversability[:, 39:47] = 0.0
     ground.solid[0, 0] = True
     return ground
-
-
-def _plain(rows: int, cols: int, flat: bool) -> Ground:
-    cell = 0.05
-    y, x = (np.arange(rows) + 0.5) * cell, (np.arange(cols) + 0.5) * cell
-    near_y, near_x = np.minimum(y, rows * cell - y), np.minimum(x, cols * cell - x)
-    shape = (1, 1) if flat else (rows, cols)
-    return Ground(
-        cell,
-        np.zeros((rows, cols), dtype=bool),
-        np.minimum(near_y[:, None], near_x[None]),
-        flat,
-        np.zeros(shape),
-        np.zeros(shape),
-        np.zeros(shape),
-        np.zeros(shape),
-        np.ones(shape),
-    )
