@@ -38,6 +38,10 @@ _MORE_PATIENCE = 3000
 _GOOD = 1.08
 """The same where it costs more than this times the least that is possible."""
 
+_WORDS_TRIED = 3
+_WAIT, _LONGEST_WAIT = 0.5, 15.0
+"""The cheapest words are tried after waits at the start in such steps, s."""
+
 _LOOPS = 4.0
 """Words that cost more than this beyond the straight way are no shots at the goal, s."""
 
@@ -103,6 +107,74 @@ def _guided(guide, cell, x, y):
     row = min(max(int(y / cell), 0), guide.shape[0] - 1)
     col = min(max(int(x / cell), 0), guide.shape[1] - 1)
     return guide[row, col]
+
+
+@njit(cache=True)
+def _word_free(grid, others, pose, word, mover, t, margins, steps):
+    """Whether the moves of a word from a pose at time `t` meet nothing."""
+    x, y, yaw = pose[0], pose[1], pose[2]
+    for k in range(len(word)):
+        if not move_free(grid, others, x, y, yaw, word[k], mover, t, margins, steps, False):
+            return False
+        x, y, yaw = advanced(x, y, yaw, word[k, LENGTH], word[k, TURN])
+        t += word[k, DURATION]
+    return True
+
+
+@njit(cache=True)
+def _later_start(
+    grid,
+    others,
+    start,
+    goal,
+    mover,
+    taken,
+    margins,
+    steps,
+    price,
+    words,
+    counts,
+    costs,
+    out,
+):
+    """The shortest wait at the start after which one of the cheapest words gets to the goal.
+
+    Returns:
+        Moves written to `out`, the wait first, 0 if there is none; and their cost.
+    """
+    number = connect(start, 0.0, goal, 0.0, mover, price, words, counts, costs)
+    chosen = np.full(_WORDS_TRIED, -1)
+    for rank in range(_WORDS_TRIED):
+        for k in range(number):
+            if counts[k] < 0:
+                continue
+            if chosen[rank] < 0 or costs[k] < costs[chosen[rank]]:
+                chosen[rank] = k
+        if chosen[rank] >= 0:
+            counts[chosen[rank]] = -1 - counts[chosen[rank]]
+    stand = np.zeros(6)
+    stand[DURATION] = _WAIT
+    wait = 0.0
+    while wait < _LONGEST_WAIT:
+        if not move_free(
+            grid, others, start[0], start[1], start[2], stand, mover, wait, margins, steps, True
+        ):
+            break
+        wait += _WAIT
+        for rank in range(_WORDS_TRIED):
+            pick = chosen[rank]
+            if pick < 0:
+                break
+            count = -1 - counts[pick]
+            word = words[pick, :count]
+            if wait + word[:, DURATION].sum() <= taken:
+                continue
+            if _word_free(grid, others, start, word, mover, wait, margins, steps):
+                out[0] = stand
+                out[0, DURATION] = wait
+                out[1 : count + 1] = word
+                return count + 1, wait + costs[pick]
+    return 0, 0.0
 
 
 @njit(cache=True)
@@ -180,7 +252,7 @@ def search(
     used = 1
     waiting = _push(heap, keys, 0, 0, 0.0)
     best_cost, best_node, best_count = math.inf, -1, 0
-    best_word = np.empty((MOST_MOVES, 6))
+    best_word = np.empty((MOST_MOVES + 1, 6))
     expansions = 0
     found_at = 0
     here = np.empty(3)
@@ -248,27 +320,15 @@ def search(
                 cost = t + price * length + costs[pick]
                 if cost >= best_cost - 1e-9 or costs[pick] > dear:
                     break
-                at = t
-                px, py, pyaw = x, y, yaw
-                good = True
                 duration = 0.0
                 for k in range(count):
                     duration += words[pick, k, DURATION]
                 if t + duration <= taken:
                     first_try = False
                     continue
-                for k in range(count):
-                    row = words[pick, k]
-                    if not move_free(
-                        grid, others, px, py, pyaw, row, mover, at, margins, steps, False
-                    ):
-                        good = False
-                        break
-                    px, py, pyaw = advanced(px, py, pyaw, row[LENGTH], row[TURN])
-                    at += row[DURATION]
-                if good:
+                if _word_free(grid, others, here, words[pick, :count], mover, t, margins, steps):
                     best_cost, best_node, best_count = cost, node, count
-                    best_word[:] = words[pick]
+                    best_word[:count] = words[pick, :count]
                     if found_at == 0:
                         found_at = expansions
                     if node == 0 and first_try:
@@ -276,6 +336,25 @@ def search(
                         return FOUND, words[pick, :count].copy(), expansions
                     break
                 first_try = False
+            if node == 0 and best_node < 0 and others[3].shape[0] > 0:
+                # Setting off later is a way, too, and bounds what the search may cost.
+                best_count, cost = _later_start(
+                    grid,
+                    others,
+                    here,
+                    goal,
+                    mover,
+                    taken,
+                    margins,
+                    steps,
+                    price,
+                    words,
+                    counts,
+                    costs,
+                    best_word,
+                )
+                if best_count > 0:
+                    best_cost, best_node, found_at = cost, 0, expansions
         # Its successors, judged when their turn comes.
         if used + len(prims) >= state.shape[0]:
             state = _grown(state)

@@ -5,7 +5,7 @@ Everything is in the grid's own frame: x, y in m from the lower-left corner of c
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,3 +65,13 @@ def make_ground(map: OccupancyMap, terrain: Terrain | None = None) -> Ground:
         np.ascontiguousarray(-terrain.normals[..., 1] / normal_z),
         np.ascontiguousarray(terrain.traversability),
     )
+
+
+def read_only(ground: Ground) -> Ground:
+    """The same ground; its arrays are of one type for all grounds, so kernels compile once."""
+    arrays: dict[str, Any] = {}
+    for name, value in zip(ground._fields, ground, strict=True):
+        if isinstance(value, np.ndarray):
+            arrays[name] = value.view()
+            arrays[name].setflags(write=False)
+    return ground._replace(**arrays)

@@ -10,7 +10,6 @@ import math
 import time as clock
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +22,7 @@ from cavalcade.body._sample import sample
 from cavalcade.body._search import FOUND, FULL, route, search
 from cavalcade.body._shorten import round_corners, shortcut, shorten, total_length
 from cavalcade.body._surface import surface
-from cavalcade.body.ground import Ground
+from cavalcade.body.ground import Ground, read_only
 from cavalcade.body.obstruction import Pose, find_way, obstruction, roomy_way
 from cavalcade.body.settings import BodySettings
 from cavalcade.body.trajectory import Trajectory
@@ -116,16 +115,6 @@ def _pose(value: Sequence[float], key: str) -> Pose:
     return x, y, yaw
 
 
-def _read_only(ground: Ground) -> Ground:
-    """The same ground; its arrays are of one type for all grounds, so kernels compile once."""
-    arrays: dict[str, Any] = {}
-    for name, value in zip(ground._fields, ground, strict=True):
-        if isinstance(value, np.ndarray):
-            arrays[name] = value.view()
-            arrays[name].setflags(write=False)
-    return ground._replace(**arrays)
-
-
 class _Problem:
     """One call of `plan_body`."""
 
@@ -138,7 +127,7 @@ class _Problem:
         settings: BodySettings,
         seed: int,
     ) -> None:
-        self.ground, self.settings = _read_only(ground), settings
+        self.ground, self.settings = read_only(ground), settings
         self.start, self.goal = start, goal
         self.discs = np.ascontiguousarray(settings.discs)
         self.body = make_body(model, settings.variant == "published", settings.margin)

@@ -13,7 +13,7 @@ from cavalcade.body._moves import DURATION, LENGTH, sample_moves
 from cavalcade.body._surface import surface_along
 from cavalcade.body._timed_search import FOUND, SPENT, search
 from cavalcade.body._timed_shorten import shorten
-from cavalcade.body.ground import Ground
+from cavalcade.body.ground import Ground, read_only
 from cavalcade.body.movers import mover_of, primitives_of
 from cavalcade.body.trajectory import STEP, WALK, Trajectory
 from cavalcade.eikonal import arrival_times
@@ -120,12 +120,13 @@ class TimedPlanner:
             better ways.
     """
 
-    def __init__(self, ground: Ground, price: float | None = None, greed: float = 1.2) -> None:
+    def __init__(self, ground: Ground, price: float | None = None, greed: float = 1.5) -> None:
         self.ground = ground
         self.price = price
         self.greed = greed
         # Read-only in every case: kernels are compiled for the types they first see.
-        self.grid = (ground.cell, _read_only(ground.solid), _read_only(ground.clearance))
+        ground = read_only(ground)
+        self.grid = (ground.cell, ground.solid, ground.clearance)
         self._open = not ground.solid.any()
         self._guides: dict[tuple[int, int, float, float | None], tuple[Array, float]] = {}
         self._kinds: dict[tuple[RobotModel, int], tuple[Array, Array]] = {}
@@ -275,7 +276,7 @@ def trajectory_of(way: Way, ground: Ground | None = None) -> Trajectory:
     if way.model.legs is not None:
         height += way.model.legs.h_nom
         if ground is not None and not ground.flat:
-            rise, along_x, along_y = surface_along(ground, motion[:, :2])
+            rise, along_x, along_y = surface_along(read_only(ground), motion[:, :2])
             height += rise
             climb += along_x * motion[:, 3] + along_y * motion[:, 4]
     position = np.column_stack([motion[:, :2], height])
@@ -314,12 +315,6 @@ def others_of(tracks: list[Array], models: list[RobotModel], spans: list[Any]) -
 def _cell(guide: tuple[Array, float], pose: Array) -> tuple[int, int]:
     (rows, cols), cell = guide[0].shape, guide[1]
     return min(int(pose[1] / cell), rows - 1), min(int(pose[0] / cell), cols - 1)
-
-
-def _read_only(array: Any) -> Any:
-    view = array.view()
-    view.flags.writeable = False
-    return view
 
 
 def _coarser(speed: Array, factor: int) -> Array:

@@ -92,18 +92,16 @@ def mended_orders(
     tried: set[tuple[tuple[int, ...], tuple[tuple[int, float], ...]]] = set()
     delays: dict[int, float] = {}
     leave, shy = 0.0, False
-    for _ in range(attempts):
+    for attempt in range(attempts):
         tried.add((tuple(order), tuple(sorted(delays.items()))))
         courses, failed = in_order(planner, order, budget, delays, alone, leave, shy, effort)
         if failed is None:
             return courses
         if budget.spent:
             return None
-        if leave == 0.0:
-            leave = LEAVE
-            continue
-        shy = not shy
-        if shy:
+        # In turn: the robot goes first; the others leave it time to get away; all are shy.
+        leave, shy = (0.0, False) if attempt % 3 == 0 else (LEAVE, attempt % 3 == 2)
+        if attempt % 3:
             continue
         order = [failed, *(robot for robot in order if robot != failed)]
         delays.pop(failed, None)
@@ -111,7 +109,6 @@ def mended_orders(
             order = [int(robot) for robot in rng.permutation(order)]
             late = rng.integers(1, len(order) + 1)
             chosen = rng.permutation(order)[:late]
-            leave = float(rng.choice((0.0, LEAVE, 2.0 * LEAVE)))
             delays = {int(robot): float(rng.choice(_DELAYS)) for robot in chosen}
     return None
 

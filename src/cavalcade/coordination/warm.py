@@ -8,7 +8,7 @@ from cavalcade.body import _search as trees
 from cavalcade.body._figures import make_body
 from cavalcade.body._surface import surface_along
 from cavalcade.body._timed_shorten import shorten
-from cavalcade.body.ground import Ground, make_ground
+from cavalcade.body.ground import Ground, make_ground, read_only
 from cavalcade.body.obstruction import find_way
 from cavalcade.body.planner import plan_body
 from cavalcade.body.settings import BodySettings
@@ -68,10 +68,10 @@ def _uneven() -> None:
     published = BodySettings(iterations=300, variant="published", discs=np.zeros((1, 3)))
     plan_body(ground, model, starts[0], goals[0], published, 0)
     # Round a wall, so that ways on the grid are looked for.
-    ground.solid[10:, 42:45] = True
+    ground.solid[25:, 52:55] = True
     ground = ground._replace(clearance=surface_distance(ground.solid, ground.cell))
     plan_body(ground, model, starts[1], goals[1], BodySettings(iterations=300, improve=50), 0)
-    surface_along(ground, np.zeros((1, 2)))
+    surface_along(read_only(ground), np.zeros((1, 2)))
     find_way(ground, make_body(model, False, 0.01), np.zeros((0, 3)), True, starts[1], goals[1])
 
 
