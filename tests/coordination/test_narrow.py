@@ -41,9 +41,7 @@ def _bay(make_team_of_words, models: tuple[str, str]) -> TeamProblem:
     return make_team_of_words((9.0, 1.5), robots, boxes)
 
 
-@pytest.mark.parametrize(
-    "models", [("go1", "go1"), ("unicycle", "spirit"), ("unicycle-2", "spirit")]
-)
+@pytest.mark.parametrize("models", [("go1", "go1"), ("unicycle", "spirit")])
 def test_one_waits_in_a_bay(make_team_of_words, judged, models):
     problem = _bay(make_team_of_words, models)
     plan = plan_team(problem)
@@ -81,8 +79,9 @@ def _occupied(make_team_of_words, swapped: bool) -> TeamProblem:
     return make_team_of_words((4.5, 3.5), robots[::-1] if swapped else robots, boxes)
 
 
-@pytest.mark.parametrize("swapped", [False, True])
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(
+    ("method", "swapped"), [*((method, False) for method in METHODS), ("auto", True)]
+)
 def test_who_is_there_already_makes_way(make_team_of_words, judged, method, swapped):
     problem = _occupied(make_team_of_words, swapped)
     plan = plan_team(problem, method)

@@ -35,7 +35,7 @@ def trapezoid(length, v0, v1, vmax, acceleration):
     if peak < max(v0, v1) - 1e-9:
         return -1.0, 0.0
     peak = min(max(peak, max(v0, v1)), max(vmax, max(v0, v1)))
-    if peak <= 0.0:
+    if peak <= 1e-12:
         return 0.0, 0.0
     ramps = (2.0 * peak * peak - v0 * v0 - v1 * v1) / (2.0 * acceleration)
     cruise = max(length - ramps, 0.0) / peak

@@ -69,6 +69,7 @@ CAREFUL = (
     Care(),
     Care(0.003, 0.025, (0.03, 0.015, 0.03), 1),
     Care(0.001, 0.003, (0.02, 0.005, 0.004), 1),
+    Care(0.0, 0.003, (0.02, 0.001, 0.004), 1),  # where a start or a goal touches something
 )
 """Wide margins first; where that finds nothing, smaller ones and smaller steps.
 
@@ -162,7 +163,7 @@ class TimedPlanner:
         other, spent, more = self._search(model, start, goal, others, most, care, cautious)
         if way is not None and (other is None or self.cost(other) >= self.cost(way)):
             other = way
-        return other, spent, expansions + more
+        return other, spent and other is None, expansions + more
 
     def _long(self, way: Way, guide: tuple[Array, float]) -> bool:
         """Whether a way is much longer than the guide has it."""
