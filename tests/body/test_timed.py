@@ -118,7 +118,7 @@ def test_alone_on_free_ground_the_first_word_is_the_way(name):
 _SEEDS = st.integers(0, 2**32 - 1)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(_SEEDS, st.sampled_from(sorted(MODELS)))
 def test_ways_meet_nobody_and_nothing(footprint_gap, cluttered, seed, name):
     rng = np.random.default_rng(seed)
