@@ -96,9 +96,9 @@ def _arc_then_straight(dx, dy, yaw, radius, side):
     cx, cy = -side * radius * math.sin(yaw), side * radius * math.cos(yaw)
     gx, gy = dx - cx, dy - cy
     square = gx * gx + gy * gy - radius * radius
-    if square < 0.0:
+    if square < -1e-9:  # beyond what rounding makes of circles that touch
         return 0.0, -1.0
-    straight = math.sqrt(square)
+    straight = math.sqrt(max(square, 0.0))
     heading = math.atan2(gy, gx) + side * math.atan2(radius, straight)
     return side * _turned(side * (heading - yaw)), straight
 
@@ -129,12 +129,12 @@ def _dubins(word, dx, dy, yaw0, yaw1, radius, parts):
         p = math.sqrt(max(square, 0.0))
         bend = math.atan2(ca + cb, d - sa - sb) - math.atan2(2.0, p)
         t, q = _turned(alpha - bend), _turned(beta - bend)
-    if square < 0.0:
+    if square < -1e-9:
         return False
     first = 1.0 if word == 0 or word == 2 else -1.0
     last = 1.0 if word == 0 or word == 3 else -1.0
     parts[0, 0], parts[0, 1] = t * radius, first * t
-    parts[1, 0], parts[1, 1] = math.sqrt(square) * radius, 0.0
+    parts[1, 0], parts[1, 1] = math.sqrt(max(square, 0.0)) * radius, 0.0
     parts[2, 0], parts[2, 1] = q * radius, last * q
     return True
 

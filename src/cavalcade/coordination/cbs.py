@@ -124,7 +124,9 @@ def conflict_search(
         least = -math.inf
         for conflict in _choice(parent.conflicts, settings.conflict):
             if parent.met.get((conflict.i, conflict.j), 0) >= _MERGE:
-                return merged(parent, conflict)
+                together = merged(parent, conflict)
+                if together:
+                    return together
             made = [
                 child(parent, conflict, conflict.i, conflict.j),
                 child(parent, conflict, conflict.j, conflict.i),

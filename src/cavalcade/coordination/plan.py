@@ -77,7 +77,7 @@ class _Call:
         if not legged and (self.published or not problem.ground.flat):
             where = "the published planner" if self.published else "uneven ground"
             raise InputError(f"{where} is for robots with legs", key="robots")
-        warm_up(method == "joint", self.published or not problem.ground.flat)
+        warm_up(method != "sequential", self.published or not problem.ground.flat)
         self.budget = Budget(settings.iterations, settings.seconds)
         self.timed = TimedPlanner(problem.ground)
         self.planner = self._planner()
@@ -97,6 +97,10 @@ class _Call:
                 return self._team_plan("budget", text, (), nothing)
             found = self._checked(Found(together, True, "joint"))
             return self._answered(found)
+        refused = next(((k, why) for k in robots if (why := self.planner.refusal(k))), None)
+        if refused is not None:
+            text = f"robot {refused[0]}: {refused[1]}"
+            return self._team_plan("infeasible", text, refused[:1], nothing)
         effort = (50 if self.settings.seconds is None else 5) * EFFORT
         alone = [self.planner.plan(k, (), budget, effort) for k in robots]
         lost = tuple(k for k in robots if alone[k] is None)

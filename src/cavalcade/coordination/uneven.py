@@ -12,7 +12,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from cavalcade.body.ground import Ground
+from cavalcade.body._figures import make_body
+from cavalcade.body.ground import Ground, read_only
+from cavalcade.body.obstruction import obstruction
 from cavalcade.body.planner import BodyPlan, plan_body
 from cavalcade.body.settings import BodySettings
 from cavalcade.body.timed import TRACK_STEP, TimedPlanner
@@ -86,9 +88,17 @@ class UnevenPlanner:
         return np.array(self.problem.starts[robot], dtype=float)[None]
 
     def refusal(self, robot: int) -> str:
-        """Why the robot has no way even alone, as the body planner proves it; else empty."""
+        """Why the robot has no way even alone, as far as its poses or its trees prove it."""
         pool = self.trees.get(robot)
-        return pool[0].detail if pool and pool[0].reason == "infeasible" else ""
+        if pool:
+            return pool[0].detail if pool[0].reason == "infeasible" else ""
+        problem = self.problem
+        ground, body = read_only(problem.ground), make_body(problem.models[robot], False, 0.0)
+        for name, pose in (("start", problem.starts[robot]), ("goal", problem.goals[robot])):
+            why = obstruction(ground, body, _NO_DISCS, pose)
+            if why:
+                return f"the {name} {why}"
+        return ""
 
     def _walking(self, robot: int) -> EvenPlanner:
         model = self.problem.models[robot]
