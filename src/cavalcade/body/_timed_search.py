@@ -25,6 +25,7 @@ from cavalcade.body._moves import (
 )
 from cavalcade.body._moves_connector import MOST_MOVES, MOST_WORDS, backward_factor, connect
 from cavalcade.body._moves_contact import free_from, move_free
+from cavalcade.body._timed_queue import grown, grown_line, pop, push, slot_of
 
 FOUND, NONE, SPENT = 0, 1, 2
 FROM_MOVING, TO_MOVING = 6, 7
@@ -44,52 +45,6 @@ _WAIT, _LONGEST_WAIT = 0.5, 15.0
 
 _LOOPS = 4.0
 """Words that cost more than this beyond the straight way are no shots at the goal, s."""
-
-
-@njit(cache=True)
-def _push(heap, keys, size, node, key):
-    heap[size] = node
-    keys[size] = key
-    k = size
-    while k > 0:
-        up = (k - 1) >> 1
-        if keys[up] <= keys[k]:
-            break
-        keys[up], keys[k] = keys[k], keys[up]
-        heap[up], heap[k] = heap[k], heap[up]
-        k = up
-    return size + 1
-
-
-@njit(cache=True)
-def _pop(heap, keys, size):
-    node = heap[0]
-    size -= 1
-    heap[0], keys[0] = heap[size], keys[size]
-    k = 0
-    while True:
-        child = 2 * k + 1
-        if child >= size:
-            break
-        if child + 1 < size and keys[child + 1] < keys[child]:
-            child += 1
-        if keys[k] <= keys[child]:
-            break
-        keys[child], keys[k] = keys[k], keys[child]
-        heap[child], heap[k] = heap[k], heap[child]
-        k = child
-    return node, size
-
-
-@njit(cache=True)
-def _slot(table, key):
-    """Where the key stands in the table of closed bins, or could."""
-    mask = table.shape[0] - 1
-    mixed = (key * np.int64(-7046029254386353131)) ^ (key >> np.int64(29))
-    k = (mixed ^ (mixed >> np.int64(32))) & mask
-    while table[k] != -1 and table[k] != key:
-        k = (k + 1) & mask
-    return k
 
 
 @njit(cache=True)
@@ -250,7 +205,7 @@ def search(
     state[0, 3], state[0, 4], state[0, 5] = 0.0, 0.0, 0.0
     link[0, 0], link[0, 1] = -1, -1
     used = 1
-    waiting = _push(heap, keys, 0, 0, 0.0)
+    waiting = push(heap, keys, 0, 0, 0.0)
     best_cost, best_node, best_count = math.inf, -1, 0
     best_word = np.empty((MOST_MOVES + 1, 6))
     expansions = 0
@@ -258,7 +213,7 @@ def search(
     here = np.empty(3)
     while waiting > 0:
         least = keys[0]
-        node, waiting = _pop(heap, keys, waiting)
+        node, waiting = pop(heap, keys, waiting)
         if least >= greed * best_cost - 1e-9:
             break
         if best_node >= 0:
@@ -275,7 +230,7 @@ def search(
             if table.shape[0] == 0:
                 table = np.full(size, -1, dtype=np.int64)
             key = _bin(x, y, yaw, np.int64(moving), t, bins, still)
-            slot = _slot(table, key)
+            slot = slot_of(table, key)
             if table[slot] == key:
                 continue
             parent, used_move = link[node, 0], prims[link[node, 1]]
@@ -357,10 +312,10 @@ def search(
                     best_cost, best_node, found_at = cost, 0, expansions
         # Its successors, judged when their turn comes.
         if used + len(prims) >= state.shape[0]:
-            state = _grown(state)
-            link = _grown(link)
-            heap = _grown_line(heap)
-            keys = _grown_line(keys)
+            state = grown(state)
+            link = grown(link)
+            heap = grown_line(heap)
+            keys = grown_line(keys)
         for p in range(len(prims)):
             row = prims[p]
             if row[FROM_MOVING] != moving:
@@ -387,7 +342,7 @@ def search(
             state[used, 0], state[used, 1], state[used, 2] = nx, ny, nyaw
             state[used, 3], state[used, 4], state[used, 5] = row[TO_MOVING], then, gone
             link[used, 0], link[used, 1] = node, p
-            waiting = _push(heap, keys, waiting, used, value)
+            waiting = push(heap, keys, waiting, used, value)
             used += 1
     if best_node < 0:
         return NONE, none, expansions
@@ -403,17 +358,3 @@ def search(
         node = link[node, 0]
     moves[depth:] = best_word[:best_count]
     return FOUND, moves, expansions
-
-
-@njit(cache=True)
-def _grown(array):
-    larger = np.empty((2 * array.shape[0], array.shape[1]), dtype=array.dtype)
-    larger[: array.shape[0]] = array
-    return larger
-
-
-@njit(cache=True)
-def _grown_line(array):
-    larger = np.empty(2 * array.shape[0], dtype=array.dtype)
-    larger[: array.shape[0]] = array
-    return larger
