@@ -9,7 +9,19 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cavalcade.body._moves import DURATION, LENGTH, sample_moves
+from cavalcade.body._moves import (
+    ACCELERATION,
+    DURATION,
+    LENGTH,
+    RATE,
+    TURN,
+    TURN_ACCELERATION,
+    V0,
+    V1,
+    VMAX,
+    sample_moves,
+    trapezoid,
+)
 from cavalcade.body._surface import surface_along
 from cavalcade.body._timed_search import FOUND, SPENT, search
 from cavalcade.body._timed_shorten import shorten
@@ -268,7 +280,7 @@ def trajectory_of(way: Way, ground: Ground | None = None) -> Trajectory:
     """The way as samples; over uneven ground the body keeps its clearance of the smoothed one."""
     ends = np.concatenate([[0.0], np.cumsum(way.moves[:, DURATION])])
     grid = np.arange(0.0, ends[-1], STEP)
-    times = np.unique(np.concatenate([grid, ends]))
+    times = np.unique(np.concatenate([grid, ends, _kinks(way, ends)]))
     times = times[np.concatenate([[True], np.diff(times) > 1e-6])]
     if ends[-1] - times[-1] > 0.0:
         times[-1] = ends[-1]
@@ -286,6 +298,21 @@ def trajectory_of(way: Way, ground: Ground | None = None) -> Trajectory:
     if way.mover[6] > 0.0:
         yaw[:] = way.start[2]
     return Trajectory(times, position, velocity, yaw, np.full(len(times), WALK, dtype=np.int8))
+
+
+def _kinks(way: Way, ends: Array) -> Array:
+    """Times within moves at which their acceleration jumps, s."""
+    found = []
+    for move, begin in zip(way.moves, ends[:-1], strict=True):
+        length, turn = abs(move[LENGTH]), abs(move[TURN])
+        ramp, v0, v1, most = way.mover[ACCELERATION], move[V0], move[V1], move[VMAX]
+        if length == 0.0:
+            length, v0, v1 = turn, 0.0, 0.0
+            ramp, most = way.mover[TURN_ACCELERATION], way.mover[RATE]
+        if length > 0.0 and move[DURATION] > 0.0:
+            duration, peak = trapezoid(length, v0, v1, most, ramp)
+            found += [begin + (peak - v0) / ramp, begin + duration - (peak - v1) / ramp]
+    return np.array(found, dtype=np.float64)
 
 
 def stacked(tracks: Sequence[Array]) -> Array:
