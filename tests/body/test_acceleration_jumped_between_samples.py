@@ -21,7 +21,7 @@ def test_places_are_the_integral_of_velocities_between_all_samples(name, length)
     make_move(moves[1], length, 0.0, 0.0, 0.0, mover[0], mover)
     path = trajectory_of(Way(np.zeros(3), moves, mover, model))
     steps = np.diff(path.time)[:, None]
-    assert 0.0 < steps.min()
+    assert steps.min() > 0.0
     assert steps.max() <= 0.03 + 1e-9
     # Accelerations are constant between samples, so that the trapezoidal rule is exact.
     moved = 0.5 * steps * (path.velocity[1:] + path.velocity[:-1])
