@@ -1,7 +1,7 @@
 """Robots that take velocity commands and report where they are."""
 
 from cavalcade.fleet.ideal import CommandDelay, IdealFleet, LocalisationNoise
-from cavalcade.fleet.protocol import Fleet, Observation
+from cavalcade.fleet.protocol import Fleet, LeapingFleet, LeapRequest, Observation
 from cavalcade.fleet.watchdog import Fault, Watchdog, WatchdogReport
 
 __all__ = [
@@ -9,6 +9,8 @@ __all__ = [
     "Fault",
     "Fleet",
     "IdealFleet",
+    "LeapRequest",
+    "LeapingFleet",
     "LocalisationNoise",
     "Observation",
     "Watchdog",

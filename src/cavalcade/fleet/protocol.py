@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
 
 from cavalcade.geometry import Array
 
@@ -49,3 +52,61 @@ class Fleet(Protocol):
 
     def true_velocities(self) -> Array:
         """`(N, 3)` true velocities now, map frame: m/s, m/s, rad/s."""
+
+
+@dataclass(frozen=True)
+class LeapRequest:
+    """A leap as it was planned; map frame, of the body's centre.
+
+    All times are counted from the first sample of `approach`, the moment of the hand-over.
+
+    Attributes:
+        approach: `(K, 5)` time in s, x, y, z in m, yaw in rad of the way up to the take-off;
+            where it was planned to begin the body is, or was to be, at the hand-over.
+        take_off: `(4,)` pose x, y, z, yaw at which the legs begin to push.
+        lift_off, touch_down: `(4,)` poses at the two ends of the flight.
+        landed: `(4,)` pose at which the landing ends.
+        lift_off_velocity, touch_down_velocity: `(3,)` m/s.
+        landed_velocity: `(3,)` m/s; the plan goes on with it.
+        times: `(4,)` s, of the four poses in this order.
+        edges: m along the straight line from `take_off` to `landed`: where the ground of the
+            take-off ends and where that of the landing begins, the same for a step; None where
+            the ground is unknown or does not break.
+    """
+
+    approach: Array
+    take_off: Array
+    lift_off: Array
+    touch_down: Array
+    landed: Array
+    lift_off_velocity: Array
+    touch_down_velocity: Array
+    landed_velocity: Array
+    times: Array
+    edges: tuple[float, float] | None
+
+
+@runtime_checkable
+class LeapingFleet(Fleet, Protocol):
+    """A fleet whose robots carry out a leap by themselves, once they are told to.
+
+    A plain `Fleet` follows leaps as it follows everything else: by velocity commands.
+    """
+
+    @property
+    def approach(self) -> float:
+        """How long before a take-off, in planned time, it wants to be handed the robot, s."""
+
+    def leap(self, robot: int, request: LeapRequest) -> None:
+        """Take the robot over until it has landed and stands or walks; it may take its time.
+
+        Commands that are sent to it meanwhile are of no effect.
+        """
+
+    @property
+    def leaping(self) -> NDArray[np.bool_]:
+        """`(N,)` whether the robot was handed over and has not been given back."""
+
+    @property
+    def leap_failed(self) -> NDArray[np.bool_]:
+        """`(N,)` whether the robot's last leap failed; a robot that fails is given back."""
