@@ -55,6 +55,30 @@ class Fleet(Protocol):
 
 
 @dataclass(frozen=True)
+class Fall:
+    """A robot that fell.
+
+    Attributes:
+        time: s.
+        robot: Which.
+        cause: One of `tilt`, `height` and `trunk` (which touched the ground).
+    """
+
+    time: float
+    robot: int
+    cause: str
+
+
+@runtime_checkable
+class FallingFleet(Fleet, Protocol):
+    """A fleet whose robots can fall."""
+
+    @property
+    def falls(self) -> tuple[Fall, ...]:
+        """The first fall of each robot that fell, in order of time."""
+
+
+@dataclass(frozen=True)
 class LeapRequest:
     """A leap as it was planned; map frame, of the body's centre.
 
