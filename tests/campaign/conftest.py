@@ -70,9 +70,11 @@ def table() -> Callable[[Path], list[dict[str, Any]]]:
 PLANTED = '''\
 """Work for workers that does what real work should not."""
 
+import gc
 import os
 import signal
 import time
+from multiprocessing.connection import Connection
 from pathlib import Path
 
 from cavalcade.campaign.carrying import carry_out
@@ -128,6 +130,50 @@ def waits_once(trial):
         while not (FOLDER / "go").exists():
             time.sleep(0.02)
     return fake(trial)
+
+
+def _wait_for_the_end():
+    """Say which worker this is and wait to be killed; the next worker need not."""
+    if _first_time("held"):
+        (FOLDER / "pid").write_text(str(os.getpid()))
+        time.sleep(60.0)
+
+
+class SlowToTake:
+    """A trial that workers do not get to the end of while they take it."""
+
+    def __reduce__(self):
+        return _wait_for_the_end, ()
+
+
+class SlowToGive:
+    """A result that workers do not get to the end of while they give it back."""
+
+    def __reduce__(self):
+        _wait_for_the_end()
+        return str, ()
+
+
+class HalfGiven(SlowToGive):
+    """The same, with the beginning of a message of 1000 bytes in the pipe."""
+
+    def __reduce__(self):
+        pipes = [thing for thing in gc.get_objects() if isinstance(thing, Connection)]
+        (pipe,) = (pipe for pipe in pipes if not pipe.closed and pipe.writable)
+        os.write(pipe.fileno(), (1000).to_bytes(4, "big") + b"half")
+        return super().__reduce__()
+
+
+def takes(_):
+    return "taken"
+
+
+def gives(_):
+    return SlowToGive()
+
+
+def gives_half(_):
+    return HalfGiven()
 
 
 def notes_threads(trial):

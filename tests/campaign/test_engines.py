@@ -12,8 +12,9 @@ from typing import Any
 import pytest
 
 from cavalcade.campaign.dispatch import dispatch
-from cavalcade.campaign.engines import ENGINES, local, make_engine
-from cavalcade.campaign.engines.local import LocalEngine, WorkersError
+from cavalcade.campaign.engines import ENGINES, make_engine, worker
+from cavalcade.campaign.engines.local import LocalEngine
+from cavalcade.campaign.engines.worker import WorkersError
 from cavalcade.campaign.plan import Plan
 from cavalcade.campaign.runner import run_campaign
 from cavalcade.errors import InputError
@@ -120,7 +121,7 @@ def test_workers_use_one_thread(tiny_plan: Plan, planted: Any) -> None:
 def test_workers_that_never_start_end_the_campaign_and_no_trial(
     tiny_plan: Plan, planted: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(local, "start_worker", planted.die_at_once)
+    monkeypatch.setattr(worker, "start_worker", planted.die_at_once)
     with pytest.raises(WorkersError, match="the worker processes end before they take a trial"):
         run_campaign(tiny_plan, tmp_path / "a", LocalEngine(2), work=planted.fake, report=no_report)
     assert (tmp_path / "a" / "trials.jsonl").read_text() == ""
@@ -129,7 +130,7 @@ def test_workers_that_never_start_end_the_campaign_and_no_trial(
 def test_a_job_that_went_down_with_the_pool_is_not_lost(tiny_plan: Plan, planted: Any) -> None:
     with LocalEngine(1) as engine:
         engine.submit("a", planted.fake, (tiny_plan.trials[0],), 60.0)
-        engine._pool.stop()
+        engine._all[0].stop()
         (ended,) = _collected(engine)
     assert (ended.key, ended.fate) == ("a", "done")
 

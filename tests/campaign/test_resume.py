@@ -114,9 +114,6 @@ def test_kill_9_of_a_worker_and_of_the_parent(
 
     process = start("killed")
     wait_for_lines(tmp_path / "killed", 2)
-    # Within a trial. Killed right after one, a worker has once left a campaign standing still:
-    # a fault of the engine that is still open, see docs/campaigns.md.
-    time.sleep(0.2)
     workers = sorted(children(process.pid))
     os.kill(workers[-1], signal.SIGKILL)
     wait_for_lines(tmp_path / "killed", 6)
