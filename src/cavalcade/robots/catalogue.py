@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from cavalcade.errors import InputError
+from cavalcade.robots import go1
+from cavalcade.robots.description import QuadrupedDescription
 from cavalcade.robots.legs import GO1, GO2, SPIRIT, LegModel
 from cavalcade.robots.model import Drive, RobotModel
 
@@ -15,7 +17,11 @@ _DB_CBS = "db-CBS (IMRCLab/db-CBS, src/robots.cpp)"
 
 
 def _quadruped(
-    name: str, size: tuple[float, float, float], legs: LegModel, source: str
+    name: str,
+    size: tuple[float, float, float],
+    legs: LegModel,
+    source: str,
+    description: QuadrupedDescription | None = None,
 ) -> RobotModel:
     """A walking robot of `size` length, width, height with the speeds of the formation paper."""
     length, width, height = size
@@ -31,6 +37,7 @@ def _quadruped(
         max_yaw_acceleration=2.0,
         source=source,
         legs=legs,
+        description=description,
     )
 
 
@@ -75,7 +82,7 @@ def _integrator(
 
 
 _QUADRUPEDS = (
-    _quadruped("go1", (0.65, 0.28, 0.40), GO1, f"{_PAPER}: body and speeds"),
+    _quadruped("go1", (0.65, 0.28, 0.40), GO1, f"{_PAPER}: body and speeds", go1.GO1),
     _quadruped("go2", (0.70, 0.31, 0.40), GO2, "Unitree's data sheet of Go2: body; speeds as go1"),
     _quadruped(
         "spirit", (0.70, 0.35, 0.35), SPIRIT, "Ghost Robotics Spirit 40: body; speeds as go1"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from cavalcade.robots.description import QuadrupedDescription
 from cavalcade.robots.legs import LegModel
 
 Drive = Literal["legged", "unicycle", "unicycle-2", "integrator", "integrator-2"]
@@ -32,7 +33,8 @@ class RobotModel:
         source: Where the figures come from.
         drive: How it moves towards a goal of its own.
         round: Whether the footprint is a disc.
-        legs: Of a legged robot.
+        legs: Of a legged robot, for planners.
+        description: Its mechanism, for physics; None where there is none.
     """
 
     name: str
@@ -48,3 +50,4 @@ class RobotModel:
     drive: Drive = "legged"
     round: bool = False
     legs: LegModel | None = None
+    description: QuadrupedDescription | None = None

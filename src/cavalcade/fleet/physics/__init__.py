@@ -1,0 +1,10 @@
+"""Robots with full rigid-body dynamics in MuJoCo, an extra: `pip install 'cavalcade[physics]'`.
+
+Importing this package does not load MuJoCo; making a simulator does.
+"""
+
+from cavalcade.fleet.physics.ground import PhysicsGround
+from cavalcade.fleet.physics.settings import PhysicsSettings
+from cavalcade.fleet.physics.simulator import TeamSimulator
+
+__all__ = ["PhysicsGround", "PhysicsSettings", "TeamSimulator"]

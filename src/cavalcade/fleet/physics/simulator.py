@@ -1,0 +1,166 @@
+"""A team of quadrupeds in one world: torques in, state out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cavalcade.errors import InputError
+from cavalcade.fleet.physics._motors import limit_torques
+from cavalcade.fleet.physics.engine import load_mujoco
+from cavalcade.fleet.physics.ground import PhysicsGround
+from cavalcade.fleet.physics.settings import PhysicsSettings
+from cavalcade.fleet.physics.standing import standing_states
+from cavalcade.fleet.physics.world_spec import build_team, descriptions_of
+from cavalcade.geometry import Array
+from cavalcade.robots.model import RobotModel
+
+
+class TeamSimulator:
+    """Robots that stand, walk or fall as their joints' torques and the contacts make them.
+
+    The robots start standing at the poses, their feet on the ground.
+
+    Args:
+        models: One per robot, each with a description.
+        poses: `(N, 3)` x, y, yaw in the map frame, m and rad.
+        ground: What they walk on; level without end by default.
+        settings: Of the physics.
+
+    Attributes:
+        team: The compiled model and the places of the robots' things in it.
+        model, data: MuJoCo's `MjModel` and `MjData`, for reading.
+
+    Raises:
+        InputError: MuJoCo is missing, a robot has no description, poses of another shape or not
+            finite, or settings for another number of robots.
+    """
+
+    def __init__(
+        self,
+        models: Sequence[RobotModel],
+        poses: ArrayLike,
+        ground: PhysicsGround | None = None,
+        settings: PhysicsSettings | None = None,
+    ) -> None:
+        start = np.array(poses, dtype=float)
+        if not len(models) or start.shape != (len(models), 3) or not np.isfinite(start).all():
+            raise InputError(
+                f"expected one finite pose (x, y, yaw) per robot, shape ({len(models)}, 3)",
+                key="poses",
+            )
+        mujoco = load_mujoco()
+        self.ground = ground or PhysicsGround.flat()
+        self.settings = settings or PhysicsSettings()
+        self.descriptions = tuple(descriptions_of(models))
+        self.team = build_team(models, self.ground, self.settings)
+        self.model: Any = self.team.model
+        self.data: Any = mujoco.MjData(self.model)
+        self._advance = mujoco.mj_step
+        # Views of the data's own memory, which stays where it is.
+        self._qpos, self._qvel, self._ctrl = self.data.qpos, self.data.qvel, self.data.ctrl
+        self._sensors, self._external = self.data.sensordata, self.data.xfrc_applied
+        self._limits = self._joint_figures("torque")
+        self._stall = self._joint_figures("stall_torque")
+        self._no_load = self._joint_figures("no_load_speed")
+        self._given = np.zeros((self.size, 12))
+        self._pushes: list[tuple[int, int, Array]] = []
+        self._steps = 0
+        self._qpos[self.team.qpos] = standing_states(self.descriptions, start, self.ground)
+        mujoco.mj_forward(self.model, self.data)
+
+    @property
+    def size(self) -> int:
+        """Number of robots."""
+        return len(self.descriptions)
+
+    @property
+    def time(self) -> float:
+        """Seconds since the start."""
+        return self._steps * self.settings.step
+
+    @property
+    def qpos(self) -> Array:
+        """`(N, 19)` position (m, map), quaternion w, x, y, z, joint angles (rad); a copy."""
+        return self._qpos[self.team.qpos]
+
+    @property
+    def qvel(self) -> Array:
+        """`(N, 18)` velocity (m/s, map), rates (rad/s, body), joint rates (rad/s); a copy."""
+        return self._qvel[self.team.qvel]
+
+    @property
+    def foot_forces(self) -> Array:
+        """`(N, 4)` normal forces on the feet during the last step, N; a copy."""
+        return self._sensors[self.team.touch]
+
+    @property
+    def torques(self) -> Array:
+        """`(N, 12)` that the motors gave during the last step, N m; a copy."""
+        return self._given.copy()
+
+    def step(self, torques: ArrayLike) -> None:
+        """Let one physics step pass under the torques `(N, 12)`, N m, cut to the limits.
+
+        Raises:
+            InputError: Torques of another shape.
+        """
+        wanted = np.ascontiguousarray(torques, dtype=np.float64)
+        if wanted.shape != self._given.shape:
+            raise InputError(f"expected torques of shape {self._given.shape}", key="torques")
+        limit_torques(
+            wanted,
+            self._limits,
+            self._stall,
+            self._no_load,
+            self._qvel,
+            self.team.qvel,
+            self.team.motors,
+            self.settings.torque_speed,
+            self._given,
+            self._ctrl,
+        )
+        if self._pushes:
+            self._apply_pushes()
+        self._advance(self.model, self.data)
+        self._steps += 1
+
+    def push(self, robot: int, force: ArrayLike, duration: float) -> None:
+        """Push a trunk at its centre of mass from now on.
+
+        Args:
+            robot: Which.
+            force: `(3,)` in the map frame, N.
+            duration: Rounded to whole steps, at least one, s.
+
+        Raises:
+            InputError: No such robot, a force of another shape, or something not finite.
+        """
+        vector = np.array(force, dtype=float)
+        if not 0 <= robot < self.size:
+            raise InputError(f"expected a robot from 0 to {self.size - 1}", key="robot")
+        if vector.shape != (3,) or not np.isfinite(vector).all():
+            raise InputError("expected three finite numbers", key="force")
+        if not (math.isfinite(duration) and duration > 0.0):
+            raise InputError("expected positive seconds", key="duration")
+        steps = max(1, round(duration / self.settings.step))
+        self._pushes.append((self._steps + steps, robot, vector))
+
+    def state_bytes(self) -> bytes:
+        """Time, positions and velocities to the last bit, to compare runs."""
+        return np.float64(self.time).tobytes() + self.qpos.tobytes() + self.qvel.tobytes()
+
+    def _apply_pushes(self) -> None:
+        self._external[self.team.trunks, :3] = 0.0
+        self._pushes = [push for push in self._pushes if push[0] > self._steps]
+        for _, robot, force in self._pushes:
+            self._external[self.team.trunks[robot], :3] += force
+
+    def _joint_figures(self, name: str) -> Array:
+        return np.array(
+            [[getattr(joint, name) for joint in robot.joints] for robot in self.descriptions]
+        )

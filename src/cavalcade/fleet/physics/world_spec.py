@@ -1,0 +1,147 @@
+"""Robots and ground in one MuJoCo model, and which of its shapes is what."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cavalcade.errors import InputError
+from cavalcade.fleet.physics.engine import load_mujoco
+from cavalcade.fleet.physics.filtering import WORLD_AFFINITY, WORLD_TYPE, robot_bits
+from cavalcade.fleet.physics.ground import PhysicsGround
+from cavalcade.fleet.physics.robot_spec import robot_spec
+from cavalcade.fleet.physics.settings import PhysicsSettings
+from cavalcade.robots.description import JOINTS, LEGS, PARTS, QuadrupedDescription
+from cavalcade.robots.model import RobotModel
+
+GROUND, OBSTACLE = 0, 1
+"""What a shape of the world is."""
+
+
+@dataclass(frozen=True)
+class TeamModel:
+    """The compiled model of a team and where the robots' things are in it.
+
+    Attributes:
+        model: The `MjModel`.
+        trunks: `(N,)` bodies of the trunks.
+        qpos: `(N, 19)` places in `qpos`: position, quaternion w, x, y, z, joints.
+        qvel: `(N, 18)` places in `qvel`: velocity in the world, rates in the body, joints' rates.
+        motors: `(N, 12)` actuators.
+        touch: `(N, 4)` places in `sensordata`.
+        geom_robot: `(G,)` the robot that a shape belongs to; -1 for the world's.
+        geom_part: `(G,)` index in `PARTS` of a robot's shape; `GROUND` or `OBSTACLE` of the
+            world's.
+        geom_leg: `(G,)` leg of a robot's shape; -1 for trunks and the world's.
+    """
+
+    model: Any
+    trunks: NDArray[np.int64]
+    qpos: NDArray[np.int64]
+    qvel: NDArray[np.int64]
+    motors: NDArray[np.int64]
+    touch: NDArray[np.int64]
+    geom_robot: NDArray[np.int64]
+    geom_part: NDArray[np.int64]
+    geom_leg: NDArray[np.int64]
+
+
+def descriptions_of(models: Sequence[RobotModel]) -> list[QuadrupedDescription]:
+    """The mechanisms of robots.
+
+    Raises:
+        InputError: A model has none.
+    """
+    found = []
+    for model in models:
+        if model.description is None:
+            raise InputError(
+                f"{model.name} has no description of masses and joints for physics", key="model"
+            )
+        found.append(model.description)
+    return found
+
+
+def build_team(
+    models: Sequence[RobotModel], ground: PhysicsGround, settings: PhysicsSettings
+) -> TeamModel:
+    """Compile the world of a team.
+
+    Raises:
+        InputError: MuJoCo is missing, a robot has no description, or settings are for another
+            number of robots.
+    """
+    mujoco = load_mujoco()
+    descriptions = descriptions_of(models)
+    friction, scales = settings.drawn(len(models))
+    spec = mujoco.MjSpec()
+    _set_options(spec, settings)
+    spec.worldbody.add_geom(
+        name="ground",
+        type=mujoco.mjtGeom.mjGEOM_PLANE,
+        size=(0.0, 0.0, 1.0),
+        contype=WORLD_TYPE,
+        conaffinity=WORLD_AFFINITY,
+        condim=3,
+    )
+    for number, bits in enumerate(robot_bits(len(models))):
+        child = robot_spec(
+            descriptions[number],
+            bits,
+            float(friction[number]),
+            float(scales[number]),
+            settings.looks,
+        )
+        spec.attach(child, prefix=_prefix(number), frame=spec.worldbody.add_frame())
+    return _indexed(spec.compile(), len(models))
+
+
+def _set_options(spec: Any, settings: PhysicsSettings) -> None:
+    """Options count on the parent alone: those of attached specs are dropped."""
+    mujoco = load_mujoco()
+    option = spec.option
+    option.timestep = settings.step
+    option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    option.impratio = 100.0
+
+
+def _prefix(robot: int) -> str:
+    return f"robot_{robot}/"
+
+
+def _indexed(model: Any, robots: int) -> TeamModel:
+    names = [f"{leg}_{joint}" for leg in LEGS for joint in JOINTS]
+    trunks = np.zeros(robots, dtype=np.int64)
+    qpos, qvel = np.zeros((robots, 19), dtype=np.int64), np.zeros((robots, 18), dtype=np.int64)
+    motors, touch = np.zeros((robots, 12), dtype=np.int64), np.zeros((robots, 4), dtype=np.int64)
+    geom_robot = np.full(model.ngeom, -1)
+    geom_part, geom_leg = np.full(model.ngeom, OBSTACLE), np.full(model.ngeom, -1)
+    for robot in range(robots):
+        prefix = _prefix(robot)
+        joints = [model.joint(prefix + name) for name in names]
+        root = model.joint(prefix + "root")
+        trunks[robot] = root.bodyid[0]
+        start, rate = int(root.qposadr[0]), int(root.dofadr[0])
+        qpos[robot] = [*range(start, start + 7), *(int(joint.qposadr[0]) for joint in joints)]
+        qvel[robot] = [*range(rate, rate + 6), *(int(joint.dofadr[0]) for joint in joints)]
+        motors[robot] = [model.actuator(f"{prefix}motor_{k}").id for k in range(12)]
+        touch[robot] = [model.sensor(f"{prefix}{leg}_foot_touch").adr[0] for leg in LEGS]
+        links = {int(trunks[robot]): (0, -1)}
+        for number, joint in enumerate(joints):
+            links[int(joint.bodyid[0])] = (1 + number % 3, number // 3)
+        for geom in range(model.ngeom):
+            # Shapes of bodies that are welded to a link are that link's.
+            link = links.get(int(model.body_weldid[model.geom_bodyid[geom]]))
+            if link is not None:
+                geom_robot[geom] = robot
+                geom_part[geom], geom_leg[geom] = link
+        for leg, name in enumerate(LEGS):
+            geom = model.geom(f"{prefix}{name}_foot").id
+            geom_part[geom], geom_leg[geom] = PARTS.index("foot"), leg
+    geom_part[model.geom("ground").id] = GROUND
+    return TeamModel(model, trunks, qpos, qvel, motors, touch, geom_robot, geom_part, geom_leg)

@@ -1,0 +1,199 @@
+"""A quadruped as a rigid-body mechanism: what physics, leg control and drawing need.
+
+Legs are in the order front left, front right, rear left, rear right. A leg has the joints hip
+(about x, abduction), thigh and calf (about y); joint `3 * leg + j`. All link frames are parallel to
+the trunk's when all joint angles are zero; a link's origin lies on its joint's axis.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from cavalcade.geometry import Array
+from cavalcade.robots.inertial import Inertial, Vector
+
+LEGS = ("FL", "FR", "RL", "RR")
+"""Names of the legs in their order."""
+
+JOINTS = ("hip", "thigh", "calf")
+"""Names of a leg's joints, and of the links they move, in their order."""
+
+PartName = Literal["trunk", "hip", "thigh", "calf", "foot"]
+PARTS: tuple[PartName, ...] = ("trunk", "hip", "thigh", "calf", "foot")
+"""Names of a robot's parts; contacts are told apart by them."""
+
+ShapeKind = Literal["box", "sphere", "capsule", "cylinder"]
+
+
+@dataclass(frozen=True)
+class JointDescription:
+    """A hinge between a link and its parent.
+
+    Attributes:
+        offset: Its place in the parent's frame, m.
+        axis: Unit vector, the same in both frames.
+        lower, upper: Range of the angle, rad.
+        torque: Largest magnitude, N m.
+        speed: Largest magnitude, rad/s.
+        damping: N m s/rad.
+        friction: Dry friction, N m.
+        armature: Inertia of the motor's rotor as the joint feels it (times the gear squared),
+            kg m².
+        stall_torque, no_load_speed: Of the motor with its gear: the torque it has at rest and
+            the speed at which it has none left, N m and rad/s.
+    """
+
+    offset: Vector
+    axis: Vector
+    lower: float
+    upper: float
+    torque: float
+    speed: float
+    damping: float
+    friction: float
+    armature: float
+    stall_torque: float
+    no_load_speed: float
+
+
+@dataclass(frozen=True)
+class LegDescription:
+    """One leg.
+
+    Attributes:
+        joints: Hip, thigh, calf.
+        links: What each joint moves, in the link's own frame; the calf's has the foot in it.
+        foot: Centre of the foot's ball in the calf's frame, m.
+    """
+
+    joints: tuple[JointDescription, JointDescription, JointDescription]
+    links: tuple[Inertial, Inertial, Inertial]
+    foot: Vector
+
+
+@dataclass(frozen=True)
+class BodyShape:
+    """A primitive fixed to the trunk or to a link of a leg.
+
+    Attributes:
+        part: What it belongs to; a `foot` is fixed to its leg's calf.
+        leg: 0 to 3; -1 for the trunk.
+        kind: Cylinders and capsules stand along their own z axis.
+        size: Half lengths along x, y, z of a box; radius and half length of a cylinder or (without
+            its caps) a capsule; radius of a sphere; zeros fill up. m.
+        position: Of its centre in the link's frame, m.
+        rotation: Quaternion w, x, y, z from its own frame to the link's.
+        color: Red, green, blue from 0 to 1.
+    """
+
+    part: PartName
+    leg: int
+    kind: ShapeKind
+    size: Vector
+    position: Vector
+    rotation: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
+    color: Vector = (0.5, 0.5, 0.5)
+
+    @property
+    def link(self) -> int:
+        """Index of the link it is fixed to: 0 the trunk, `1 + 3 * leg + j` those of the legs."""
+        return 0 if self.leg < 0 else 1 + 3 * self.leg + min(PARTS.index(self.part) - 1, 2)
+
+
+@dataclass(frozen=True)
+class QuadrupedDescription:
+    """Masses, joints, limits and shapes of a robot with four legs.
+
+    Attributes:
+        name: Of the robot.
+        trunk: With everything that is fixed to it, in the trunk's frame.
+        legs: Front left, front right, rear left, rear right.
+        foot_radius: m.
+        stand_height: Of the trunk's origin over the ground when the robot stands, m.
+        looks: What it looks like.
+        solids: What touches: fewer and simpler than `looks`.
+        source: Where the figures come from.
+        file: A MuJoCo model that physics takes instead of making its own; "" for none.
+    """
+
+    name: str
+    trunk: Inertial
+    legs: tuple[LegDescription, LegDescription, LegDescription, LegDescription]
+    foot_radius: float
+    stand_height: float
+    looks: tuple[BodyShape, ...]
+    solids: tuple[BodyShape, ...]
+    source: str
+    file: str = ""
+
+    @cached_property
+    def mass(self) -> float:
+        """Of everything, kg."""
+        return self.trunk.mass + sum(link.mass for leg in self.legs for link in leg.links)
+
+    @cached_property
+    def joints(self) -> tuple[JointDescription, ...]:
+        """All 12 in their order."""
+        return tuple(joint for leg in self.legs for joint in leg.joints)
+
+    @cached_property
+    def joint_offsets(self) -> Array:
+        """`(4, 4, 3)` m: per leg hip, thigh, calf and foot, each in its parent's frame."""
+        return _frozen([[*(joint.offset for joint in leg.joints), leg.foot] for leg in self.legs])
+
+    @cached_property
+    def torque_limits(self) -> Array:
+        """`(12,)` N m."""
+        return _frozen([joint.torque for joint in self.joints])
+
+    @cached_property
+    def speed_limits(self) -> Array:
+        """`(12,)` rad/s."""
+        return _frozen([joint.speed for joint in self.joints])
+
+    @cached_property
+    def joint_range(self) -> Array:
+        """`(12, 2)` rad: lower and upper ends."""
+        return _frozen([(joint.lower, joint.upper) for joint in self.joints])
+
+    @cached_property
+    def standing(self) -> Array:
+        """`(12,)` rad: joint angles with the feet below the thighs' joints at `stand_height`."""
+        return _frozen(
+            [
+                angle
+                for leg in self.legs
+                for angle in _bent(leg, self.stand_height - self.foot_radius)
+            ]
+        )
+
+    def leg_angles(self, leg: int, drop: float) -> tuple[float, float, float]:
+        """Joint angles with the foot's centre straight below the thigh's joint.
+
+        Args:
+            leg: 0 to 3.
+            drop: Of the foot's centre below the trunk's origin, m; cut to what the leg reaches.
+        """
+        return _bent(self.legs[leg], drop)
+
+
+def _bent(leg: LegDescription, drop: float) -> tuple[float, float, float]:
+    """Hip, thigh and calf of a leg bent backwards, its foot `drop` below the trunk's origin."""
+    hip, thigh, calf = leg.joints
+    drop = drop + hip.offset[2] + thigh.offset[2]
+    upper, lower = np.hypot(*calf.offset[::2]), np.hypot(*leg.foot[::2])
+    reach = min(max(drop, abs(upper - lower) + 1e-3), upper + lower - 1e-3)
+    knee = np.arccos((reach**2 - upper**2 - lower**2) / (2.0 * upper * lower))
+    bend = min(max(-float(knee), calf.lower), calf.upper)
+    lean = np.arctan2(-lower * np.sin(bend), upper + lower * np.cos(bend))
+    return 0.0, float(lean), bend
+
+
+def _frozen(values: object) -> Array:
+    array = np.array(values, dtype=float)
+    array.setflags(write=False)
+    return array
