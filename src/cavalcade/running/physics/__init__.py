@@ -1,0 +1,1 @@
+"""Runs in physics: what is recorded of them, drawn, and summed up."""
