@@ -1,0 +1,137 @@
+"""What predictive control is asked for: reference, contacts and arms over its horizon, compiled."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from cavalcade.locomotion._kinematics import wrapped
+from cavalcade.locomotion._mpc import solve_mpc
+from cavalcade.locomotion.records import STEPS, TROTTING
+
+
+@njit(cache=True)
+def swing_share(gait, clock, leg):
+    """How far a leg's swing has come at that time of the trot, from 0 to 1; 1 where it stands."""
+    phase = clock / gait.period + gait.offset[leg]
+    phase -= math.floor(phase)
+    air = 1.0 - gait.duty
+    return phase / air if phase < air else 1.0
+
+
+@njit(cache=True)
+def solve_walk(robot, gait, body, state):
+    """Compute `state.forces` for a robot that trots or stands.
+
+    Feet act on the centre of mass where that will be, not where it is: its motion over the
+    horizon is some of a leg's length.
+    """
+    reference = np.zeros((STEPS, 12))
+    contacts = np.zeros((STEPS, 4), np.int64)
+    levers = np.zeros((STEPS, 4, 3))
+    yaws = np.empty(STEPS)
+    dts = np.full(STEPS, gait.step)
+    present = np.empty(12)
+    measured_yaw = state.yaw + wrapped(body.angles[2] - state.yaw)
+    for a in range(3):
+        present[a] = body.angles[a]
+        present[3 + a] = body.centre[a]
+        present[6 + a] = body.spin[a]
+        present[9 + a] = body.velocity[a]
+    present[2] = measured_yaw
+    trots = state.mode == TROTTING
+    clock = state.time - state.began
+    height = state.ground + gait.height + robot.centre[2]
+    x, y, at_x, at_y = state.place[0], state.place[1], body.centre[0], body.centre[1]
+    for k in range(STEPS):
+        middle = (k + 0.5) * gait.step
+        yaw = state.yaw + state.velocity[2] * middle
+        c, s = math.cos(yaw), math.sin(yaw)
+        vx = c * state.velocity[0] - s * state.velocity[1]
+        vy = s * state.velocity[0] + c * state.velocity[1]
+        yaws[k] = measured_yaw + state.velocity[2] * middle
+        half_x, half_y = at_x + 0.5 * gait.step * vx, at_y + 0.5 * gait.step * vy
+        x, y, at_x, at_y = (
+            x + gait.step * vx,
+            y + gait.step * vy,
+            at_x + gait.step * vx,
+            at_y + gait.step * vy,
+        )
+        moved_x, moved_y = at_x - body.centre[0], at_y - body.centre[1]
+        climb = state.slope[0] * moved_x + state.slope[1] * moved_y
+        # A trunk that follows the ground: its nose rises (negative pitch) uphill.
+        reference[k, 0] = math.atan(-s * state.slope[0] + c * state.slope[1])
+        reference[k, 1] = -math.atan(c * state.slope[0] + s * state.slope[1])
+        reference[k, 2] = state.yaw + state.velocity[2] * (k + 1.0) * gait.step
+        reference[k, 3], reference[k, 4], reference[k, 5] = x, y, height + climb
+        reference[k, 8] = state.velocity[2]
+        reference[k, 9], reference[k, 10] = vx, vy
+        reference[k, 11] = state.slope[0] * vx + state.slope[1] * vy
+        for leg in range(4):
+            foot = state.stood[leg]
+            if k == 0:
+                stands = state.contact[leg] == 1 or state.swinging[leg] == 0
+                contacts[k, leg] = 1 if stands else 0
+            elif not trots:
+                contacts[k, leg] = 1
+            else:
+                share = swing_share(gait, clock + middle, leg)
+                # One that has come down early stays.
+                cycle = math.floor((clock + middle) / gait.period + gait.offset[leg])
+                now = math.floor(clock / gait.period + gait.offset[leg])
+                early = state.contact[leg] == 1 and state.swinging[leg] == 1 and cycle == now
+                contacts[k, leg] = 1 if share >= 1.0 or early else 0
+            left = _until_lift(gait, clock, leg) if trots else 1e9
+            if middle >= left:
+                wait = _until_mid_stance(gait, clock + middle, leg)
+                px, py = _below_hip(robot, half_x + wait * vx, half_y + wait * vy, c, s, leg)
+                pz = state.ground + robot.foot_radius
+            elif state.swinging[leg] == 0 or state.contact[leg] == 1:
+                px, py, pz = foot[0], foot[1], foot[2]
+            else:
+                px, py, pz = state.landing[leg, 0], state.landing[leg, 1], state.landing[leg, 2]
+            levers[k, leg, 0] = px - half_x
+            levers[k, leg, 1] = py - half_y
+            levers[k, leg, 2] = pz - robot.foot_radius - (height + climb)
+    forces = solve_mpc(
+        present,
+        reference,
+        contacts,
+        levers,
+        yaws,
+        dts,
+        robot.inertia,
+        robot.mass,
+        gait.weights,
+        gait.force_weight,
+        gait.mu,
+        gait.max_force,
+        state.warm,
+        gait.iterations,
+    )
+    for leg in range(4):
+        for a in range(3):
+            state.forces[leg, a] = forces[0, leg, a]
+
+
+@njit(cache=True)
+def _until_lift(gait, clock, leg):
+    """Time until a leg's next swing begins, s."""
+    phase = clock / gait.period + gait.offset[leg]
+    return (1.0 - (phase - math.floor(phase))) * gait.period
+
+
+@njit(cache=True)
+def _until_mid_stance(gait, clock, leg):
+    """Time until the middle of the stance that a leg is in or comes to, s; may be negative."""
+    phase = clock / gait.period + gait.offset[leg]
+    return (1.0 - 0.5 * gait.duty - (phase - math.floor(phase))) * gait.period
+
+
+@njit(cache=True)
+def _below_hip(robot, x, y, c, s, leg):
+    """Where a foot stands under its hip when the centre of mass is at (x, y)."""
+    ahead, aside = robot.hip[leg, 0] - robot.centre[0], robot.hip[leg, 1] + robot.side[leg]
+    return x + c * ahead - s * aside, y + s * ahead + c * aside

@@ -1,0 +1,157 @@
+"""Where feet are, how joints move them, and which torques hold a leg's own weight, compiled.
+
+One leg is a hip joint about x, a thigh joint about y beside it and a calf joint about y; thigh and
+calf hang downwards at zero. Trunk frame, m, rad. `robot` is a row of `ROBOT` in `records`.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+GRAVITY = 9.81
+
+
+@njit(cache=True)
+def rotation(quaternion, out):
+    """The matrix `(3, 3)` of a unit quaternion w, x, y, z: body to world."""
+    w, x, y, z = quaternion[0], quaternion[1], quaternion[2], quaternion[3]
+    out[0, 0] = 1.0 - 2.0 * (y * y + z * z)
+    out[0, 1] = 2.0 * (x * y - w * z)
+    out[0, 2] = 2.0 * (x * z + w * y)
+    out[1, 0] = 2.0 * (x * y + w * z)
+    out[1, 1] = 1.0 - 2.0 * (x * x + z * z)
+    out[1, 2] = 2.0 * (y * z - w * x)
+    out[2, 0] = 2.0 * (x * z - w * y)
+    out[2, 1] = 2.0 * (y * z + w * x)
+    out[2, 2] = 1.0 - 2.0 * (x * x + y * y)
+
+
+@njit(cache=True)
+def angles(matrix):
+    """Roll, pitch and yaw of a rotation: first about x, last about z, rad."""
+    pitch = math.asin(min(max(-matrix[2, 0], -1.0), 1.0))
+    return math.atan2(matrix[2, 1], matrix[2, 2]), pitch, math.atan2(matrix[1, 0], matrix[0, 0])
+
+
+@njit(cache=True)
+def leg_forward(robot, leg, joints, place, jacobian):
+    """A foot's centre and its derivatives by the three joints.
+
+    Args:
+        robot: Its figures.
+        leg: Which.
+        joints: `(12,)` of the whole robot.
+        place: `(3,)`, overwritten.
+        jacobian: `(3, 3)`, overwritten.
+    """
+    q0, q1, q2 = joints[3 * leg], joints[3 * leg + 1], joints[3 * leg + 2]
+    s0, c0, s1, c1 = math.sin(q0), math.cos(q0), math.sin(q1), math.cos(q1)
+    s12, c12 = math.sin(q1 + q2), math.cos(q1 + q2)
+    side, thigh, calf = robot.side[leg], robot.thigh, robot.calf
+    x = -thigh * s1 - calf * s12
+    z = -thigh * c1 - calf * c12
+    place[0] = robot.hip[leg, 0] + x
+    place[1] = robot.hip[leg, 1] + side * c0 - z * s0
+    place[2] = robot.hip[leg, 2] + side * s0 + z * c0
+    jacobian[0, 0] = 0.0
+    jacobian[1, 0] = -side * s0 - z * c0
+    jacobian[2, 0] = side * c0 - z * s0
+    jacobian[0, 1], jacobian[1, 1], jacobian[2, 1] = z, x * s0, -x * c0
+    jacobian[0, 2] = -calf * c12
+    jacobian[1, 2] = -calf * s12 * s0
+    jacobian[2, 2] = calf * s12 * c0
+
+
+@njit(cache=True)
+def leg_inverse(robot, leg, place, out):
+    """Joint angles `(3,)` that bring a foot to a place, knees backwards; as near as it goes."""
+    x = place[0] - robot.hip[leg, 0]
+    y = place[1] - robot.hip[leg, 1]
+    z = place[2] - robot.hip[leg, 2]
+    side, thigh, calf = robot.side[leg], robot.thigh, robot.calf
+    down = -math.sqrt(max(y * y + z * z - side * side, 1e-6))
+    turn = math.atan2(z, y) - math.atan2(down, side)
+    out[0] = (turn + math.pi) % (2.0 * math.pi) - math.pi
+    length = min(max(x * x + down * down, (thigh - calf) ** 2), (0.999 * (thigh + calf)) ** 2)
+    bend = (length - thigh * thigh - calf * calf) / (2.0 * thigh * calf)
+    out[2] = -math.acos(min(max(bend, -1.0), 1.0))
+    ahead, aside = thigh + calf * math.cos(out[2]), calf * math.sin(out[2])
+    out[1] = math.atan2(-x, -down) - math.atan2(aside, ahead)
+    for j in range(3):
+        out[j] = min(max(out[j], robot.lowest[3 * leg + j]), robot.highest[3 * leg + j])
+
+
+@njit(cache=True)
+def leg_weight(robot, leg, joints, up, out):
+    """Joint torques `(3,)` that hold the leg's links up; `up` is upwards in the trunk frame."""
+    q0, q1, q2 = joints[3 * leg], joints[3 * leg + 1], joints[3 * leg + 2]
+    s0, c0, s1, c1 = math.sin(q0), math.cos(q0), math.sin(q1), math.cos(q1)
+    s12, c12 = math.sin(q1 + q2), math.cos(q1 + q2)
+    # Upwards in the frame that has turned with the hip.
+    ux, uy, uz = up[0], c0 * up[1] + s0 * up[2], -s0 * up[1] + c0 * up[2]
+    out[0] = out[1] = out[2] = 0.0
+    for link in range(3):
+        mass = robot.link_mass[leg, link] * GRAVITY
+        x, y, z = (
+            robot.link_centre[leg, link, 0],
+            robot.link_centre[leg, link, 1],
+            robot.link_centre[leg, link, 2],
+        )
+        knee_x = knee_z = 0.0
+        if link == 1:
+            x, z = c1 * x + s1 * z, -s1 * x + c1 * z
+        elif link == 2:
+            knee_x, knee_z = c12 * x + s12 * z, -s12 * x + c12 * z
+            x, z = knee_x - robot.thigh * s1, knee_z - robot.thigh * c1
+        # Derivative of the height by the thigh's and the calf's angle, turning about y.
+        if link > 0:
+            out[1] += mass * (ux * z - uz * x)
+        if link == 2:
+            out[2] += mass * (ux * knee_z - uz * knee_x)
+        reach = y + (robot.side[leg] if link > 0 else 0.0)
+        out[0] += mass * (-uy * z + uz * reach)
+
+
+@njit(cache=True)
+def solve3(matrix, right, out):
+    """`out` = matrix⁻¹ right, damped where the matrix is nearly singular."""
+    a, b, c = matrix[0, 0], matrix[0, 1], matrix[0, 2]
+    d, e, f = matrix[1, 0], matrix[1, 1], matrix[1, 2]
+    g, h, i = matrix[2, 0], matrix[2, 1], matrix[2, 2]
+    determinant = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
+    scale = 1.0 / determinant if abs(determinant) > 2e-4 else determinant / 4e-8
+    x, y, z = right[0], right[1], right[2]
+    out[0] = scale * ((e * i - f * h) * x + (c * h - b * i) * y + (b * f - c * e) * z)
+    out[1] = scale * ((f * g - d * i) * x + (a * i - c * g) * y + (c * d - a * f) * z)
+    out[2] = scale * ((d * h - e * g) * x + (b * g - a * h) * y + (a * e - b * d) * z)
+
+
+@njit(cache=True)
+def cross(a, b, out):
+    """`out` = a × b."""
+    out[0] = a[1] * b[2] - a[2] * b[1]
+    out[1] = a[2] * b[0] - a[0] * b[2]
+    out[2] = a[0] * b[1] - a[1] * b[0]
+
+
+@njit(cache=True)
+def turned(matrix, vector, out):
+    """`out` = matrix vector."""
+    for i in range(3):
+        out[i] = matrix[i, 0] * vector[0] + matrix[i, 1] * vector[1] + matrix[i, 2] * vector[2]
+
+
+@njit(cache=True)
+def turned_back(matrix, vector, out):
+    """`out` = matrixᵀ vector."""
+    for i in range(3):
+        out[i] = matrix[0, i] * vector[0] + matrix[1, i] * vector[1] + matrix[2, i] * vector[2]
+
+
+@njit(cache=True)
+def wrapped(angle):
+    """The angle in [-π, π)."""
+    return np.float64((angle + math.pi) % (2.0 * math.pi) - math.pi)

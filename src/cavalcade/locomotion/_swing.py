@@ -1,0 +1,115 @@
+"""Where a swinging foot goes, and how it gets there, compiled. World frame, m, s."""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from cavalcade.locomotion._kernels import interpolate, nearest_place
+
+SEARCH = 0.12
+"""How far a foothold may be moved to ground that carries it, m."""
+
+LEAST = 0.3
+"""Least traversability of such ground."""
+
+PROBES = 6
+"""Points of a swing at which the ground below it is looked at."""
+
+
+@njit(cache=True)
+def to_ground(frame, x, y):
+    """A place of the world in the frame of the ground's grid (`frame`: its x, y, yaw)."""
+    dx, dy = x - frame[0], y - frame[1]
+    c, s = math.cos(frame[2]), math.sin(frame[2])
+    return c * dx + s * dy, c * dy - s * dx
+
+
+@njit(cache=True)
+def ground_height(ground, frame, x, y):
+    """Height of the ground there."""
+    if ground.flat:
+        return 0.0
+    u, v = to_ground(frame, x, y)
+    return interpolate(u, v, ground.cell, ground.height)
+
+
+@njit(cache=True)
+def choose_foothold(robot, gait, body, state, leg, left, ground, frame):
+    """Put `state.landing` of a leg where the foot is to stand next.
+
+    Below the place where the shoulder will be in the middle of the coming stance (Raibert), moved
+    by the error of the velocity to catch the body, then to ground that carries it.
+
+    Args:
+        robot, gait, body, state: Rows of `ROBOT`, `GAIT`, `BODY`, `STATE`.
+        leg: Which.
+        left: Time until it lands, s.
+        ground, frame: What carries feet, and where its grid lies.
+    """
+    stance = gait.duty * gait.period
+    turn = state.velocity[2]
+    yaw = body.angles[2] + turn * left
+    c, s = math.cos(yaw), math.sin(yaw)
+    wanted_x = c * state.velocity[0] - s * state.velocity[1]
+    wanted_y = s * state.velocity[0] + c * state.velocity[1]
+    vx, vy = body.velocity[0], body.velocity[1]
+    c, s = math.cos(yaw + 0.5 * turn * stance), math.sin(yaw + 0.5 * turn * stance)
+    ahead, aside = robot.hip[leg, 0], robot.hip[leg, 1] + robot.side[leg]
+    x = body.trunk[0] + vx * left + c * ahead - s * aside
+    y = body.trunk[1] + vy * left + s * ahead + c * aside
+    x += 0.5 * stance * vx + gait.capture * (vx - wanted_x)
+    y += 0.5 * stance * vy + gait.capture * (vy - wanted_y)
+    place_foot(robot, gait, state, leg, x, y, ground, frame)
+
+
+@njit(cache=True)
+def place_foot(robot, gait, state, leg, x, y, ground, frame):
+    """Let a leg's swing end at (x, y) or at the nearest place that carries it."""
+    start = state.lifted[leg]
+    z = highest = 0.0
+    if not ground.flat:
+        u, v = to_ground(frame, x, y)
+        a, b, found = nearest_place(
+            u, v, ground.cell, ground.solid, ground.traversability, ground.flat, LEAST, SEARCH
+        )
+        if found:
+            c, s = math.cos(frame[2]), math.sin(frame[2])
+            x, y = frame[0] + c * a - s * b, frame[1] + s * a + c * b
+        z = ground_height(ground, frame, x, y)
+        highest = z
+        for probe in range(PROBES):
+            t = (probe + 0.5) / PROBES
+            highest = max(
+                highest,
+                ground_height(
+                    ground, frame, start[0] + t * (x - start[0]), start[1] + t * (y - start[1])
+                ),
+            )
+    landing = state.landing[leg]
+    landing[0], landing[1], landing[2] = x, y, z + robot.foot_radius
+    state.apex[leg] = max(start[2], landing[2], highest + robot.foot_radius) + gait.clearance
+
+
+@njit(cache=True)
+def smooth(t):
+    """From 0 to 1 without a jump of speed or acceleration, and the derivative."""
+    return t * t * t * (10.0 - 15.0 * t + 6.0 * t * t), 30.0 * t * t * (1.0 - t) ** 2
+
+
+@njit(cache=True)
+def swing_point(lifted, landing, apex, t, lasts, place, velocity):
+    """A foot's place and velocity at the share `t` of its swing, which `lasts` s; overwritten."""
+    share, rate = smooth(t)
+    for a in range(2):
+        place[a] = lifted[a] + share * (landing[a] - lifted[a])
+        velocity[a] = rate * (landing[a] - lifted[a]) / lasts
+    if t < 0.5:
+        share, rate = smooth(2.0 * t)
+        low, high = lifted[2], apex
+    else:
+        share, rate = smooth(2.0 * t - 1.0)
+        low, high = apex, landing[2]
+    place[2] = low + share * (high - low)
+    velocity[2] = 2.0 * rate * (high - low) / lasts

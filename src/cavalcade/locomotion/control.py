@@ -1,0 +1,140 @@
+"""Legs that carry out velocity commands: a team's controller, from measured states to torques."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cavalcade.body.ground import Ground, make_ground, read_only
+from cavalcade.errors import InputError
+from cavalcade.geometry import Array
+from cavalcade.locomotion._control import control_team
+from cavalcade.locomotion.figures import robot_figures
+from cavalcade.locomotion.records import (
+    FALLEN,
+    GAIT,
+    LYING,
+    RISING,
+    ROBOT,
+    SINKING,
+    STANDING,
+    STATE,
+)
+from cavalcade.locomotion.settings import GaitSettings
+from cavalcade.robots import RobotModel
+from cavalcade.world import OccupancyMap
+
+
+class LegControl:
+    """Trots and stands by predictive control of the forces on the feet.
+
+    Args:
+        models: One per robot; each with a `description`.
+        ground: What feet stand on; None for flat ground without end.
+        origin: Pose x, y, yaw of the ground's grid in the world, m and rad.
+        settings: Of the gait.
+
+    Raises:
+        InputError: A robot without a description of its legs.
+    """
+
+    def __init__(
+        self,
+        models: Sequence[RobotModel],
+        ground: Ground | None = None,
+        origin: Sequence[float] = (0.0, 0.0, 0.0),
+        settings: GaitSettings | None = None,
+    ) -> None:
+        settings = settings or GaitSettings()
+        self._robots = np.zeros(len(models), ROBOT)
+        self._gaits = np.zeros(len(models), GAIT)
+        self._states = np.zeros(len(models), STATE)
+        for number, model in enumerate(models):
+            if model.description is None:
+                raise InputError(f"there is no description of the legs of {model.name}")
+            self._robots[number] = robot_figures(model.description)
+            height = model.description.stand_height
+            self._gaits[number] = settings.row(model.description.mass, height)
+        self._ground = read_only(ground if ground is not None else _flat())
+        self._frame = np.array(origin, dtype=float)
+        self._torques = np.zeros((len(models), 12))
+        self._states["solved"] = -1.0
+
+    @property
+    def size(self) -> int:
+        """Number of robots."""
+        return len(self._robots)
+
+    @property
+    def fallen(self) -> NDArray[np.bool_]:
+        """`(N,)` which robots have given up."""
+        return np.asarray(self._states["mode"] == FALLEN)
+
+    @property
+    def modes(self) -> NDArray[np.int64]:
+        """`(N,)` what each robot is doing, as in `records`."""
+        return np.asarray(self._states["mode"].copy())
+
+    def begin(self, time: float, qpos: Array, standing: bool = True) -> None:
+        """Take the robots as they are: standing on their feet, or lying.
+
+        Args:
+            time: Now, s.
+            qpos: `(N, 19)` as MuJoCo has them.
+            standing: Otherwise they lie, and `rise` gets them up.
+        """
+        self._states["time"] = self._states["began"] = time
+        self._states["heard"] = self._states["idle"] = time
+        self._states["mode"] = RISING if standing else LYING
+        self._states["fold"] = qpos[:, 7:]
+        if standing:
+            # Nothing is left to rise: the first step stands.
+            self._states["began"] = time - 10.0
+
+    def command(self, velocities: ArrayLike, time: float) -> None:
+        """Velocities `(N, 3)` to follow from now on, body frame, m/s, m/s, rad/s.
+
+        They fall silent after `GaitSettings.silence` s; send them again before.
+        """
+        wanted = np.asarray(velocities, dtype=float)
+        if wanted.shape != (self.size, 3) or not np.isfinite(wanted).all():
+            raise InputError(f"expected finite velocities of shape ({self.size}, 3)")
+        self._states["wanted"] = wanted
+        self._states["heard"] = time
+
+    def rise(self, robot: int, qpos: Array) -> None:
+        """Let a robot that lies get up."""
+        self._posture(robot, qpos, RISING)
+
+    def lie_down(self, robot: int, qpos: Array) -> None:
+        """Let a robot that stands lie down."""
+        self._posture(robot, qpos, SINKING)
+
+    def step(self, time: float, qpos: Array, qvel: Array, feet: Array) -> Array:
+        """Torques `(N, 12)` for the state now; the array is overwritten by the next call.
+
+        Args:
+            time: s.
+            qpos, qvel: `(N, 19)`, `(N, 18)` as MuJoCo has them.
+            feet: `(N, 4)` normal forces on the feet, N.
+        """
+        control_team(
+            self._robots, self._gaits, self._states, self._ground, self._frame, time,
+            qpos, qvel, feet, self._torques,
+        )  # fmt: skip
+        return self._torques
+
+    def _posture(self, robot: int, qpos: Array, mode: int) -> None:
+        state = self._states[robot]
+        if mode == SINKING and state["mode"] != STANDING:
+            raise InputError(f"robot {robot} must stand before it lies down")
+        if mode == RISING and state["mode"] != LYING:
+            raise InputError(f"robot {robot} does not lie")
+        state["mode"], state["began"], state["fold"] = mode, state["time"], qpos[robot, 7:]
+
+
+def _flat() -> Ground:
+    """Ground without heights or obstacles."""
+    return make_ground(OccupancyMap(np.zeros((1, 1), dtype=bool), 1.0))

@@ -1,0 +1,69 @@
+"""How robots are to walk."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cavalcade.geometry import Array
+from cavalcade.locomotion.records import GAIT
+
+Weights = tuple[float, float, float, float, float, float, float, float, float, float, float, float]
+
+
+@dataclass(frozen=True)
+class GaitSettings:
+    """A trot and the predictive control behind it.
+
+    Attributes:
+        period, duty: Of a cycle, s, and the share of it that a foot stands.
+        height: Of the trunk's origin over the ground, m; None for what the robot's description
+            says.
+        clearance: Of a swinging foot over what is below it, m.
+        capture: How far a foothold is moved per error of the velocity, s.
+        acceleration, turning: Commands are approached so fast, m/s² and rad/s².
+        silence: A robot that has heard no command for so long stops, s.
+        weights: Of squared errors of roll, pitch, yaw, x, y, z, their rates in the same order
+            (angular velocity, velocity).
+        force_weight: Of squared forces, 1/N².
+        mu: Friction that is counted on; less than the ground's.
+        max_force: On one foot, in body weights.
+        step, interval: Of the horizon and between solutions, s.
+        iterations: Of the solver, at most.
+        stiffness, joint_damping: Of swinging legs' joints, N m/rad and N m s/rad.
+        touch: Force from which a foot is known to stand, N.
+        leash, turn_leash: The reference runs ahead of the robot at most so far, m and rad.
+    """
+
+    period: float = 0.5
+    duty: float = 0.5
+    height: float | None = None
+    clearance: float = 0.08
+    capture: float = 0.03
+    acceleration: float = 1.0
+    turning: float = 2.0
+    silence: float = 0.5
+    weights: Weights = (2.0, 2.0, 2.0, 4.0, 4.0, 50.0, 0.02, 0.02, 0.15, 0.6, 0.6, 0.2)
+    force_weight: float = 1e-5
+    mu: float = 0.6
+    max_force: float = 1.5
+    step: float = 0.04
+    interval: float = 0.02
+    iterations: int = 30
+    stiffness: float = 40.0
+    joint_damping: float = 1.0
+    touch: float = 5.0
+    leash: float = 0.06
+    turn_leash: float = 0.15
+
+    def row(self, mass: float, stand_height: float) -> Array:
+        """A row `()` of `GAIT` for a robot of that mass, kg, and standing height, m."""
+        row = np.zeros((), GAIT)
+        for name in GAIT.names or ():
+            if name not in ("offset", "height", "max_force"):
+                row[name] = getattr(self, name)
+        row["offset"] = (0.0, 0.5, 0.5, 0.0)
+        row["height"] = stand_height if self.height is None else self.height
+        row["max_force"] = self.max_force * mass * 9.81
+        return row
