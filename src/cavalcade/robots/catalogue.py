@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from cavalcade.errors import InputError
-from cavalcade.robots import go1
+from cavalcade.robots import go1, go2
 from cavalcade.robots.description import QuadrupedDescription
 from cavalcade.robots.legs import GO1, GO2, SPIRIT, LegModel
 from cavalcade.robots.model import Drive, RobotModel
@@ -83,7 +83,9 @@ def _integrator(
 
 _QUADRUPEDS = (
     _quadruped("go1", (0.65, 0.28, 0.40), GO1, f"{_PAPER}: body and speeds", go1.GO1),
-    _quadruped("go2", (0.70, 0.31, 0.40), GO2, "Unitree's data sheet of Go2: body; speeds as go1"),
+    _quadruped(
+        "go2", (0.70, 0.31, 0.40), GO2, "Unitree's data sheet of Go2: body; speeds as go1", go2.GO2
+    ),
     _quadruped(
         "spirit", (0.70, 0.35, 0.35), SPIRIT, "Ghost Robotics Spirit 40: body; speeds as go1"
     ),

@@ -2,56 +2,17 @@
 
 from __future__ import annotations
 
-from cavalcade.robots.building import LegParts, Rotor, four_legs, trunk_with
-from cavalcade.robots.description import JointDescription, QuadrupedDescription
-from cavalcade.robots.inertial import Inertial, Vector
+from cavalcade.robots.building import LegParts, four_legs, trunk_with
+from cavalcade.robots.description import QuadrupedDescription
+from cavalcade.robots.inertial import Inertial
 from cavalcade.robots.looks import Outline, look_shapes, solid_shapes
-
-_SOURCE = (
-    "Unitree's go1_description (unitree_ros): masses, offsets, limits, damping, friction; "
-    "data sheet of the motor GO-M8010-6: gear 6.33, knee 1.5 times that as torque and speed say; "
-    "the motors' torque taken to fall in a straight line from the largest torque at rest to "
-    "none at the largest speed"
-)
-GEAR = 6.33
-"""Of the hips' and thighs' motors."""
-
-KNEE = 1.5
-"""What the knee's linkage adds: 35.55 / 23.7 N m."""
-
-ROTOR_AXIAL, ROTOR_ACROSS, ROTOR_MASS = 0.000111842, 5.9647e-05, 0.089
-"""kg m², kg m², kg."""
-
-
-def _joint(
-    offset: Vector, axis: Vector, lower: float, upper: float, knee: bool = False
-) -> JointDescription:
-    gear = GEAR * KNEE if knee else GEAR
-    torque, speed = (35.55, 20.06) if knee else (23.7, 30.1)
-    return JointDescription(
-        offset,
-        axis,
-        lower,
-        upper,
-        torque,
-        speed,
-        damping=0.01,
-        friction=0.2,
-        armature=ROTOR_AXIAL * gear**2,
-        stall_torque=torque,
-        no_load_speed=speed,
-    )
-
-
-def _rotor(place: Vector, along: int) -> Rotor:
-    return Rotor(place, along, ROTOR_MASS, ROTOR_AXIAL, ROTOR_ACROSS)
-
+from cavalcade.robots.unitree import SOURCE, SPEED, TORQUE, X, Y, joint, rotor
 
 _LEG = LegParts(
     joints=(
-        _joint((0.1881, 0.04675, 0.0), (1.0, 0.0, 0.0), -0.863, 0.863),
-        _joint((0.0, 0.08, 0.0), (0.0, 1.0, 0.0), -0.686, 4.501),
-        _joint((0.0, 0.0, -0.213), (0.0, 1.0, 0.0), -2.818, -0.888, knee=True),
+        joint((0.1881, 0.04675, 0.0), X, -0.863, 0.863, TORQUE, SPEED),
+        joint((0.0, 0.08, 0.0), Y, -0.686, 4.501, TORQUE, SPEED),
+        joint((0.0, 0.0, -0.213), Y, -2.818, -0.888, torque=35.55, speed=20.06),
     ),
     links=(
         Inertial(
@@ -74,9 +35,9 @@ _LEG = LegParts(
         ),
     ),
     rotors=(
-        _rotor((0.11215, 0.04675, 0.0), 0),
-        _rotor((0.0, -0.00015, 0.0), 1),
-        _rotor((0.0, -0.03235, 0.0), 1),
+        rotor((0.11215, 0.04675, 0.0), 0),
+        rotor((0.0, -0.00015, 0.0), 1),
+        rotor((0.0, -0.03235, 0.0), 1),
     ),
     foot=Inertial(0.06, (0.0, 0.0, 0.0), (9.6e-06, 9.6e-06, 9.6e-06, 0.0, 0.0, 0.0)),
     foot_place=(0.0, 0.0, -0.213),
@@ -119,6 +80,6 @@ GO1 = QuadrupedDescription(
     stand_height=0.28,
     looks=look_shapes(_OUTLINE),
     solids=solid_shapes(_OUTLINE),
-    source=_SOURCE,
+    source=f"Unitree's go1_description (unitree_ros): {SOURCE}",
 )
 """Rigid-body figures and shapes of Go1."""
