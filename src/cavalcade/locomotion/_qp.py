@@ -81,10 +81,10 @@ def solve_qp(hessian, gradient, mu, most, forces, rho, iterations, tolerance):
     z, u, v, x, base = np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n)
     for k in range(0, n, 3):
         z[k], z[k + 1], z[k + 2] = pyramid(forces[k], forces[k + 1], forces[k + 2], mu, most)
-    # The multipliers that would make the start the solution.
-    multiply(hessian, z, x, n)
+    # Multipliers start from none: those that would explain a start far from the solution are huge
+    # beside rho, and take many iterations to forget.
     for k in range(n):
-        u[k] = -(x[k] + gradient[k]) / rho
+        u[k] = 0.0
         hessian[k, k] += rho
     invert(hessian, n)
     for k in range(n):
