@@ -28,9 +28,21 @@ Kind = Literal[
     "foothold",
     "flight-over-robot",
     "summary",
+    "weight",
+    "momentum",
+    "angular-momentum",
+    "torque",
+    "joint",
+    "footing",
+    "friction",
+    "slide",
+    "contact",
+    "fall",
+    "pose",
 ]
 """`robot-map` is contact with an occupied cell of the map or with its border. Those from `plan`
-on are about plans only; `plan` is an array that is missing or malformed."""
+to `flight-over-robot` are about plans only; `plan` is an array that is missing or malformed.
+Those from `weight` on are about robots in physics only."""
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,23 @@
+"""Runs with physics, judged from what was recorded of bodies, joints and contacts.
+
+Shares nothing with controllers, simulators and planners: forward kinematics, momentum, contact by
+geometry and the criterion of a leap are its own. What it knows of robots is their description.
+"""
+
+from cavalcade.checking.physics.floor import Floor, LevelFloor, floor_of
+from cavalcade.checking.physics.judge import Push, judge_robots
+from cavalcade.checking.physics.leaps import Leap, LeapVerdict, judge_leap
+from cavalcade.checking.physics.record import RobotRecord, Touch
+
+__all__ = [
+    "Floor",
+    "Leap",
+    "LeapVerdict",
+    "LevelFloor",
+    "Push",
+    "RobotRecord",
+    "Touch",
+    "floor_of",
+    "judge_leap",
+    "judge_robots",
+]

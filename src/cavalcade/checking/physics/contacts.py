@@ -1,0 +1,102 @@
+"""Contacts that should not be, from the recording and from geometry: one must know of the other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cavalcade.checking.physics.record import RobotRecord, Touch
+from cavalcade.checking.physics.stretches import stretches
+from cavalcade.checking.physics.touching import Overlap
+from cavalcade.checking.report import Kind, Violation
+
+DEEP = 0.005
+"""Parts that lie deeper in something than this, m, touch it."""
+
+SHALLOW = 0.02
+"""Parts that are recorded to touch something are this close to it, m: they may have been there
+between samples, and solids are filled from within."""
+
+TOGETHER = 0.1
+"""Contacts of the same things with shorter breaks are one, s."""
+
+BODY = ("trunk", "hip", "thigh")
+"""Parts that have no business on the ground."""
+
+
+def recorded_contacts(record: RobotRecord) -> list[Violation]:
+    """Touches of what should not be touched: one per contact, at its first moment."""
+    last: dict[tuple[str, str], float] = {}
+    result = []
+    for touch in record.touches:
+        if touch.other == "ground" and touch.part not in BODY:
+            continue
+        what = (touch.part, touch.other)
+        before = last.get(what, -np.inf)
+        last[what] = touch.time
+        if touch.time > before + TOGETHER:
+            result.append(_violation(record, touch.time, touch.part, touch.other, "", 0.0, ""))
+    return result
+
+
+def hidden_contacts(record: RobotRecord, overlaps: Iterable[Overlap]) -> list[Violation]:
+    """Overlaps that the recording says nothing of: once for each other thing."""
+    result: dict[tuple[str, str], Violation] = {}
+    for overlap in overlaps:
+        if overlap.other == "ground" and overlap.part not in BODY:
+            continue
+        for begin, end in stretches(overlap.depth > DEEP):
+            first, last = record.time[begin], record.time[end - 1]
+            if _told(record.touches, overlap.other, first - TOGETHER, last + TOGETHER):
+                continue
+            depth = float(overlap.depth[begin:end].max())
+            words = f", {depth:.3f} m deep, and the recording says nothing of it"
+            found = _violation(
+                record, float(first), overlap.part, overlap.other, overlap.obstacle, depth, words
+            )
+            key = (overlap.other, overlap.obstacle)
+            if key not in result or found.time < result[key].time:
+                result[key] = found
+            break
+    return list(result.values())
+
+
+def touched(record: RobotRecord) -> NDArray[np.bool_]:
+    """Intervals `(T - 1,)` in or next to which something but a foot carries."""
+    result = np.zeros(len(record.time) - 1, dtype=bool)
+    if record.touches and len(result):
+        times = np.array([touch.time for touch in record.touches])
+        at = np.clip(np.searchsorted(record.time, times) - 1, 0, len(result) - 1)
+        for shift in (-1, 0, 1):
+            result[np.clip(at + shift, 0, len(result) - 1)] = True
+    return result
+
+
+def _told(touches: tuple[Touch, ...], other: str, begin: float, end: float) -> bool:
+    return any(touch.other == other and begin <= touch.time <= end for touch in touches)
+
+
+def _violation(
+    record: RobotRecord,
+    time: float,
+    part: str,
+    other: str,
+    obstacle: str,
+    value: float,
+    words: str,
+) -> Violation:
+    x, y, z = record.base[int(np.searchsorted(record.time, time).clip(0, len(record.time) - 1)), :3]
+    robots: tuple[int, ...] = (record.robot,)
+    kind: Kind = "contact"
+    touched = f"the {other}" if other == "ground" else obstacle or other
+    if other.startswith("robot "):
+        robots, kind = (record.robot, int(other.removeprefix("robot "))), "robot-robot"
+    elif other == "obstacle":
+        kind = "robot-obstacle"
+    text = (
+        f"the {part} of robot {record.robot} touches {touched}{words}; its trunk is at "
+        f"({x:.3f}, {y:.3f}, {z:.3f}) m"
+    )
+    return Violation(kind, time, robots, text, value, 0.0, obstacle)

@@ -1,0 +1,49 @@
+"""The ground that feet stand on: level, or heights as their source says them."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+from cavalcade.checking.plans.heights import Ground, Heights, ground_around
+from cavalcade.geometry import Array
+
+_AROUND = np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]], dtype=float)
+
+
+class Floor(Protocol):
+    """Heights of the ground in the map frame."""
+
+    def range_at(self, places: Array, reach: float) -> tuple[Array, Array]:
+        """Lowest and highest ground `(...)` within `reach` m of places `(..., 2)`, m.
+
+        Between the heights that its source gives, the ground may lie anywhere: whoever makes
+        triangles or boxes of them stays within this range.
+        """
+
+
+class LevelFloor:
+    """Ground at height 0 everywhere."""
+
+    def range_at(self, places: Array, reach: float) -> tuple[Array, Array]:
+        """Zeros."""
+        zero = np.zeros(places.shape[:-1])
+        return zero, zero
+
+
+class HeightFloor:
+    """Ground from a grid of heights."""
+
+    def __init__(self, ground: Ground) -> None:
+        self._ground = ground
+
+    def range_at(self, places: Array, reach: float) -> tuple[Array, Array]:
+        """Of the grid's values around the place and around four others `reach` away."""
+        low, high = self._ground.range_at(places[..., None, :] + reach * _AROUND)
+        return low.min(axis=-1), high.max(axis=-1)
+
+
+def floor_of(heights: Heights | None, places: Array) -> Floor:
+    """The ground around places `(N, 2)` that are walked on."""
+    return LevelFloor() if heights is None else HeightFloor(ground_around(heights, places))

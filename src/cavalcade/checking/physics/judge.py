@@ -1,0 +1,115 @@
+"""The verdict on robots in physics."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cavalcade.checking.physics.contacts import hidden_contacts, recorded_contacts, touched
+from cavalcade.checking.physics.feet import check_feet
+from cavalcade.checking.physics.floor import Floor
+from cavalcade.checking.physics.joints import check_joints
+from cavalcade.checking.physics.kinematics import Posture, posture
+from cavalcade.checking.physics.momentum import check_momentum
+from cavalcade.checking.physics.record import RobotRecord
+from cavalcade.checking.physics.touching import (
+    Overlap,
+    ground_overlaps,
+    obstacle_overlaps,
+    robot_overlaps,
+)
+from cavalcade.checking.physics.upright import check_upright
+from cavalcade.checking.report import Violation
+from cavalcade.checking.solids import Scene
+from cavalcade.geometry import Array
+from cavalcade.robots.description import QuadrupedDescription
+
+
+@dataclass(frozen=True)
+class Push:
+    """A force from outside that is part of the experiment.
+
+    Attributes:
+        robot: Which.
+        begin, end: s.
+        force: On the trunk's centre, map frame, N.
+    """
+
+    robot: int
+    begin: float
+    end: float
+    force: tuple[float, float, float]
+
+
+def judge_robots(
+    records: Sequence[RobotRecord],
+    descriptions: Sequence[QuadrupedDescription],
+    floor: Floor,
+    scene: Scene | None = None,
+    *,
+    pushes: Sequence[Push] = (),
+    mass_scales: Sequence[float] | None = None,
+) -> list[Violation]:
+    """What is wrong with the recorded motion of robots: see `docs/checker.md`.
+
+    Args:
+        records: One per robot, on the same clock.
+        descriptions: Of each of them.
+        floor: What they walk on.
+        scene: What they may run into.
+        pushes: Forces from outside that may act.
+        mass_scales: Of each robot, if its masses are not those of its description.
+
+    Returns:
+        In order of time.
+    """
+    scales = [1.0] * len(records) if mass_scales is None else mass_scales
+    links = {
+        record.robot: posture(record, description, scale)
+        for record, description, scale in zip(records, descriptions, scales, strict=True)
+    }
+    told = {
+        record.robot: description for record, description in zip(records, descriptions, strict=True)
+    }
+    among: dict[int, list[Overlap]] = {record.robot: [] for record in records}
+    for overlap in robot_overlaps(links, told):
+        among[overlap.robot].append(overlap)
+    result: list[Violation] = []
+    for record in records:
+        robot = record.robot
+        overlaps = [*ground_overlaps(robot, links[robot], told[robot], floor), *among[robot]]
+        if scene is not None:
+            overlaps += obstacle_overlaps(robot, links[robot], told[robot], scene)
+        forces = pushed(record, pushes)
+        result += _alone(record, links[robot], told[robot], floor, overlaps, forces)
+    return sorted(result, key=lambda violation: violation.time)
+
+
+def _alone(
+    record: RobotRecord,
+    links: Posture,
+    description: QuadrupedDescription,
+    floor: Floor,
+    overlaps: Sequence[Overlap],
+    forces: Array,
+) -> list[Violation]:
+    result = check_upright(record, description, floor)
+    result += recorded_contacts(record)
+    result += hidden_contacts(record, overlaps)
+    result += check_joints(record, links, description)
+    result += check_feet(record, links, floor)
+    return result + check_momentum(record, links, forces, touched(record))
+
+
+def pushed(record: RobotRecord, pushes: Sequence[Push]) -> Array:
+    """Mean forces `(T - 1, 3)` in N of the pushes on a robot in each interval."""
+    result = np.zeros((len(record.time) - 1, 3))
+    for push in pushes:
+        if push.robot != record.robot:
+            continue
+        begin = np.maximum(record.time[:-1], push.begin)
+        part = np.maximum(np.minimum(record.time[1:], push.end) - begin, 0.0) / record.steps
+        result += part[:, None] * np.array(push.force)
+    return result

@@ -1,0 +1,149 @@
+"""Whether a leap succeeded, strictly: judged from one robot's recording alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cavalcade.checking.physics.contacts import BODY, hidden_contacts
+from cavalcade.checking.physics.feet import TOUCHING
+from cavalcade.checking.physics.floor import Floor
+from cavalcade.checking.physics.kinematics import posture
+from cavalcade.checking.physics.record import RobotRecord
+from cavalcade.checking.physics.rotations import roll_pitch_yaw
+from cavalcade.checking.physics.stretches import stretches
+from cavalcade.checking.physics.touching import ground_overlaps
+from cavalcade.geometry import Array
+from cavalcade.robots.description import QuadrupedDescription
+
+SUNK = 0.05
+"""No foot is further below the surface on either side, m."""
+
+PITCH = 0.5
+"""Largest pitch either way, rad, from the flight's beginning to the end."""
+
+STABLE = 1.5
+"""Seconds of standing or trotting after touch-down."""
+
+LANDED = 0.02
+"""A foot that carries has landed if its bottom is within this of the surface beyond, m."""
+
+TILT, SINKING = 0.5, 0.6
+"""While stable, the trunk is tilted by less, rad, and higher than this part of its standing
+height over the surface beyond."""
+
+
+@dataclass(frozen=True)
+class Leap:
+    """What is to be leapt: a gap, or a step.
+
+    Attributes:
+        edge: A point `(x, y)` of the far edge of the gap, or of the step's edge, m.
+        heading: In which direction that is crossed, rad.
+        before, beyond: Heights of the surfaces on both sides, m.
+        begin: When the take-off begins, s of the recording.
+    """
+
+    edge: tuple[float, float]
+    heading: float
+    before: float = 0.0
+    beyond: float = 0.0
+    begin: float = 0.0
+
+    def past(self, places: Array) -> Array:
+        """How far `(...)` places `(..., 2)` are past the edge, m; negative before it."""
+        direction = np.array([np.cos(self.heading), np.sin(self.heading)])
+        distance: Array = (places - np.array(self.edge)) @ direction
+        return distance
+
+
+@dataclass(frozen=True)
+class LeapVerdict:
+    """Whether a leap succeeded.
+
+    Attributes:
+        ok: All of it.
+        reason: What it fails by, one line; empty if it succeeds.
+        flight: Seconds without any foot on the ground, the longest time.
+        touch_down: When the last foot landed beyond, s; nan if it never did.
+        lowest: Of all feet below the surfaces, m; negative above.
+        pitch: Largest either way, rad.
+    """
+
+    ok: bool
+    reason: str
+    flight: float
+    touch_down: float
+    lowest: float
+    pitch: float
+
+
+def judge_leap(
+    record: RobotRecord, description: QuadrupedDescription, leap: Leap, floor: Floor
+) -> LeapVerdict:
+    """Judge a leap by the strict criterion.
+
+    All feet land beyond the edge and carry there; none is ever further than `SUNK` below the
+    surfaces; trunk, hips and thighs touch nothing, by the recording and by geometry; the pitch
+    stays below `PITCH`; and after the touch-down of the last foot the robot stays up for `STABLE`
+    s, all feet past the edge.
+
+    Args:
+        record: From before the take-off to at least `STABLE` s after the touch-down.
+        description: Of the robot.
+        leap: What is to be leapt.
+        floor: The ground, for contacts by geometry.
+    """
+    links = posture(record, description)
+    late = record.time >= leap.begin
+    past = leap.past(links.feet[..., :2])
+    carries = record.forces[..., 2] > TOUCHING
+    flight = _longest(record.time, late & ~carries.any(axis=1))
+    bottom = links.feet[..., 2] - links.radius
+    landed = late[:, None] & carries & (past > 0.0) & (np.abs(bottom - leap.beyond) < LANDED)
+    touch_down = _touch_down(record.time, landed)
+    surface = np.where(past > 0.0, leap.beyond, min(leap.before, leap.beyond))
+    sunk = float((surface - bottom)[late].max(initial=-np.inf))
+    angles = roll_pitch_yaw(record.turn)
+    pitch = float(np.abs(angles[late, 1]).max(initial=0.0))
+
+    def verdict(reason: str) -> LeapVerdict:
+        return LeapVerdict(not reason, reason, flight, touch_down, sunk, pitch)
+
+    if not np.isfinite(touch_down):
+        feet = int(landed.any(axis=0).sum())
+        return verdict(f"only {feet} feet touch down beyond the edge")
+    if sunk > SUNK:
+        return verdict(f"a foot is {sunk:.3f} m below the surface")
+    body = [touch for touch in record.touches if touch.part in BODY and touch.time >= leap.begin]
+    if body:
+        return verdict(f"the {body[0].part} touches the {body[0].other} at {body[0].time:.2f} s")
+    hidden = hidden_contacts(record, ground_overlaps(0, links, description, floor))
+    if any(violation.time >= leap.begin for violation in hidden):
+        return verdict(hidden[0].message)
+    if pitch >= PITCH:
+        return verdict(f"the trunk is pitched by {pitch:.2f} rad")
+    if record.time[-1] < touch_down + STABLE - 1e-9:
+        return verdict(f"the recording ends {record.time[-1] - touch_down:.2f} s after touch-down")
+    after = (record.time >= touch_down) & (record.time <= touch_down + STABLE + 1e-9)
+    if (past[after] <= 0.0).any():
+        return verdict("a foot is back before the edge after touch-down")
+    height = record.base[after, 2] - leap.beyond
+    tilt = np.arccos(np.clip(record.turn[after, 2, 2], -1.0, 1.0))
+    if tilt.max() > TILT or height.min() < SINKING * description.stand_height:
+        return verdict("it does not stay up after touch-down")
+    return verdict("")
+
+
+def _longest(time: Array, holds: NDArray[np.bool_]) -> float:
+    spans = [float(time[end - 1] - time[max(begin - 1, 0)]) for begin, end in stretches(holds)]
+    return max(spans, default=0.0)
+
+
+def _touch_down(time: Array, landed: NDArray[np.bool_]) -> float:
+    """When the last of the four feet lands for the first time."""
+    if not landed.any(axis=0).all():
+        return float("nan")
+    return float(time[landed.argmax(axis=0)].max())

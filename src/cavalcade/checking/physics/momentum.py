@@ -1,0 +1,142 @@
+"""Whether contact forces account for a robot's motion: its weight, and its changes of momentum.
+
+Forces are recorded as means over the intervals between samples, and mean velocities follow from
+the places of all links at the samples. The difference of the mean velocities of two intervals is
+the impulse between their middles, of which the two outer halves are only known by the interval's
+mean force: if a force F sets in within an interval dt, that errs by F dt / 8 at most. So nothing
+of what is between samples is needed, and a robot that is moved by anything but its feet is found
+out: carried, dragged, or put elsewhere.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cavalcade.checking.physics.kinematics import Posture
+from cavalcade.checking.physics.record import RobotRecord
+from cavalcade.checking.physics.stretches import stretches
+from cavalcade.checking.plans.stretches import excesses
+from cavalcade.checking.report import Kind, Violation
+from cavalcade.geometry import Array
+
+GRAVITY = 9.81
+
+WEIGHT = 0.03
+"""Mean vertical force may differ from the weight (and the change of momentum) by this fraction."""
+
+LONG_ENOUGH = 2.0
+"""Seconds over which forces are averaged for that."""
+
+WINDOWS = (0.1, 0.5, 2.0)
+"""Lengths in s over which changes of momentum are compared with impulses."""
+
+SUDDEN = 3.0
+"""Body weights by which a force may set in within one interval between samples."""
+
+DRIFT = 0.01
+"""Of the weight: a steady error of the forces that is let pass."""
+
+ARM = 0.25
+"""Moment arm in m of a force that sets in within an interval."""
+
+
+def check_momentum(
+    record: RobotRecord, posture: Posture, pushes: Array, unknown: NDArray[np.bool_]
+) -> list[Violation]:
+    """Changes of momentum, and of angular momentum, that no contact force accounts for.
+
+    Args:
+        record: With the forces.
+        posture: Its links.
+        pushes: `(T - 1, 3)` N, mean of known forces on the trunk's centre in each interval.
+        unknown: `(T - 1,)` intervals in which other forces act, about which nothing is said.
+    """
+    if len(record.time) < 3:
+        return []
+    mass = posture.weight
+    linear, turning = _missing(record, posture, pushes)
+    weight = mass * GRAVITY
+    result = _mean_force(record, linear, weight, unknown)
+    middle = 0.5 * (record.time[1:] + record.time[:-1])
+    edge = SUDDEN * weight * float(record.steps.max()) / 8.0
+    rules: tuple[tuple[Kind, Array, float, float], ...] = (
+        ("momentum", linear, edge, DRIFT * weight),
+        ("angular-momentum", turning, ARM * edge, DRIFT * weight * ARM),
+    )
+    for kind, balance, end, drift in rules:
+        found = [
+            _window(record.robot, kind, middle, balance, span, end, drift, unknown)
+            for span in WINDOWS
+        ]
+        # The shortest window that shows it says best when it was.
+        result += next((violations for violations in found if violations), [])
+    return result
+
+
+def _missing(record: RobotRecord, posture: Posture, pushes: Array) -> tuple[Array, Array]:
+    """Momentum and angular momentum `(T - 1, 3)` at intervals' middles less all impulses so far.
+
+    Both stay what they are if the forces are what moves the robot.
+    """
+    step = record.steps[:, None]
+    gravity = np.array([0.0, 0.0, -GRAVITY * posture.weight])
+    force = record.forces[1:].sum(axis=1) + pushes + gravity
+    center = _middle(posture.center)
+    soles = _middle(posture.feet) - (0.0, 0.0, posture.radius)
+    moment = np.cross(soles - center[:, None], record.forces[1:]).sum(axis=1)
+    moment += np.cross(_middle(posture.centers[:, 0]) - center, pushes)
+    linear = posture.weight * posture.velocity - _until_middle(force * step)
+    return linear, posture.spin - _until_middle(moment * step)
+
+
+def _until_middle(impulse: Array) -> Array:
+    return np.cumsum(impulse, axis=0) - 0.5 * impulse
+
+
+def _mean_force(
+    record: RobotRecord, balance: Array, weight: float, unknown: NDArray[np.bool_]
+) -> list[Violation]:
+    """Over the whole recording the feet carry the robot's weight."""
+    middle = 0.5 * (record.time[1:] + record.time[:-1])
+    missing, span = 0.0, 0.0
+    for begin, end in stretches(~unknown):
+        missing += float(balance[begin, 2] - balance[end - 1, 2])
+        span += float(middle[end - 1] - middle[begin])
+    if span < LONG_ENOUGH or abs(missing) <= WEIGHT * weight * span:
+        return []
+    part = 1.0 + missing / (weight * span)
+    text = f"the feet of robot {record.robot} carry {100.0 * part:.1f} % of what moves it"
+    return [Violation("weight", float(record.time[0]), (record.robot,), text, part, 1.0)]
+
+
+def _window(
+    robot: int,
+    kind: Kind,
+    middle: Array,
+    balance: Array,
+    span: float,
+    edge: float,
+    drift: float,
+    unknown: NDArray[np.bool_],
+) -> list[Violation]:
+    """Windows of about `span` s in which more is missing than the recording's grain explains."""
+    ahead = np.searchsorted(middle, middle + span - 1e-9)
+    first = np.flatnonzero(ahead < len(middle))
+    last = ahead[first]
+    count = np.concatenate(([0], np.cumsum(unknown)))
+    known = count[last + 1] == count[first]
+    first, last = first[known], last[known]
+    gap = np.linalg.norm(balance[last] - balance[first], axis=1)
+    limit = 2.0 * edge + drift * (middle[last] - middle[first])
+    unit, cause = ("N s", "force") if kind == "momentum" else ("N m s", "moment")
+    words = (
+        f"changes its {kind.replace('-', ' ')} within {span:g} s by {{value:.2f}} {unit} that no "
+        f"{cause} on its feet accounts for; {{limit:.2f}} could be the recording's grain"
+    )
+    return excesses(kind, robot, middle[first], gap, limit, words)
+
+
+def _middle(values: Array) -> Array:
+    middle: Array = 0.5 * (values[1:] + values[:-1])
+    return middle

@@ -1,0 +1,58 @@
+"""What is recorded of one robot in physics, as arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from cavalcade.checking.physics.rotations import matrices
+from cavalcade.geometry import Array
+
+
+@dataclass(frozen=True)
+class Touch:
+    """A recorded contact that is not a foot on the ground.
+
+    Attributes:
+        time: s.
+        part: `trunk`, `hip`, `thigh`, `calf` or `foot`.
+        other: `ground`, `obstacle` or `robot k`.
+    """
+
+    time: float
+    part: str
+    other: str
+
+
+@dataclass(frozen=True)
+class RobotRecord:
+    """One robot's samples; legs front left, front right, rear left, rear right.
+
+    Attributes:
+        robot: Which.
+        time: `(T,)` s, increasing.
+        base: `(T, 7)` the trunk's frame in the map frame: x, y, z in m and quaternion w, x, y, z.
+        joints: `(T, 12)` rad, per leg hip, thigh, calf.
+        rates: `(T, 12)` rad/s.
+        torques: `(T, 12)` N m, those of largest magnitude since the sample before.
+        forces: `(T, 4, 3)` N, mean contact force on each foot since the sample before, map frame.
+        touches: In order of time.
+    """
+
+    robot: int
+    time: Array
+    base: Array
+    joints: Array
+    rates: Array
+    torques: Array
+    forces: Array
+    touches: tuple[Touch, ...] = ()
+
+    @property
+    def turn(self) -> Array:
+        """Rotations `(T, 3, 3)` of the trunk, body to map."""
+        return matrices(self.base[:, 3:])
+
+    @property
+    def steps(self) -> Array:
+        """Durations `(T - 1,)` of the intervals between samples, s."""
+        return self.time[1:] - self.time[:-1]
