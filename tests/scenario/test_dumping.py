@@ -55,6 +55,20 @@ def test_every_default_is_written_out(tmp_path: Path, data: Data) -> None:
         "timeout": 180.0,
         "noise": {"position": 0.0, "heading": 0.0},
         "delay": {"mean": 0.0, "jitter": 0.0, "drop": 0.0},
+        "physics": {
+            "friction": 0.8,
+            "variation": 0.0,
+            "motor_limits": "torque",
+            "state_noise": {
+                "position": 0.0,
+                "velocity": 0.0,
+                "angle": 0.0,
+                "rate": 0.0,
+                "joint": 0.0,
+                "joint_rate": 0.0,
+            },
+            "state_delay": 0.0,
+        },
         "events": [],
         "seed": 0,
     }

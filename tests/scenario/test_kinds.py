@@ -117,7 +117,6 @@ def test_the_schema_knows_both_kinds() -> None:
         ("execution.noise.position", 0.1, "execution.noise: individual goals are planned ahead"),
         ("execution.delay.mean", 0.1, "execution.delay: individual goals are planned ahead"),
         ("execution.events", [{"at": 1, "lose": 1}], "execution.events: individual goals are plan"),
-        ("execution.backend", "mujoco", "execution.backend: backend mujoco arrives with the physi"),
     ],
 )
 def test_what_does_not_go_with_individual_goals(

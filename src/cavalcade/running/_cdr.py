@@ -7,6 +7,7 @@ rosbags' own deserialiser makes of the bytes is what the tests compare with.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -63,19 +64,40 @@ class Layout:
         """
         size = len(self._template)
         data = np.frombuffer(bytes(self._template) * count, dtype=np.uint8).copy()
-        dtype = np.dtype(
-            {
-                "names": self._names,
-                "formats": self._formats,
-                "offsets": self._offsets,
-                "itemsize": size,
-            }
-        )
-        rows = data.view(dtype)
+        rows = data.view(self._rows)
         for name in self._names:
             rows[name] = columns[name]
         view = memoryview(data.tobytes())
         return [view[k * size : (k + 1) * size] for k in range(count)]
+
+    def unpack(self, messages: Sequence[bytes | memoryview]) -> dict[str, NDArray[Any]]:
+        """The numbers of messages that `pack` made, one row per message in every column.
+
+        Raises:
+            ValueError: A message is of another kind.
+        """
+        size = len(self._template)
+        if any(len(message) != size for message in messages):
+            raise ValueError(f"expected messages of {size} bytes")
+        data = np.frombuffer(b"".join(messages), dtype=np.uint8).reshape(-1, size).copy()
+        rows = data.reshape(-1).view(self._rows)
+        columns = {name: rows[name].copy() for name in self._names}
+        for name in self._names:
+            rows[name] = 0
+        if not np.array_equal(data, np.broadcast_to(np.array(self._template), data.shape)):
+            raise ValueError("expected messages whose texts are the same")
+        return columns
+
+    @property
+    def _rows(self) -> np.dtype[Any]:
+        return np.dtype(
+            {
+                "names": self._names,
+                "formats": self._formats,
+                "offsets": self._offsets,
+                "itemsize": len(self._template),
+            }
+        )
 
     def _align(self, size: int) -> None:
         self._template += bytes(-(len(self._template) - len(ENCAPSULATION)) % size)
@@ -90,6 +112,16 @@ def planar_poses(poses: Array) -> Array:
     return result
 
 
+def spatial_poses(poses: Array) -> Array:
+    """Poses `(..., 7)` position, quaternion w, x, y, z with the quaternion as x, y, z, w."""
+    return np.asarray(poses)[..., (0, 1, 2, 4, 5, 6, 3)]
+
+
 def stamps_of(nanoseconds: NDArray[np.int64]) -> NDArray[np.int64]:
     """`(M, 2)` seconds and nanoseconds of times `(M,)` in ns."""
     return np.column_stack(np.divmod(nanoseconds, 1_000_000_000))
+
+
+def nanoseconds_of(stamps: NDArray[Any]) -> NDArray[np.int64]:
+    """Times `(M,)` in ns of `(M, 2)` seconds and nanoseconds."""
+    return np.asarray(stamps, dtype=np.int64) @ np.array([1_000_000_000, 1], dtype=np.int64)

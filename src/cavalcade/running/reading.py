@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,8 @@ from cavalcade.geometry import Array
 from cavalcade.running.frames import ObstacleTrack, Recording
 from cavalcade.running.recording import FILE, NOTES_TOPIC, OBSTACLES_TOPIC, STATUS_TOPIC
 from cavalcade.running.status_text import StatusDecoder
+
+_TOPIC = re.compile(r"/robot_\d+/(pose|pose_estimated|cmd_vel|path)|/cavalcade/\w+")
 
 
 def read_recording(path: str | Path) -> Recording:
@@ -118,9 +121,7 @@ def _messages(file: Path) -> Iterator[tuple[str, int, Any]]:
     store = get_typestore(Stores.ROS2_HUMBLE)
     try:
         with Reader(file) as reader:
-            wanted = [
-                c for c in reader.connections if c.topic.startswith(("/robot_", "/cavalcade"))
-            ]
+            wanted = [c for c in reader.connections if _TOPIC.fullmatch(c.topic)]
             decode: Callable[[Any, str], Any] = store.deserialize_cdr
             if wanted:
                 for connection, time, data in reader.messages(wanted):

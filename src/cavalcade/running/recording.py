@@ -25,6 +25,8 @@ from cavalcade.world import OccupancyMap
 if TYPE_CHECKING:
     from rosbags.rosbag2 import Writer
 
+    from cavalcade.running.physics.track import PhysicsTrack
+
 FILE = "recording.mcap"
 MARKER_PERIOD = 0.1
 """Markers are written this often, s."""
@@ -47,6 +49,7 @@ def write_recording(
     recording: Recording,
     models: Sequence[RobotModel],
     maps: Iterable[tuple[float, OccupancyMap]] = (),
+    physics: PhysicsTrack | None = None,
 ) -> Path:
     """Write a recording, all at once.
 
@@ -55,6 +58,7 @@ def write_recording(
         recording: What happened.
         models: One per robot, for the size of the markers.
         maps: (time in s, map) as it was from then on.
+        physics: Bodies, joints, forces and contacts of a run in physics.
 
     Returns:
         The file written.
@@ -65,7 +69,14 @@ def write_recording(
     from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 
     target = Path(path)
-    messages = sorted(_all_messages(recording, tuple(models), maps), key=itemgetter(0, 1))
+    messages = _all_messages(recording, tuple(models), maps)
+    topics = _topics(recording.poses.shape[1])
+    if physics is not None:
+        from cavalcade.running.physics.recording import physics_messages, physics_topics
+
+        topics |= physics_topics(physics.size)
+        messages += ((time, 10, topic, data) for time, topic, data in physics_messages(physics))
+    messages.sort(key=itemgetter(0, 1))
     try:
         # rosbags writes a folder of its own; only the file in it is wanted.
         with tempfile.TemporaryDirectory(dir=target.parent, prefix=f".{target.name}-") as folder:
@@ -73,7 +84,7 @@ def write_recording(
             writer = Writer(bag, version=9, storage_plugin=StoragePlugin.MCAP)
             writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
             with writer:
-                connections = _connect(writer, recording)
+                connections = _connect(writer, topics)
                 for time, _, topic, data in messages:
                     writer.write(connections[topic], time, data)
             os.replace(bag / "recording.mcap", target)
@@ -87,10 +98,8 @@ def nanoseconds(time: Array) -> NDArray[np.int64]:
     return np.round(np.asarray(time, dtype=float) * 1e9).astype(np.int64)
 
 
-def _connect(writer: Writer, recording: Recording) -> dict[str, Any]:
-    from rosbags.typesys import Stores, get_typestore
-
-    store = get_typestore(Stores.ROS2_HUMBLE)
+def _topics(robots: int) -> dict[str, str]:
+    """Topics and their message types."""
     kinds = {
         "/map": "nav_msgs/msg/OccupancyGrid",
         "/tf": "tf2_msgs/msg/TFMessage",
@@ -99,11 +108,18 @@ def _connect(writer: Writer, recording: Recording) -> dict[str, Any]:
         NOTES_TOPIC: "std_msgs/msg/String",
         OBSTACLES_TOPIC: "std_msgs/msg/String",
     }
-    for robot in range(recording.poses.shape[1]):
+    for robot in range(robots):
         kinds[f"/robot_{robot}/pose"] = "geometry_msgs/msg/PoseStamped"
         kinds[f"/robot_{robot}/pose_estimated"] = "geometry_msgs/msg/PoseStamped"
         kinds[f"/robot_{robot}/cmd_vel"] = "geometry_msgs/msg/TwistStamped"
         kinds[f"/robot_{robot}/path"] = "nav_msgs/msg/Path"
+    return kinds
+
+
+def _connect(writer: Writer, kinds: dict[str, str]) -> dict[str, Any]:
+    from rosbags.typesys import Stores, get_typestore
+
+    store = get_typestore(Stores.ROS2_HUMBLE)
     definitions = {
         kind: (store.generate_msgdef(kind, ros_version=2)[0], store.hash_rihs01(kind))
         for kind in sorted(set(kinds.values()))

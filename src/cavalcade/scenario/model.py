@@ -13,6 +13,7 @@ from pydantic import Field, PrivateAttr, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from cavalcade.robots import MODELS, RobotModel
+from cavalcade.scenario.backends import check_backend
 from cavalcade.scenario.events import Event, Move
 from cavalcade.scenario.fields import Section, expected
 from cavalcade.scenario.ground import (
@@ -24,7 +25,15 @@ from cavalcade.scenario.ground import (
 )
 from cavalcade.scenario.kinds import check_kind, with_planner_defaults
 from cavalcade.scenario.obstacles import Box, Circle, Obstacle, Polygon
-from cavalcade.scenario.settings import Budget, Delay, ExecutionSection, Noise, PlannerSection
+from cavalcade.scenario.settings import (
+    Budget,
+    Delay,
+    ExecutionSection,
+    Noise,
+    PhysicsSection,
+    PlannerSection,
+    StateNoise,
+)
 from cavalcade.scenario.task import (
     ConnectionSection,
     FormationSection,
@@ -64,6 +73,7 @@ class Scenario(Section):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         check_kind(self)
+        check_backend(self)
         if not self.task.individual:
             self._check_formations()
         return self
@@ -169,10 +179,12 @@ __all__ = [
     "MovingAISource",
     "Noise",
     "Obstacle",
+    "PhysicsSection",
     "PlannerSection",
     "Polygon",
     "RobotSection",
     "Scenario",
+    "StateNoise",
     "TaskSection",
     "WorldSection",
 ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, Strict, field_validator
 
@@ -17,7 +17,6 @@ from cavalcade.scenario.fields import (
     Section,
     Seed,
     Speed,
-    expected,
 )
 
 Variant = Literal[
@@ -134,26 +133,53 @@ class PlannerSection(Section):
     expect: Expectations = Expectations()
 
 
+class StateNoise(Section):
+    """Standard deviations of what a robot's own leg controller measures, at every step of physics.
+
+    Of the trunk: `position` m, `velocity` m/s, `angle` rad (about each axis), `rate` rad/s; of
+    each joint: `joint` rad, `joint_rate` rad/s.
+    """
+
+    position: Annotated[Number, Field(ge=0, le=10)] = 0.0
+    velocity: Annotated[Number, Field(ge=0, le=10)] = 0.0
+    angle: Annotated[Number, Field(ge=0, le=1)] = 0.0
+    rate: Annotated[Number, Field(ge=0, le=10)] = 0.0
+    joint: Annotated[Number, Field(ge=0, le=1)] = 0.0
+    joint_rate: Annotated[Number, Field(ge=0, le=100)] = 0.0
+
+
+class PhysicsSection(Section):
+    """What robots with dynamics are like; of no account for ideal ones.
+
+    `friction` is the coefficient between a robot and all it touches; `variation` half the width
+    of the uniform distribution around 1 from which a factor on each robot's mass and one on its
+    friction are drawn by the seed. `motor_limits` are the largest torques alone, or those that
+    fall with speed besides. `state_noise` and `state_delay` (s) are of the state that the legs'
+    controller works with, which is the true one by default.
+    """
+
+    friction: Annotated[Number, Field(gt=0, le=10)] = 0.8
+    variation: Annotated[Number, Field(ge=0, lt=1)] = 0.0
+    motor_limits: Literal["torque", "torque-speed"] = "torque"
+    state_noise: StateNoise = StateNoise()
+    state_delay: Annotated[Number, Field(ge=0, le=1)] = 0.0
+
+
 class ExecutionSection(Section):
     """Who moves the robots, how long, how well, and what happens on the way.
 
-    `rate` is the planner's, Hz; `timeout` seconds of simulated time.
+    `rate` is the planner's, Hz; `timeout` seconds of simulated time. The backend `ideal` moves
+    robots exactly as commanded within their limits; `mujoco` lets them walk.
     """
 
-    backend: Literal["ideal"] = "ideal"
+    backend: Literal["ideal", "mujoco"] = "ideal"
     rate: Annotated[Number, Field(ge=1, le=1000)] = 20.0
     timeout: Annotated[Number, Field(gt=0, le=86_400)] = 180.0
     noise: Noise = Noise()
     delay: Delay = Delay()
+    physics: PhysicsSection = PhysicsSection()
     events: Annotated[tuple[Event, ...], Field(max_length=10_000)] = ()
     seed: Seed = 0
-
-    @field_validator("backend", mode="before")
-    @classmethod
-    def _backend(cls, value: Any) -> Any:
-        if value == "mujoco":
-            raise expected("backend mujoco arrives with the physics; expected ideal")
-        return value
 
     @field_validator("events")
     @classmethod

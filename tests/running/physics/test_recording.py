@@ -1,0 +1,144 @@
+"""Tracks of physics in the recording's file: topics, messages and the way back."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from rosbags.rosbag2 import Reader
+from rosbags.typesys import Stores, get_typestore
+
+from cavalcade.errors import RecordingError
+from cavalcade.running import read_recording, write_recording
+from cavalcade.running.physics.messages import JOINT_NAMES
+from cavalcade.running.physics.recording import physics_messages, physics_topics, read_physics
+from cavalcade.running.physics.track import ContactEvent, FallEvent, PhysicsTrack
+from cavalcade.running.recorder import Recorder
+
+STORE = get_typestore(Stores.ROS2_HUMBLE)
+ROBOTS, SAMPLES = 2, 30
+
+
+def a_track(robots: int = ROBOTS, samples: int = SAMPLES) -> PhysicsTrack:
+    random = np.random.default_rng(3)
+    base = random.uniform(-2.0, 2.0, (samples, robots, 7))
+    base[..., 3:] /= np.linalg.norm(base[..., 3:], axis=-1, keepdims=True)
+    joints, rates, torques = random.uniform(-3.0, 3.0, (3, samples, robots, 12))
+    return PhysicsTrack(
+        time=np.round(0.02 * np.arange(samples), 9),
+        base=base,
+        joints=joints,
+        joint_rates=rates,
+        torques=torques,
+        foot_forces=random.uniform(-50.0, 200.0, (samples, robots, 4, 3)),
+        contacts=(
+            ContactEvent(0.116, 0, "calf", "obstacle"),
+            ContactEvent(0.31, 1, "trunk", "ground"),
+            ContactEvent(0.31, 0, "foot", "robot 1"),
+        ),
+        falls=(FallEvent(0.31, 1),),
+    )
+
+
+def written(path: Path, track: PhysicsTrack | None) -> Path:
+    return write_recording(path, Recorder().recording(), (), physics=track)
+
+
+def test_everything_comes_back_to_the_last_bit(tmp_path: Path) -> None:
+    written(tmp_path / "recording.mcap", a_track())
+    back = read_physics(tmp_path)
+    assert back is not None
+    for field in fields(PhysicsTrack):
+        one, other = getattr(back, field.name), getattr(a_track(), field.name)
+        assert np.array_equal(one, other) if isinstance(one, np.ndarray) else one == other
+
+
+def test_recordings_of_ideal_robots_have_no_track(tmp_path: Path) -> None:
+    assert read_physics(written(tmp_path / "r.mcap", None)) is None
+
+
+def test_what_planners_saw_is_read_beside_it(tmp_path: Path) -> None:
+    assert len(read_recording(written(tmp_path / "r.mcap", a_track())).time) == 0
+
+
+def test_same_track_same_bytes(tmp_path: Path) -> None:
+    one = written(tmp_path / "a.mcap", a_track()).read_bytes()
+    assert written(tmp_path / "b.mcap", a_track()).read_bytes() == one
+
+
+def test_messages_are_those_of_ros() -> None:
+    """Every message decoded by rosbags, and encoded again to the same bytes."""
+    track, kinds = a_track(), physics_topics(ROBOTS)
+    decoded: dict[str, list[tuple[int, Any]]] = {topic: [] for topic in kinds}
+    for time, topic, data in physics_messages(track):
+        message = STORE.deserialize_cdr(bytes(data), kinds[topic])
+        assert bytes(STORE.serialize_cdr(message, kinds[topic])) == bytes(data)
+        decoded[topic].append((time, message))
+    assert all(len(decoded[topic]) == SAMPLES for topic in kinds if topic.startswith("/robot"))
+    for k in (0, SAMPLES - 1):
+        for robot in range(ROBOTS):
+            time, state = decoded[f"/robot_{robot}/joint_states"][k]
+            assert time == round(track.time[k] * 1e9)
+            assert tuple(state.name) == JOINT_NAMES
+            assert np.array_equal(state.position, track.joints[k, robot])
+            assert np.array_equal(state.velocity, track.joint_rates[k, robot])
+            assert np.array_equal(state.effort, track.torques[k, robot])
+            _, body = decoded[f"/robot_{robot}/body"][k]
+            place, turn = body.pose.position, body.pose.orientation
+            said = (place.x, place.y, place.z, turn.w, turn.x, turn.y, turn.z)
+            assert said == tuple(track.base[k, robot])
+            assert body.header.frame_id == "map"
+            for leg, name in enumerate(("FL", "FR", "RL", "RR")):
+                _, foot = decoded[f"/robot_{robot}/foot_force/{name}"][k]
+                assert foot.header.frame_id == f"robot_{robot}/{name}_foot"
+                force = foot.wrench.force
+                assert (force.x, force.y, force.z) == tuple(track.foot_forces[k, robot, leg])
+    assert len(decoded["/cavalcade/contacts"]) == 3
+    assert decoded["/cavalcade/falls"][0][0] == 310_000_000
+
+
+@pytest.mark.parametrize("cut", [0, 100, 4000, -1])
+def test_a_damaged_file_is_one_clear_error(tmp_path: Path, cut: int) -> None:
+    file = written(tmp_path / "recording.mcap", a_track())
+    file.write_bytes(file.read_bytes()[:cut])
+    with pytest.raises(RecordingError, match=r"recording\.mcap") as caught:
+        read_physics(tmp_path)
+    assert "\n" not in str(caught.value)
+
+
+def test_bytes_turned_over_never_end_in_a_traceback(tmp_path: Path) -> None:
+    file = written(tmp_path / "recording.mcap", a_track(2, 10))
+    sound = file.read_bytes()
+    random = np.random.default_rng(1)
+    for _ in range(25):
+        data = bytearray(sound)
+        for place in random.integers(0, len(data), 8):
+            data[place] ^= 0xFF
+        file.write_bytes(bytes(data))
+        try:
+            read_physics(file)
+        except RecordingError:
+            continue
+
+
+def test_topics_of_the_contract_are_there(tmp_path: Path) -> None:
+    file = written(tmp_path / "r.mcap", a_track())
+    with Reader(file) as reader:
+        found = {c.topic: (c.msgtype, c.msgcount) for c in reader.connections}
+        times: dict[str, list[int]] = {}
+        for connection, time, _ in reader.messages():
+            times.setdefault(connection.topic, []).append(time)
+    for robot in range(ROBOTS):
+        states = found[f"/robot_{robot}/joint_states"]
+        assert states == ("sensor_msgs/msg/JointState", SAMPLES)
+        assert found[f"/robot_{robot}/body"] == ("geometry_msgs/msg/PoseStamped", SAMPLES)
+    for stamps in times.values():
+        assert stamps == sorted(stamps)
+
+
+def test_no_recording_at_all(tmp_path: Path) -> None:
+    with pytest.raises(RecordingError, match="no such recording"):
+        read_physics(tmp_path)

@@ -1,0 +1,62 @@
+"""What physics can carry out, and how it is said of what it cannot."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from cavalcade.errors import ScenarioError
+from cavalcade.robots import MODELS
+from cavalcade.scenario import parse_scenario, scenario_schema
+
+Data = dict[str, Any]
+
+
+@pytest.mark.parametrize("name", sorted(MODELS))
+def test_robots_need_a_description_for_physics_and_for_nothing_else(name: str) -> None:
+    model = MODELS[name]
+    single: Data = {
+        "version": 1,
+        "name": "one",
+        "world": {"empty": {"size": [8, 5]}},
+        "robots": [{"model": name, "start": [2, 2, 0], "goal": [5, 2, 0]}],
+        "task": {"goals": "individual"},
+    }
+    assert parse_scenario(single).execution.backend == "ideal"
+    single["execution"] = {"backend": "mujoco"}
+    if model.description is not None:
+        assert parse_scenario(single).execution.backend == "mujoco"
+        return
+    with pytest.raises(ScenarioError) as caught:
+        parse_scenario(single, "a.yaml")
+    line = str(caught.value)
+    assert line.startswith(f"a.yaml: robots[0].model: physics has no masses and joints of a {name}")
+    assert line.endswith("(one of: go1, go2)")
+    assert "\n" not in line
+
+
+def test_a_planner_is_asked_once_per_step_of_physics_at_most(data: Data) -> None:
+    data["execution"] = {"backend": "mujoco", "rate": 500}
+    parse_scenario(data)
+    data["execution"]["rate"] = 501
+    with pytest.raises(ScenarioError, match=r"execution\.rate: expected at most 500"):
+        parse_scenario(data)
+    data["execution"]["backend"] = "ideal"
+    parse_scenario(data)
+
+
+def test_the_schema_tells_of_physics() -> None:
+    found = scenario_schema()["$defs"]
+    assert found["ExecutionSection"]["properties"]["backend"]["enum"] == ["ideal", "mujoco"]
+    physics = found["PhysicsSection"]
+    assert physics["additionalProperties"] is False
+    assert "required" not in physics
+    assert set(physics["properties"]) == {
+        "friction",
+        "variation",
+        "motor_limits",
+        "state_noise",
+        "state_delay",
+    }
+    assert found["StateNoise"]["additionalProperties"] is False
