@@ -11,18 +11,19 @@ import numpy as np
 
 from cavalcade.body.trajectory import Trajectory
 from cavalcade.coordination.result import TeamPlan
-from cavalcade.fleet import Fleet
+from cavalcade.fleet import Fleet, IdealFleet, LeapingFleet
 from cavalcade.running.frames import Recording
 from cavalcade.running.loop import RunResult
 from cavalcade.running.output import FIGURES, PLAN, RECORDING, REPLAY, OutputFolder
 from cavalcade.running.plans.follower import PlanFollower
+from cavalcade.running.plans.pacing import EXACT, FollowSettings
 from cavalcade.running.plans.planfile import write_plan
 from cavalcade.running.plans.planning import PlanResult, make_plan
 from cavalcade.running.plans.progress import PlanReporter
 from cavalcade.running.plans.robots import tracking_fleet
 from cavalcade.running.progress import ProgressSink, Reporter
 from cavalcade.running.simulation import Simulated, simulate
-from cavalcade.running.summary import summarise
+from cavalcade.running.summary import rounded, summarise
 from cavalcade.scenario import Scenario, World
 from cavalcade.scenario.settings import Budget
 
@@ -46,8 +47,8 @@ def carry_out(
     of `cavalcade.running.run`.
     """
     made = make_plan(scenario, world, reporter=PlanReporter(scenario, quiet))
-    done = _simulated(scenario, world, made, sink, realtime, fleet)
-    summary = _summary(scenario, world, made, done)
+    done, follower = _simulated(scenario, world, made, sink, realtime, fleet)
+    summary = _summary(scenario, world, made, done, follower)
     files: tuple[Path, ...] = ()
     if folder is not None:
         from cavalcade.running.recording import write_recording
@@ -57,7 +58,7 @@ def carry_out(
         write_plan(stage / PLAN, made.trajectories, made.footholds)
         shown = replace(made, summary=summary)
         if made.solved:
-            shown = replace(shown, plan=_as_driven(made, done.recording))
+            shown = replace(shown, plan=_as_driven(made, done.recording, follower))
         if figures:
             from cavalcade.running.plans.figures import make_plan_figures
 
@@ -79,8 +80,9 @@ def _simulated(
     sink: ProgressSink | None,
     realtime: bool,
     fleet: Callable[[Scenario], Fleet] | None,
-) -> Simulated:
+) -> tuple[Simulated, PlanFollower]:
     refusal = None if made.solved else made.summary["detail"] or made.reason
+    robots = tracking_fleet(scenario, made.trajectories) if fleet is None else fleet(scenario)
     follower = PlanFollower(
         made.trajectories,
         scenario.models,
@@ -88,25 +90,33 @@ def _simulated(
         scenario.goals,
         scenario.execution.rate,
         refusal,
+        EXACT if isinstance(robots, IdealFleet) else FollowSettings(),
+        robots if isinstance(robots, LeapingFleet) else None,
+        world.terrain,
     )
-    robots = tracking_fleet(scenario, made.trajectories) if fleet is None else fleet(scenario)
     # The budget was the search's.
     free = scenario.planner.model_copy(update={"budget": Budget()})
     unbounded = scenario.model_copy(update={"planner": free})
     done = simulate(unbounded, world, follower, robots, realtime=realtime, progress=sink)
     if made.solved:
-        return done
+        return done, follower
     outcome = replace(
         done.outcome,
         reason=made.reason,
         detail=made.summary["detail"] or "",
         involved=made.plan.involved,
     )
-    return replace(done, outcome=outcome)
+    return replace(done, outcome=outcome), follower
 
 
-def _summary(scenario: Scenario, world: World, made: PlanResult, done: Simulated) -> dict[str, Any]:
-    """Of the run; planning is that of the plan, and what formations alone have is null."""
+def _summary(
+    scenario: Scenario, world: World, made: PlanResult, done: Simulated, follower: PlanFollower
+) -> dict[str, Any]:
+    """Of the run; planning is that of the plan, and what formations alone have is null.
+
+    Beyond a formation's keys there is `delay_s`: how much later than planned each robot was sent
+    to the end of its way, null for one that never was.
+    """
     summary = summarise(scenario, world, done.recording, done.outcome)
     planned = made.summary
     return summary | {
@@ -116,25 +126,28 @@ def _summary(scenario: Scenario, world: World, made: PlanResult, done: Simulated
         "planning_time_s": planned["planning_time_s"],
         "lower_bound_m": planned["lower_bound_m"],
         "goal_moved_m": planned["goal_moved_m"],
+        "delay_s": [rounded(delay) for delay in follower.delays],
     }
 
 
-def _as_driven(made: PlanResult, recording: Recording) -> TeamPlan:
-    """The plan with the poses that were driven, at the planned heights and phases.
+def _as_driven(made: PlanResult, recording: Recording, follower: PlanFollower) -> TeamPlan:
+    """The plan with the poses that were driven, at the heights and phases of the robots' progress.
 
     A robot's ends with the cycle in which its plan ends, or with the run.
     """
     driven: list[Trajectory | None] = []
+    delays = follower.delays_at(recording.time)
     for robot, path in enumerate(made.trajectories):
         if path is None:
             driven.append(None)
             continue
-        cycles = 1 + int(np.searchsorted(recording.time, path.duration - 1e-9))
-        time = recording.time[:cycles]
+        progress = recording.time - delays[:, robot]
+        cycles = 1 + int(np.searchsorted(progress, path.duration - 1e-9))
+        time, progress = recording.time[:cycles], progress[:cycles]
         poses = recording.poses[:cycles, robot]
-        height = np.interp(time, path.time, path.position[:, 2])
+        height = np.interp(progress, path.time, path.position[:, 2])
         position = np.column_stack([poses[:, :2], height])
-        before = np.clip(np.searchsorted(path.time, time + 1e-9) - 1, 0, len(path.time) - 1)
+        before = np.clip(np.searchsorted(path.time, progress + 1e-9) - 1, 0, len(path.time) - 1)
         velocity = np.gradient(position, time, axis=0) if len(time) > 1 else np.zeros((1, 3))
         driven.append(
             Trajectory(time, position, velocity, np.unwrap(poses[:, 2]), path.phase[before])

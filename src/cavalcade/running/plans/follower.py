@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -9,9 +10,13 @@ import numpy as np
 
 from cavalcade.body.trajectory import Trajectory
 from cavalcade.errors import InputError
+from cavalcade.fleet import LeapingFleet
 from cavalcade.formation.status import PlannerStatus
 from cavalcade.geometry import Array, wrap_angle
 from cavalcade.robots import RobotModel
+from cavalcade.running.plans.leaping import Leaps
+from cavalcade.running.plans.pacing import EXACT, FollowSettings, Pace
+from cavalcade.world import Terrain
 
 POSITION_GAIN = 2.0
 """Velocity per error of the position, 1/s."""
@@ -22,12 +27,18 @@ HEADING_GAIN = 3.0
 SIDE_GAIN = 6.0
 """Yaw rate of a unicycle per speed and sideways error, rad/m²."""
 
+_STILL = 1e-9
+
 _PATH_SPACING = 10
 """Of the samples of a path, every so-many-th is shown."""
 
 
 class PlanFollower:
     """Commands the velocity of the plan, and corrects what is off.
+
+    Each robot has a progress of its own, which is the clock's as long as it keeps up. A robot
+    that lags is waited for by those whose turn comes after it, and by nobody else; see
+    `cavalcade.running.plans.precedence` and `pacing`.
 
     The velocity of each cycle is the mean of the plan's until the next one, in the body frame.
     Robots that go in all directions are corrected in all of them; unicycles forwards and by
@@ -39,6 +50,9 @@ class PlanFollower:
         starts, goals: `(N, 3)` poses.
         rate: Cycles per second.
         refusal: Why there is no plan: nobody moves then, and the status says so.
+        settings: How robots that lag are waited for, and how much is corrected.
+        leaper: The fleet, if its robots leap by themselves.
+        terrain: Ground with heights, of which it is told where it breaks.
     """
 
     def __init__(
@@ -49,6 +63,9 @@ class PlanFollower:
         goals: Sequence[Sequence[float]],
         rate: float,
         refusal: str | None = None,
+        settings: FollowSettings = EXACT,
+        leaper: LeapingFleet | None = None,
+        terrain: Terrain | None = None,
     ) -> None:
         self._paths = [
             _standing(start) if path is None or refusal is not None else path
@@ -57,6 +74,11 @@ class PlanFollower:
         self._unicycle = np.array([model.drive.startswith("unicycle") for model in models])
         self._period = 1.0 / rate
         self._refusal = refusal
+        self._settings = settings
+        self._pace = Pace(self._paths, models, self._period, settings)
+        self._leaps = None if leaper is None else Leaps(self._paths, leaper, terrain, self._pace)
+        self._quiet = np.zeros(len(self._paths), dtype=bool)
+        self._trace: list[tuple[float, Array]] = []
         self._start: float | None = None
         self._targets = np.array(goals, dtype=float).reshape(-1, 3)
         for robot, model in enumerate(models):
@@ -72,32 +94,91 @@ class PlanFollower:
         """Of the last cycle."""
         return self._status
 
+    @property
+    def progress(self) -> Array:
+        """`(N,)` plan times up to which the robots were sent in the last cycle, s."""
+        return self._pace.progress(self._trace[-1][0] if self._trace else 0.0)
+
+    @property
+    def delays(self) -> Array:
+        """`(N,)` how much later than planned robots were sent to their ends, s; nan until then."""
+        return self._pace.arrived_late.copy()
+
+    def delays_at(self, times: Array) -> Array:
+        """`(K, N)` what each robot was behind the plan at times `(K,)` since the start, s."""
+        if not self._trace:
+            return np.zeros((len(times), len(self._paths)))
+        known = np.array([moment for moment, _ in self._trace])
+        rows = np.searchsorted(known, times + 1e-6, side="right") - 1
+        return np.stack([delay for _, delay in self._trace])[np.maximum(rows, 0)]
+
     def step(self, poses: Array, time: float, stamps: Array) -> Array:
         """Poses `(N, 3)` and their times `(N,)` in, body-frame velocities `(N, 3)` out."""
         if self._start is None:
             self._start = time
         now = time - self._start
-        self._status = self._status_at(now)
         commands = np.zeros((len(poses), 3))
         if self._refusal is not None:
+            self._status = self._status_at(now)
             return commands
-        for robot, path in enumerate(self._paths):
-            marks = np.array([now, now + self._period, stamps[robot] - self._start])
-            here, there, wanted = path.poses_at(marks)
-            rate = (there - here) / self._period
-            error = wanted - poses[robot]
-            error[2] = wrap_angle(error[2])
-            heading = poses[robot, 2]
-            if self._unicycle[robot]:
-                commands[robot] = _unicycle(rate, error, heading, 0.5 * (here[2] + there[2]))
-            else:
-                commands[robot] = _free(rate, error, heading, self._period)
+        pace = self._pace
+        pace.begin(now)
+        ages = now - (stamps - self._start)
+        if self._leaps is not None:
+            self._leaps.step(now, poses)
+        seen = pace.progress(now) - pace.rates * ages
+        errors = (
+            np.stack([path.poses_at(seen[k : k + 1])[0] for k, path in enumerate(self._paths)])
+            - poses
+        )
+        errors[:, 2] = wrap_angle(errors[:, 2])
+        pace.decide(now, ages, errors, poses)
+        if self._leaps is not None:
+            self._leaps.hand_over(now)
+        self._status = self._status_at(now)
+        self._trace.append((now, pace.delay.copy()))
+        progress = pace.progress(now)
+        for robot in np.flatnonzero(~pace.held).tolist():
+            marks = progress[robot] + np.array([0.0, pace.rates[robot] * self._period])
+            here, there = self._paths[robot].poses_at(marks)
+            commands[robot] = self._command(robot, here, there, errors[robot], poses[robot, 2])
         return commands
+
+    def _command(
+        self, robot: int, here: Array, there: Array, error: Array, heading: float
+    ) -> Array:
+        """Body-frame velocity from one planned pose to the next, with what corrects the error."""
+        rate = (there - here) / self._period
+        if self._rests(robot, rate, error):
+            return np.zeros(3)
+        wanted = _bounded(POSITION_GAIN * error[:2], self._settings.correction)
+        most = self._settings.correction_turn
+        if self._unicycle[robot]:
+            return _unicycle(rate, wanted, error, heading, 0.5 * (here[2] + there[2]), most)
+        return _free(rate, wanted, error, heading, self._period, most)
+
+    def _rests(self, robot: int, rate: Array, error: Array) -> bool:
+        """Whether the robot is to stand and is near enough to where."""
+        standing = bool(np.abs(rate).max() < _STILL)
+        which = 1 if self._quiet[robot] else 0
+        far, turned = self._settings.quiet[which], self._settings.quiet_heading[which]
+        near = math.hypot(error[0], error[1]) < far and abs(error[2]) < turned
+        self._quiet[robot] = standing and near
+        return bool(self._quiet[robot])
 
     def _status_at(self, now: float) -> PlannerStatus:
         size = len(self._paths)
-        left = np.array([max(path.duration - now, 0.0) for path in self._paths])
-        state = "infeasible" if self._refusal is not None else "final"
+        progress = self._pace.progress(now)
+        left = np.array(
+            [max(path.duration - s, 0.0) for path, s in zip(self._paths, progress, strict=True)]
+        )
+        state, message = "final", ""
+        involved: tuple[int, ...] = ()
+        if self._refusal is not None:
+            state, message = "infeasible", self._refusal
+        elif self._leaps is not None and self._leaps.trouble is not None:
+            state = "stuck"
+            message, involved = self._leaps.trouble
         return PlannerStatus(
             state=state,
             leader=-1,
@@ -106,16 +187,16 @@ class PlanFollower:
             goals=self._targets[:, :2],
             goal=None,
             paths=tuple(
-                line[int(np.searchsorted(moments, now)) :]
-                for line, moments in zip(self._lines, self._moments, strict=True)
+                line[int(np.searchsorted(moments, s)) :]
+                for line, moments, s in zip(self._lines, self._moments, progress, strict=True)
             ),
             connections=np.zeros((0, 2), dtype=np.int64),
             eta=left,
             arrived=bool((left <= 0.0).all()) and self._refusal is None,
             waypoint=0,
             goal_moved=0.0,
-            involved=(),
-            message=self._refusal or "",
+            involved=involved,
+            message=message,
             targets=self._targets,
         )
 
@@ -123,7 +204,7 @@ class PlanFollower:
         """Stop until `resume`."""
 
     def resume(self) -> None:
-        """Go on; the plan's clock has not stood still, so the robots catch up."""
+        """Go on from where the robots were."""
 
     def set_goals(self, goals: Sequence[Sequence[float]]) -> None:
         """A plan has its goals."""
@@ -150,23 +231,33 @@ class PlanFollower:
         raise InputError("a plan is for a world that stays as it is")
 
 
-def _free(rate: Array, error: Array, heading: float, period: float) -> Array:
+def _bounded(vector: Array, most: float) -> Array:
+    """The vector, shortened to this length if it is longer."""
+    length = math.hypot(vector[0], vector[1])
+    return vector if length <= most else vector * (most / length)
+
+
+def _free(
+    rate: Array, wanted: Array, error: Array, heading: float, period: float, most: float
+) -> Array:
     """Command of a robot that goes in all directions, for its heading in mid-period."""
-    turn = rate[2] + HEADING_GAIN * error[2]
-    x, y = rate[:2] + POSITION_GAIN * error[:2]
+    turn = rate[2] + min(max(HEADING_GAIN * error[2], -most), most)
+    x, y = rate[:2] + wanted
     middle = heading + 0.5 * turn * period
     c, s = np.cos(middle), np.sin(middle)
     return np.array([c * x + s * y, c * y - s * x, turn])
 
 
-def _unicycle(rate: Array, error: Array, heading: float, planned: float) -> Array:
+def _unicycle(
+    rate: Array, wanted: Array, error: Array, heading: float, planned: float, most: float
+) -> Array:
     """Command of a robot that goes forwards, backwards and turns."""
     speed = float(np.cos(planned) * rate[0] + np.sin(planned) * rate[1])
     c, s = np.cos(heading), np.sin(heading)
-    ahead, aside = c * error[0] + s * error[1], c * error[1] - s * error[0]
-    forwards = speed * np.cos(error[2]) + POSITION_GAIN * ahead
-    turn = rate[2] + SIDE_GAIN * speed * aside + HEADING_GAIN * np.sin(error[2])
-    return np.array([forwards, 0.0, turn])
+    aside = c * error[1] - s * error[0]
+    forwards = speed * np.cos(error[2]) + c * wanted[0] + s * wanted[1]
+    correction = SIDE_GAIN * speed * aside + HEADING_GAIN * np.sin(error[2])
+    return np.array([forwards, 0.0, rate[2] + min(max(correction, -most), most)])
 
 
 def _standing(pose: Sequence[float]) -> Trajectory:
