@@ -37,16 +37,16 @@ def test_the_page_holds_all_and_loads_nothing(data_of):
     assert len(page.encode()) < 400_000
     assert not re.search(r"(src|href)\s*=|@import|https?://|fetch\(|XMLHttpRequest", page)
     assert "default-src 'none'" in page
-    text = re.search(r'<script id="plan" type="application/json">(.*?)</script>', page, re.S)
+    text = re.search(r'<script id="scene" type="application/json">(.*?)</script>', page, re.S)
     assert json.loads(text.group(1)) == json.loads(json.dumps(data))
     assert "%" not in re.sub(r"<style>.*?</style>|<script.*?</script>", "", page, flags=re.S)
 
 
 def test_a_name_cannot_break_out_of_the_page(data_of):
     _, data = data_of()
-    page = plan_page({**data, "name": "</script><b>%PLAN%"})
+    page = plan_page({**data, "name": "</script><b>%DATA%"})
     assert page.count("</script>") == plan_page(data).count("</script>")
-    assert "<b>%PLAN%" not in page
+    assert "<b>%DATA%" not in page
 
 
 def test_paths_come_back_within_the_tolerance(data_of):

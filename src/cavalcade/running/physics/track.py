@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -111,7 +111,7 @@ class PhysicsTrack:
         return float(self.time[-1] - self.time[0]) if len(self.time) else 0.0
 
     def thinned(self, stride: int) -> PhysicsTrack:
-        """Every so many-th sample; forces are averaged and torques' peaks kept over what is left out."""
+        """Every so many-th sample, with the mean force and the largest torque since the one before."""
         if stride <= 1 or len(self.time) < 2:
             return self
         kept = np.arange(0, len(self.time), stride)
@@ -129,13 +129,4 @@ class PhysicsTrack:
             joint_rates=self.joint_rates[kept],
             torques=np.where(high >= -low, high, low),
             foot_forces=forces / counts[:, None, None, None],
-        )
-
-    def equals(self, other: PhysicsTrack) -> bool:
-        """Whether both are the same to the last bit."""
-        return all(
-            np.array_equal(getattr(self, field.name), getattr(other, field.name))
-            if isinstance(getattr(self, field.name), np.ndarray)
-            else getattr(self, field.name) == getattr(other, field.name)
-            for field in fields(self)
         )

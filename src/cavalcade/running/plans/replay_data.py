@@ -2,31 +2,22 @@
 
 from __future__ import annotations
 
-import base64
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cavalcade.body.trajectory import Trajectory
 from cavalcade.geometry import Array
-from cavalcade.locomotion.footholds import LEAST_TRAVERSABILITY
 from cavalcade.robots import RobotModel
 from cavalcade.running.figures import style
-from cavalcade.running.figures.outlines import shape_ring
+from cavalcade.running.page3d.ground import ground_data
+from cavalcade.running.page3d.packing import packed, steps
 from cavalcade.running.plans.keyframes import keyframes
-from cavalcade.running.plans.meshes import Prism, counter_clockwise, rectangles, triangulate
 from cavalcade.running.plans.scene import PlanScene, activities, runs
 from cavalcade.scenario import World
-from cavalcade.world import OccupancyMap, Terrain
-
-_MOST_NODES = 22_000
-"""Of the terrain's grid in the page."""
 
 _MOST_FOOTHOLDS = 12_000
-_WALL = 0.45
-"""How high solid obstacles are drawn, m: their true height is unlimited."""
 
 
 def replay_data(scene: PlanScene, world: World, summary: Mapping[str, Any]) -> dict[str, Any]:
@@ -44,73 +35,12 @@ def replay_data(scene: PlanScene, world: World, summary: Mapping[str, Any]) -> d
         "outcome": {"text": _outcome(scene), "good": scene.solved},
         "facts": _facts(summary),
         "end": round(scene.makespan, 4),
-        "border": _whole(scene.arena.border, 1000),
-        "terrain": None if scene.terrain is None else _terrain(scene.terrain),
-        "solids": [_prism(prism) for prism in _prisms(scene, world)],
-        "walls": _walls(world.base, scene.terrain),
+        **ground_data(scene.arena, world.base, world.shapes, scene.terrain),
         "tick": unit,
         "robots": [
             _robot(scene, robot, unit, scene.footholds[robot] if stepping else None)
             for robot in range(scene.size)
         ],
-    }
-
-
-def _terrain(terrain: Terrain) -> dict[str, Any]:
-    """Every so many-th node of the grid, heights in 1/65000 of their range."""
-    stride = max(1, int(np.ceil(np.sqrt(terrain.rows * terrain.cols / _MOST_NODES))))
-    rows, cols = (np.unique(np.append(np.arange(0, n, stride), n - 1)) for n in
-                  (terrain.rows, terrain.cols))  # fmt: skip
-    height = terrain.height[np.ix_(rows, cols)]
-    blocked = terrain.traversability[np.ix_(rows, cols)] < LEAST_TRAVERSABILITY
-    low, span = float(height.min()), max(float(np.ptp(height)), 1e-6)
-    whole = np.rint((height - low) / span * 65_000).astype("<u2")
-    return {
-        "x": _whole((cols + 0.5) * terrain.resolution, 1000),
-        "y": _whole((rows + 0.5) * terrain.resolution, 1000),
-        "origin": [round(part, 6) for part in terrain.origin],
-        "low": low,
-        "span": span,
-        "heights": _packed(whole),
-        "blocked": _packed(np.packbits(blocked.ravel())),
-    }
-
-
-def _prisms(scene: PlanScene, world: World) -> Iterable[Prism]:
-    for shape in world.shapes:
-        ring = counter_clockwise(shape_ring(shape, corners=28))
-        low, high = _foot_and_top(ring, scene.terrain)
-        yield Prism(ring, triangulate(ring), low, high)
-
-
-def _foot_and_top(ring: Array, terrain: Terrain | None) -> tuple[float, float]:
-    if terrain is None:
-        return 0.0, _WALL
-    around = terrain.heights_at(np.concatenate([ring, ring.mean(axis=0)[None, :]]))
-    return float(around.min()) - 0.05, float(around.max()) + _WALL
-
-
-def _prism(prism: Prism) -> dict[str, Any]:
-    return {
-        "ring": _whole(prism.ring, 1000),
-        "fill": prism.triangles.ravel().tolist(),
-        "low": round(prism.low, 3),
-        "high": round(prism.high, 3),
-    }
-
-
-def _walls(area: OccupancyMap, terrain: Terrain | None) -> dict[str, Any] | None:
-    """Occupied cells of the map as rectangles in the grid's own frame."""
-    if not area.occupied.any():
-        return None
-    found, factor = rectangles(area.occupied)
-    top = 0.0 if terrain is None else float(terrain.height.max())
-    return {
-        "cell": area.resolution * factor,
-        "origin": [round(part, 6) for part in area.origin],
-        "low": 0.0 if terrain is None else float(terrain.height.min()),
-        "high": round(top + _WALL, 3),
-        "boxes": found.ravel().tolist(),
     }
 
 
@@ -150,11 +80,11 @@ def _path(path: Trajectory) -> dict[str, Any]:
         for kind, first, last in runs(doing)
     ]
     return {
-        "t": _steps(path.time[kept], 1000),
-        "x": _steps(path.position[kept, 0], 1000),
-        "y": _steps(path.position[kept, 1], 1000),
-        "z": _steps(path.position[kept, 2], 1000),
-        "a": _steps(path.yaw[kept], 1000),
+        "t": steps(path.time[kept], 1000),
+        "x": steps(path.position[kept, 0], 1000),
+        "y": steps(path.position[kept, 1], 1000),
+        "z": steps(path.position[kept, 2], 1000),
+        "a": steps(path.yaw[kept], 1000),
         "p": [int(phase) for phase in path.phase[kept]],
         "spans": spans,
         "end": round(path.duration, 4),
@@ -169,10 +99,10 @@ def _feet(feet: Array, unit: float) -> dict[str, Any]:
     places = np.clip(np.rint((rows[:, 3:6] - base) * 200), -32_000, 32_000)
     return {
         "count": [int(np.count_nonzero(rows[:, 2] == leg)) for leg in range(4)],
-        "down": _packed(np.rint(rows[:, 0] / unit).astype("<u2")),
-        "up": _packed(np.rint(rows[:, 1] / unit).astype("<u2")),
+        "down": packed(np.rint(rows[:, 0] / unit).astype("<u2")),
+        "up": packed(np.rint(rows[:, 1] / unit).astype("<u2")),
         "base": [round(float(part), 4) for part in base],
-        "place": _packed(places.astype("<i2")),
+        "place": packed(places.astype("<i2")),
     }
 
 
@@ -197,16 +127,3 @@ def _facts(summary: Mapping[str, Any]) -> list[list[str]]:
         ("seed", summary.get("seed"), "{}"),
     ]
     return [[name, shape.format(value)] for name, value, shape in found if value is not None]
-
-
-def _packed(values: NDArray) -> str:
-    return base64.b64encode(np.ascontiguousarray(values).tobytes()).decode("ascii")
-
-
-def _whole(values: Array, unit: float) -> list[int]:
-    return [int(value) for value in np.rint(np.asarray(values, dtype=float).ravel() * unit)]
-
-
-def _steps(values: Array, unit: float) -> list[int]:
-    whole = np.rint(np.asarray(values, dtype=float) * unit).astype(np.int64)
-    return [int(value) for value in np.diff(whole, prepend=0)]

@@ -1,57 +1,5 @@
-// The plan out of the page: whole numbers back to metres, seconds and radians.
-const plan = JSON.parse(document.getElementById("plan").textContent);
-
-function sums(steps, unit) {
-  const out = new Float64Array(steps.length);
-  let total = 0;
-  steps.forEach((step, k) => { total += step; out[k] = total / unit; });
-  return out;
-}
-
-function bytes(text) {
-  const raw = atob(text), out = new Uint8Array(raw.length);
-  for (let k = 0; k < raw.length; k++) out[k] = raw.charCodeAt(k);
-  return out.buffer;
-}
-
-function placed(origin, x, y) {
-  const c = Math.cos(origin[2]), s = Math.sin(origin[2]);
-  return [origin[0] + c * x - s * y, origin[1] + s * x + c * y];
-}
-
-const border = [];
-for (let k = 0; k < plan.border.length; k += 2) border.push([plan.border[k] / 1000, plan.border[k + 1] / 1000]);
-
-const terrain = plan.terrain && (() => {
-  const t = plan.terrain, x = t.x.map((v) => v / 1000), y = t.y.map((v) => v / 1000);
-  const whole = new Uint16Array(bytes(t.heights)), bits = new Uint8Array(bytes(t.blocked));
-  const height = Float32Array.from(whole, (v) => t.low + v * t.span / 65000);
-  const blocked = (k) => (bits[k >> 3] >> (7 - (k & 7))) & 1;
-  return { x, y, height, blocked, origin: t.origin, low: t.low, span: t.span };
-})();
-
-function before(values, v) {
-  let low = 0, high = values.length - 1;
-  while (high - low > 1) {
-    const middle = (low + high) >> 1;
-    if (values[middle] <= v) low = middle; else high = middle;
-  }
-  return low;
-}
-
-// Height of the ground at a place of the map frame.
-function groundAt(px, py) {
-  if (!terrain) return 0;
-  const o = terrain.origin, dx = px - o[0], dy = py - o[1], c = Math.cos(o[2]), s = Math.sin(o[2]);
-  const u = c * dx + s * dy, v = c * dy - s * dx, { x, y, height } = terrain;
-  const i = before(x, u), j = before(y, v), i1 = Math.min(i + 1, x.length - 1), j1 = Math.min(j + 1, y.length - 1);
-  const a = i1 > i ? Math.min(Math.max((u - x[i]) / (x[i1] - x[i]), 0), 1) : 0;
-  const b = j1 > j ? Math.min(Math.max((v - y[j]) / (y[j1] - y[j]), 0), 1) : 0;
-  const n = x.length;
-  return (height[j * n + i] * (1 - a) + height[j * n + i1] * a) * (1 - b) + (height[j1 * n + i] * (1 - a) + height[j1 * n + i1] * a) * b;
-}
-
-const robots = plan.robots.map((said, index) => {
+// The robots of the plan, and where they are at a time.
+const robots = scene.robots.map((said, index) => {
   const p = said.path;
   const path = p && { t: sums(p.t, 1000), x: sums(p.x, 1000), y: sums(p.y, 1000), z: sums(p.z, 1000), a: sums(p.a, 1000), phase: p.p, spans: p.spans, end: p.end };
   return { ...said, index, path, feet: readFeet(said.feet) };
@@ -64,7 +12,7 @@ function readFeet(said) {
   return said.count.map((count) => {
     const steps = [];
     for (let k = 0; k < count; k++, next++)
-      steps.push({ down: down[next] * plan.tick, up: up[next] * plan.tick, at: [0, 1, 2].map((i) => said.base[i] + place[3 * next + i] / 200) });
+      steps.push({ down: down[next] * scene.tick, up: up[next] * scene.tick, at: [0, 1, 2].map((i) => said.base[i] + place[3 * next + i] / 200) });
     return steps;
   });
 }

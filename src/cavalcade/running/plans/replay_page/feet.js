@@ -34,13 +34,5 @@ const marks = (() => {
     const paint = rgb(robot.colour).map((v) => v * 0.7);
     for (const steps of robot.feet) for (const step of steps) { place.push(step.at[0], step.at[1], step.at[2] + 0.008); colour.push(...paint); when.push(step.down); }
   }
-  return { parts: { place: [buffer(place), 3], colour: [buffer(colour), 3], when: [buffer(when), 1] }, count: when.length };
+  return marksOf(place, colour, when);
 })();
-
-function drawMarks(time) {
-  if (!marks.count) return;
-  feed(dots, marks.parts);
-  gl.uniform1f(dots.at.now, time);
-  gl.uniform1f(dots.at.size, 0.045 * canvas.height / 0.73);
-  gl.drawArrays(gl.POINTS, 0, marks.count);
-}

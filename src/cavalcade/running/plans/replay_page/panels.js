@@ -1,19 +1,7 @@
 // Everything around the picture: title, team, facts, timeline.
-const id = (name) => document.getElementById(name);
-const dark = () => document.documentElement.dataset.theme === "dark";
-const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-
-id("name").textContent = plan.name;
-id("outcome").textContent = plan.outcome.text;
-id("outcome").classList.add(plan.outcome.good ? "good" : "bad");
+fillFacts();
 if (!robots.some((robot) => robot.legs)) id("going").textContent = "driving";
 if (!robots.some((robot) => robot.path && robot.path.spans.some((s) => s[0] === 2))) id("flightkey").remove();
-
-for (const [name, value] of plan.facts) {
-  const term = document.createElement("dt"), said = document.createElement("dd");
-  term.textContent = name; said.textContent = value;
-  id("numbers").append(term, said);
-}
 
 const rows = robots.map((robot) => {
   const row = document.createElement("tr"), cells = [0, 1, 2, 3, 4].map(() => row.insertCell());
@@ -24,7 +12,7 @@ const rows = robots.map((robot) => {
   cells[3].className = cells[4].className = "n";
   cells[4].textContent = robot.path ? `${robot.path.end.toFixed(1)} s` : "–";
   row.title = "Follow this robot";
-  row.addEventListener("click", () => follow(camera.follow === robot.index ? -1 : robot.index));
+  row.addEventListener("click", () => follow(camera.follow === robot.index ? null : robot.index));
   id("robots").append(row);
   return { row, cells };
 });
@@ -44,7 +32,7 @@ function drawBand() {
   const band = id("band"), width = band.clientWidth * ratio, height = band.clientHeight * ratio;
   band.width = width; band.height = height;
   const pen = band.getContext("2d"), lanes = Math.max(robots.length, 1), room = height - 6 * ratio;
-  const tall = Math.min(room / lanes, 12 * ratio), top = (height - tall * lanes) / 2, scale = (width - 8 * ratio) / Math.max(plan.end, 1e-6);
+  const tall = Math.min(room / lanes, 12 * ratio), top = (height - tall * lanes) / 2, scale = (width - 8 * ratio) / Math.max(end, 1e-6);
   const colours = [css("--rest"), css("--walk"), css("--fly"), css("--turn")];
   robots.forEach((robot, k) => {
     const y = top + k * tall, thick = Math.max(tall - (tall > 3 * ratio ? ratio : 0), 1);
@@ -54,24 +42,7 @@ function drawBand() {
     }
     if (robot.path) {
       pen.fillStyle = colours[0];
-      pen.fillRect(4 * ratio + robot.path.end * scale, y + 0.35 * thick, (plan.end - robot.path.end) * scale, Math.max(0.3 * thick, 1));
+      pen.fillRect(4 * ratio + robot.path.end * scale, y + 0.35 * thick, (end - robot.path.end) * scale, Math.max(0.3 * thick, 1));
     }
-  });
-}
-
-const tags = robots.map((robot) => {
-  const tag = document.createElement("b");
-  tag.textContent = robot.index;
-  tag.style.background = robot.colour;
-  id("labels").append(tag);
-  return tag;
-});
-
-function placeTags(matrix, time) {
-  robots.forEach((robot, k) => {
-    const at = poseAt(robot, time), [x, y, , w] = apply(matrix, [at.x, at.y, at.z + 0.28]);
-    const seen = w > 0 && Math.abs(x) < 1.05 && Math.abs(y) < 1.05 && shown.labels;
-    tags[k].style.display = seen ? "" : "none";
-    if (seen) tags[k].style.transform = `translate(${(x + 1) / 2 * canvas.clientWidth}px, ${(1 - y) / 2 * canvas.clientHeight}px) translate(-50%, -110%)`;
   });
 }

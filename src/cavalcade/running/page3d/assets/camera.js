@@ -1,20 +1,11 @@
-// An orbit camera: drag turns, right or shift drag moves, wheel and pinch zoom.
-const bounds = (() => {
-  const xs = [], ys = [];
-  for (const robot of robots) {
-    xs.push(robot.start[0], robot.goal[0]); ys.push(robot.start[1], robot.goal[1]);
-    if (robot.path) { xs.push(...robot.path.x); ys.push(...robot.path.y); }
-  }
-  return [Math.min(...xs), Math.min(...ys), Math.max(...xs), Math.max(...ys)];
-})();
-
-const camera = { target: [0, 0, 0], away: 10, turn: 0, lift: 0.8, follow: -1 };
+// An orbit camera: drag turns, right or shift drag moves, wheel and pinch zoom. The page gives
+// `bounds` (x0, y0, x1, y1 of what is worth seeing), `level` (its height), `eyesOn(who)` (a place)
+// and `known(who)`.
+const camera = { target: [0, 0, 0], away: 10, turn: 0, lift: 0.8, follow: null };
 
 function wholeView(lift = 0.75) {
   const [x0, y0, x1, y1] = bounds, cx = (x0 + x1) / 2, cy = (y0 + y1) / 2;
-  const levels = robots.flatMap((robot) => [groundAt(...robot.start), groundAt(...robot.goal)]);
-  const level = levels.reduce((sum, z) => sum + z, 0) / levels.length;
-  Object.assign(camera, { target: [cx, cy, level], turn: -Math.PI / 2 - (lift > 1.4 ? 0 : 0.35), lift, follow: -1 });
+  Object.assign(camera, { target: [cx, cy, level], turn: -Math.PI / 2 - (lift > 1.4 ? 0 : 0.35), lift, follow: null });
   // As near as all of it stays in the picture.
   const half = [(x1 - x0) / 2 + 0.8, (y1 - y0) / 2 + 0.8];
   for (camera.away = 2; camera.away < 400; camera.away *= 1.03) {
@@ -38,16 +29,18 @@ function viewMatrix() {
   return times(perspective(0.7, aspect, camera.away * 0.02, camera.away * 6 + 60), lookAt(eyeAt(), camera.target, up));
 }
 
-function follow(index) {
-  if (!robots[index]) return;
-  Object.assign(camera, { follow: index, away: Math.min(camera.away, 3.2), lift: Math.min(camera.lift, 0.45) });
+// Stay with a robot (its number) or with all of them ("team"), `away` from it at most.
+function follow(who, away = 3.2) {
+  if (who === null) { camera.follow = null; redraw(); return; }
+  if (!known(who)) return;
+  Object.assign(camera, { follow: who, away: who === "team" ? away : Math.min(camera.away, away), lift: Math.min(camera.lift, 0.45) });
   redraw();
 }
 
 function pan(dx, dy) {
   const per = camera.away * 0.73 / canvas.clientHeight, s = Math.sin(camera.turn), c = Math.cos(camera.turn);
   const flat = Math.max(Math.sin(camera.lift), 0.25);
-  camera.follow = -1;
+  camera.follow = null;
   camera.target = add(camera.target, [(s * dx - c * dy / flat) * per, (-c * dx - s * dy / flat) * per, 0]);
 }
 

@@ -40,30 +40,40 @@ function terrainMesh() {
   return mesh(place, normal, colour, index);
 }
 
-const solids = (() => {
-  const p = [], n = [], c = [], shape = [0.42, 0.45, 0.49], wall = [0.50, 0.53, 0.57];
+const SHAPE = [0.42, 0.45, 0.49], WALL = [0.50, 0.53, 0.57];
+
+// A collector of flat faces with their normals.
+function faces() {
+  const p = [], n = [], c = [];
   const face = (points, normal, paint) => points.forEach((at) => { p.push(...at); n.push(...normal); c.push(...paint); });
   const side = (a, b, low, high, paint) => {
     const out = unit([b[1] - a[1], a[0] - b[0], 0]);
     face([[...a, low], [...b, low], [...b, high], [...a, low], [...b, high], [...a, high]], out, paint);
   };
-  for (const solid of plan.solids) {
+  const prism = (solid, paint) => {
     const ring = [];
     for (let k = 0; k < solid.ring.length; k += 2) ring.push([solid.ring[k] / 1000, solid.ring[k + 1] / 1000]);
-    face(solid.fill.map((k) => [...ring[k], solid.high]), [0, 0, 1], shape);
-    ring.forEach((at, k) => side(at, ring[(k + 1) % ring.length], solid.low, solid.high, shape));
-  }
-  const w = plan.walls;
+    face(solid.fill.map((k) => [...ring[k], solid.high]), [0, 0, 1], paint);
+    ring.forEach((at, k) => side(at, ring[(k + 1) % ring.length], solid.low, solid.high, paint));
+  };
+  return { face, side, prism, made: () => (p.length ? mesh(p, n, c) : null) };
+}
+
+const solids = (() => {
+  const { face, side, prism, made } = faces();
+  for (const solid of scene.solids) prism(solid, SHAPE);
+  const w = scene.walls;
   for (let k = 0; w && k < w.boxes.length; k += 4) {
     const [r0, c0, r1, c1] = w.boxes.slice(k, k + 4).map((v) => v * w.cell);
     const ring = [[c0, r0], [c1, r0], [c1, r1], [c0, r1]].map((at) => placed(w.origin, ...at));
-    face([0, 1, 2, 0, 2, 3].map((i) => [...ring[i], w.high]), [0, 0, 1], wall);
-    ring.forEach((at, i) => side(at, ring[(i + 1) % 4], w.low, w.high, wall));
+    face([0, 1, 2, 0, 2, 3].map((i) => [...ring[i], w.high]), [0, 0, 1], WALL);
+    ring.forEach((at, i) => side(at, ring[(i + 1) % 4], w.low, w.high, WALL));
   }
-  return p.length ? mesh(p, n, c) : null;
+  return made();
 })();
 
 function drawGround() {
-  drawMesh(ground, identity, dark() ? [0.52, 0.54, 0.56] : [1, 1, 1], dark() ? 0.5 : 0.22, contour);
+  // Level ground takes shadows and throws none.
+  if (terrain || drawing === meshes) drawMesh(ground, identity, dark() ? [0.52, 0.54, 0.56] : [1, 1, 1], dark() ? 0.5 : 0.22, contour);
   if (solids) drawMesh(solids, identity, dark() ? [0.75, 0.78, 0.82] : [1, 1, 1]);
 }
