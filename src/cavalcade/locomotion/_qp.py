@@ -1,9 +1,16 @@
 """Quadratic programmes over contact forces, compiled: one pyramid of friction for every foot.
 
-    minimise ½ fᵀ H f + gᵀ f   where |f_x|, |f_y| ≤ mu f_z and 0 ≤ f_z ≤ most, for every foot
+    minimise ½ fᵀ H f + gᵀ f   where |f_x|, |f_y| ≤ mu f_z and f_z ≤ most, for every foot
 
-Relaxed ADMM (Boyd et al., "Distributed optimization and statistical learning via the alternating
-direction method of multipliers", 2011) whose linear step is a product with one inverse.
+(f_z ≥ 0 follows.) The dual active set method of Goldfarb and Idnani, "A numerically stable dual
+method for solving strictly convex quadratic programs", Mathematical Programming 27, 1983: from the
+free minimum, the limit that is exceeded most is held, and held limits whose multiplier would
+become negative are let go, until none is exceeded. The answer is exact, and a walk mostly needs few
+limits: most of the time goes into one Cholesky factor of H. Limits concern one or two forces,
+so products with them are look-ups.
+
+Limits are numbered `5 foot + side`; sides: 0 and 1 for f_x, 2 and 3 for f_y (positive, negative),
+4 for f_z. They read aᵀ f ≤ 0, or ≤ most for side 4.
 """
 
 from __future__ import annotations
@@ -11,105 +18,176 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-RELAXATION = 1.8
+from cavalcade.locomotion._qp_factor import back_solve, factorise
+
+EXCEEDED = 1e-7  # N: less is put right by the last projection
+DEPENDENT = 1e-11  # of a limit's own curvature: it follows from those that are held
 
 
 @njit(cache=True)
-def pyramid(x, y, z, mu, most):
-    """The point of a foot's pyramid of friction nearest to (x, y, z).
+def along(limit, vector, mu):
+    """Product of a limit's row with a vector."""
+    foot, side = 3 * (limit // 5), limit % 5
+    if side == 4:
+        return vector[foot + 2]
+    value = vector[foot + side // 2]
+    return (-value if side % 2 == 1 else value) - mu * vector[foot + 2]
 
-    At height z only the sides that are crossed push back, so the best height is the largest of
-    those that each set of sides asks for by itself.
+
+@njit(cache=True)
+def most_exceeded(forces, mu, most):
+    """The limit exceeded most and by how much, N; -1 and 0 where there is none."""
+    limit, excess = -1, 0.0
+    for k in range(0, forces.shape[0], 3):
+        x, y, z = forces[k], forces[k + 1], forces[k + 2]
+        side = mu * z
+        foot = 5 * (k // 3)
+        if abs(x) - side > excess:
+            limit, excess = (foot if x > 0.0 else foot + 1), abs(x) - side
+        if abs(y) - side > excess:
+            limit, excess = (foot + 2 if y > 0.0 else foot + 3), abs(y) - side
+        if z - most > excess:
+            limit, excess = foot + 4, z - most
+    return limit, excess
+
+
+@njit(cache=True, fastmath={"contract", "reassoc"})
+def descend(limit, factor, scale, mu, column):
+    """`column` becomes H⁻¹ a: how forces answer to the limit's multiplier."""
+    foot, side = 3 * (limit // 5), limit % 5
+    column[:] = 0.0
+    if side == 4:
+        column[foot + 2] = 1.0
+    else:
+        column[foot + side // 2] = -1.0 if side % 2 == 1 else 1.0
+        column[foot + 2] = -mu
+    back_solve(factor, scale, column, foot)
+
+
+@njit(cache=True, fastmath={"contract", "reassoc"})
+def hold(inverse, held, answer, curvature):
+    """Border the inverse of the held limits' curvature by one more limit.
+
+    Args:
+        inverse: `(., .)` whose leading `(held, held)` block is kept; becomes one larger.
+        answer: `(held,)` how the held multipliers answer to the new one.
+        curvature: What is left of the new limit's own curvature.
     """
-    a, b = abs(x), abs(y)
-    one = (z + mu * max(a, b)) / (1.0 + mu * mu)
-    both = (z + mu * (a + b)) / (1.0 + 2.0 * mu * mu)
-    z = min(max(z, one, both, 0.0), most)
-    side = mu * z
-    return min(max(x, -side), side), min(max(y, -side), side), z
+    end = np.uint64(held)
+    for r in range(held):
+        share = answer[r] / curvature
+        for c in range(end):
+            inverse[r, c] += share * answer[c]
+        inverse[r, held] = -share
+    for c in range(held):
+        inverse[held, c] = inverse[c, held]
+    inverse[held, held] = 1.0 / curvature
 
 
-@njit(cache=True, fastmath={"contract"})
-def invert(matrix, n):
-    """Turn the leading `(n, n)` block, symmetric positive definite, into its inverse in place.
-
-    Gauss–Jordan without pivoting.
-    """
-    for p in range(n):
-        pivot = 1.0 / matrix[p, p]
-        for c in range(n):
-            matrix[p, c] *= pivot
-        matrix[p, p] = pivot
-        for r in range(n):
-            if r != p:
-                factor = matrix[r, p]
-                matrix[r, p] = 0.0
-                for c in range(n):
-                    matrix[r, c] -= factor * matrix[p, c]
+@njit(cache=True, fastmath={"contract", "reassoc"})
+def release(inverse, held, place, work):
+    """Take a limit out of the inverse; the last one takes its place."""
+    last = held - 1
+    end = np.uint64(held)
+    for r in range(held):
+        work[r] = inverse[r, place]
+    for r in range(held):
+        share = work[r] / work[place]
+        for c in range(end):
+            inverse[r, c] -= share * work[c]
+    for c in range(held):
+        inverse[place, c] = inverse[last, c]
+    for r in range(held):
+        inverse[r, place] = inverse[r, last]
 
 
-@njit(cache=True, fastmath={"contract"})
-def multiply(matrix, vector, out, n):
-    """`out = matrix @ vector` for a symmetric `(n, n)` matrix; n is a multiple of 3."""
-    for c in range(n):
-        out[c] = 0.0
-    for r in range(0, n, 3):
-        v0, v1, v2 = vector[r], vector[r + 1], vector[r + 2]
-        for c in range(n):
-            out[c] += matrix[r, c] * v0 + matrix[r + 1, c] * v1 + matrix[r + 2, c] * v2
-
-
-@njit(cache=True, fastmath={"contract"})
-def solve_qp(hessian, gradient, mu, most, forces, rho, iterations, tolerance):
+@njit(cache=True, fastmath={"contract", "reassoc"})
+def solve_qp(hessian, gradient, mu, most, forces, changes):
     """Solve the programme above.
 
     Args:
-        hessian: `(n, n)`, symmetric positive definite, n = 3 for every foot; destroyed.
+        hessian: `(n, n)`, symmetric positive definite, n = 3 for every foot; only the upper
+            triangle is read.
         gradient: `(n,)`.
-        mu, most: Coefficient of friction; greatest normal force, N.
-        forces: `(n,)` where to start, N; becomes the solution, which obeys the limits exactly.
-        rho: Penalty; about ten times the least eigenvalue of H.
-        iterations: At most so many.
-        tolerance: Enough when forces change by less than this, N.
+        mu, most: Coefficient of friction, greater than 0; greatest normal force, N.
+        forces: `(n,)`, becomes the solution, N; limits are obeyed exactly.
+        changes: Hold and let go limits at most so many times; after that the forces are brought
+            within the limits as they are, which is not the minimum.
 
     Returns:
-        The iterations done.
+        The changes made.
     """
     n = gradient.shape[0]
-    if n == 0:
-        return 0
-    z, u, v, x, base = np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n)
-    for k in range(0, n, 3):
-        z[k], z[k + 1], z[k + 2] = pyramid(forces[k], forces[k + 1], forces[k + 2], mu, most)
-    # Multipliers start from none: those that would explain a start far from the solution are huge
-    # beside rho, and take many iterations to forget.
-    for k in range(n):
-        u[k] = 0.0
-        hessian[k, k] += rho
-    invert(hessian, n)
-    for k in range(n):
-        v[k] = -gradient[k]
-    multiply(hessian, v, base, n)
-    done = 0
-    for _ in range(iterations):
-        done += 1
-        for k in range(n):
-            v[k] = rho * (z[k] - u[k])
-        multiply(hessian, v, x, n)
-        change = 0.0
-        for k in range(0, n, 3):
-            hx = RELAXATION * (x[k] + base[k]) + (1.0 - RELAXATION) * z[k]
-            hy = RELAXATION * (x[k + 1] + base[k + 1]) + (1.0 - RELAXATION) * z[k + 1]
-            hz = RELAXATION * (x[k + 2] + base[k + 2]) + (1.0 - RELAXATION) * z[k + 2]
-            hx += u[k]
-            hy += u[k + 1]
-            hz += u[k + 2]
-            px, py, pz = pyramid(hx, hy, hz, mu, most)
-            u[k], u[k + 1], u[k + 2] = hx - px, hy - py, hz - pz
-            change = max(change, abs(px - z[k]), abs(py - z[k + 1]), abs(pz - z[k + 2]))
-            z[k], z[k + 1], z[k + 2] = px, py, pz
-        if change < tolerance:
+    end = np.uint64(n)
+    factor, scale = np.empty((n, n)), np.empty(n)
+    factorise(hessian, factor, scale)
+    for c in range(n):
+        forces[c] = -gradient[c]
+    back_solve(factor, scale, forces, 0)
+    limits, multipliers = np.empty(n + 1, np.int64), np.empty(n + 1)
+    columns, inverse = np.empty((n + 1, n)), np.empty((n + 1, n + 1))
+    cross, answer, column = np.empty(n + 1), np.empty(n + 1), np.empty(n)
+    held, done = 0, 0
+    while done < changes:
+        limit, excess = most_exceeded(forces, mu, most)
+        if excess <= EXCEEDED:
             break
-    for k in range(n):
-        forces[k] = z[k]
+        descend(limit, factor, scale, mu, column)
+        own = along(limit, column, mu)
+        for k in range(held):
+            cross[k] = along(limits[k], column, mu)
+        multiplier = 0.0
+        while done < changes:
+            done += 1
+            curvature = own
+            for r in range(held):
+                total = 0.0
+                for c in range(np.uint64(held)):
+                    total += inverse[r, c] * cross[c]
+                answer[r] = total
+                curvature -= total * cross[r]
+            free = curvature > DEPENDENT * own
+            step = excess / curvature if free else np.inf
+            place = -1
+            for k in range(held):
+                if answer[k] > 0.0 and multipliers[k] < step * answer[k]:
+                    step, place = multipliers[k] / answer[k], k
+            if place < 0 and not free:
+                return _within(forces, mu, most, done)  # only by rounding: all limits allow 0
+            for k in range(held):
+                multipliers[k] -= step * answer[k]
+            multiplier += step
+            if free:
+                excess -= step * curvature
+                for c in range(end):
+                    forces[c] -= step * column[c]
+                for k in range(held):
+                    share = step * answer[k]
+                    for c in range(end):
+                        forces[c] += share * columns[k, c]
+            if place < 0:
+                hold(inverse, held, answer, curvature)
+                limits[held], multipliers[held] = limit, multiplier
+                for c in range(n):
+                    columns[held, c] = column[c]
+                held += 1
+                break
+            release(inverse, held, place, answer)
+            held -= 1
+            limits[place], multipliers[place] = limits[held], multipliers[held]
+            cross[place] = cross[held]
+            for c in range(n):
+                columns[place, c] = columns[held, c]
+    return _within(forces, mu, most, done)
+
+
+@njit(cache=True)
+def _within(forces, mu, most, done):
+    """Bring forces within all limits, without the last rounding error; returns `done`."""
+    for k in range(0, forces.shape[0], 3):
+        z = min(max(forces[k + 2], 0.0), most)
+        side = mu * z
+        forces[k] = min(max(forces[k], -side), side)
+        forces[k + 1] = min(max(forces[k + 1], -side), side)
+        forces[k + 2] = z
     return done
