@@ -36,11 +36,14 @@ def test_robots_need_a_description_for_physics_and_for_nothing_else(name: str) -
     assert "\n" not in line
 
 
-def test_a_planner_is_asked_once_per_step_of_physics_at_most(data: Data) -> None:
-    data["execution"] = {"backend": "mujoco", "rate": 500}
+@pytest.mark.parametrize("rate", [2.5, 500])
+def test_planners_are_asked_before_robots_stop_and_once_per_step_of_physics_at_most(
+    data: Data, rate: float
+) -> None:
+    data["execution"] = {"backend": "mujoco", "rate": rate}
     parse_scenario(data)
-    data["execution"]["rate"] = 501
-    with pytest.raises(ScenarioError, match=r"execution\.rate: expected at most 500"):
+    data["execution"]["rate"] = 2.0 * rate if rate > 100 else 0.5 * rate
+    with pytest.raises(ScenarioError, match=r"execution\.rate: expected 2\.5 to 500 in physics"):
         parse_scenario(data)
     data["execution"]["backend"] = "ideal"
     parse_scenario(data)

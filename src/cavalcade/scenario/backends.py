@@ -10,8 +10,9 @@ from cavalcade.scenario.fields import expected
 if TYPE_CHECKING:
     from cavalcade.scenario.model import Scenario
 
-PHYSICS_RATE = 500.0
-"""Of the steps of physics, Hz; a planner is asked at most so often."""
+SLOWEST, FASTEST = 2.5, 500.0
+"""How often a planner is asked, Hz: robots stop 0.5 s after their last command, and there are 500
+steps of physics a second."""
 
 
 def check_backend(scenario: Scenario) -> None:
@@ -29,7 +30,8 @@ def check_backend(scenario: Scenario) -> None:
                 key=f"robots[{index}].model",
                 choices=(name for name, known in MODELS.items() if known.description is not None),
             )
-    if scenario.execution.rate > PHYSICS_RATE:
+    if not SLOWEST <= scenario.execution.rate <= FASTEST:
         raise expected(
-            f"expected at most {PHYSICS_RATE:g}, the rate of the physics", key="execution.rate"
+            f"expected {SLOWEST:g} to {FASTEST:g} in physics: robots stop 0.5 s after a command",
+            key="execution.rate",
         )

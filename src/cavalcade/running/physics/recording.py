@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cavalcade.errors import RecordingError
 from cavalcade.geometry import Array
@@ -97,7 +98,7 @@ def read_physics(path: str | Path) -> PhysicsTrack | None:
 
 def _track(found: dict[str, list[bytes]], robots: int) -> PhysicsTrack:
     count = len(found[messages.body_topic(0)])
-    time: Array | None = None
+    time: NDArray[np.int64] | None = None
     base = np.zeros((count, robots, 7))
     joints = {name: np.zeros((count, robots, 12)) for name in ("position", "velocity", "effort")}
     forces = np.zeros((count, robots, len(LEGS), 3))
@@ -106,8 +107,9 @@ def _track(found: dict[str, list[bytes]], robots: int) -> PhysicsTrack:
         nonlocal time
         read = layout.unpack(found[topic])
         stamps = nanoseconds_of(read["stamp"])
-        time = stamps if time is None else time
-        if not np.array_equal(stamps, time):
+        if time is None:
+            time = stamps
+        if len(stamps) != count or (stamps != time).any():
             raise ValueError(f"{topic} has other times than {messages.body_topic(0)}")
         return read
 

@@ -1,0 +1,195 @@
+"""Robots that walk: leg control and rigid-body physics behind the interface of every fleet."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cavalcade.body.ground import Ground
+from cavalcade.errors import InputError
+from cavalcade.fleet.physics.ground import PhysicsGround
+from cavalcade.fleet.physics.postures import fallen, planar_poses, planar_velocities
+from cavalcade.fleet.physics.sampling import Sampler, Samples
+from cavalcade.fleet.physics.sensing import Sensing, SensingErrors
+from cavalcade.fleet.physics.settings import PhysicsSettings
+from cavalcade.fleet.physics.simulator import TeamSimulator
+from cavalcade.fleet.protocol import Fall, Observation
+from cavalcade.fleet.radio import CommandDelay, LocalisationNoise, Radio, start_poses
+from cavalcade.geometry import Array
+from cavalcade.locomotion.control import LegControl
+from cavalcade.robots.model import RobotModel
+
+
+class MujocoFleet:
+    """Robots on legs that follow body velocities as well as they can.
+
+    Within `advance` leg control and physics take turns, 500 times a second. A robot that has got
+    no command for 0.5 s stops and stands. Poses are those of the trunk, seen from above.
+
+    Args:
+        models: One model per robot, each with a description.
+        poses: `(N, 3)` start poses x, y, yaw in the map frame, m and rad; the robots stand.
+        ground: What they walk on and run into; level without end by default.
+        footing: The same ground as legs' control knows it, and
+        origin: the pose of its grid in the map.
+        physics: Of the simulated world.
+        noise: Errors of the reported poses.
+        delay: Delay and loss of messages.
+        sensing: Errors of the state that leg control works with.
+        seed: Of the noise, the jitter and the losses.
+        time: The clock at the start, s.
+
+    Attributes:
+        simulator, control: What it is made of.
+
+    Raises:
+        InputError: MuJoCo is missing, a robot has no description, the numbers of models and poses
+            differ, or a pose is not finite.
+    """
+
+    def __init__(
+        self,
+        models: Sequence[RobotModel],
+        poses: ArrayLike,
+        *,
+        ground: PhysicsGround | None = None,
+        footing: Ground | None = None,
+        origin: Sequence[float] = (0.0, 0.0, 0.0),
+        physics: PhysicsSettings | None = None,
+        noise: LocalisationNoise | None = None,
+        delay: CommandDelay | None = None,
+        sensing: SensingErrors | None = None,
+        seed: int = 0,
+        time: float = 0.0,
+    ) -> None:
+        start = start_poses(poses, len(models))
+        self.simulator = TeamSimulator(models, start, ground, physics)
+        self.control = LegControl(models, footing, origin)
+        self._step = self.simulator.settings.step
+        errors = sensing or SensingErrors()
+        self._sensing = None if errors.none else Sensing(errors, self._step, seed)
+        self._start = self._time = float(time)
+        self._steps = 0
+        self._standing = np.array([robot.stand_height for robot in self.simulator.descriptions])
+        self._falls: dict[int, Fall] = {}
+        self._judged = 0
+        self._sampler = Sampler(self.simulator, self._time)
+        # One time per robot; leg control takes that as well as one for all.
+        self._heard: Any = np.full(len(models), self._time)
+        self._radio = Radio(self.true_poses(), self._time, noise, delay, seed)
+        self.control.begin(self._time, self.simulator.qpos)
+        self._judge()
+
+    @property
+    def size(self) -> int:
+        """Number of robots."""
+        return self.simulator.size
+
+    @property
+    def time(self) -> float:
+        """The fleet's clock, s; physics is at most half a step of its own off."""
+        return self._time
+
+    @property
+    def falls(self) -> tuple[Fall, ...]:
+        """The first fall of each robot that fell, in order of time."""
+        return tuple(self._falls.values())
+
+    def observe(self) -> Observation:
+        """The newest pose report of every robot and when it was measured."""
+        return self._radio.observation(self._time)
+
+    def true_poses(self) -> Array:
+        """`(N, 3)` true poses of the trunks now, seen from above."""
+        return planar_poses(self.simulator.qpos)
+
+    def true_velocities(self) -> Array:
+        """`(N, 3)` true velocities of the trunks now, map frame: m/s, m/s, rad/s."""
+        return planar_velocities(self.simulator.qpos, self.simulator.qvel)
+
+    def samples(self) -> Samples:
+        """What happened to bodies, joints and feet so far, 50 times a second."""
+        return self._sampler.samples()
+
+    def send(self, commands: ArrayLike) -> None:
+        """Command body-frame velocities `(N, 3)`: m/s, m/s, rad/s. They hold for 0.5 s.
+
+        Raises:
+            InputError: Another shape, or a value that is not finite; nothing is sent then.
+        """
+        self._hear(self._radio.send(commands, self._time), self._time)
+
+    def advance(self, dt: float) -> None:
+        """Let `dt` seconds pass; every robot that answers then reports its pose.
+
+        Raises:
+            InputError: `dt` is not positive and finite.
+        """
+        if not (math.isfinite(dt) and dt > 0.0):
+            raise InputError("expected a positive time step", key="dt")
+        self._time += dt
+        until = round((self._time - self._start) / self._step)
+        simulator, control, sampler = self.simulator, self.control, self._sampler
+        sensing, radio = self._sensing, self._radio
+        while self._steps < until:
+            now = self._start + self._steps * self._step
+            if radio.busy:
+                self._hear(radio.deliver(now), now)
+            state = simulator.qpos, simulator.qvel, simulator.foot_forces
+            if sensing is not None:
+                state = sensing.measured(state)
+            simulator.step(control.step(now, *state))
+            self._steps += 1
+            if sampler.step():
+                self._judge()
+        radio.report(self.true_poses(), self._time)
+
+    def silence(self, robot: int) -> None:
+        """The robot stops answering: no more reports; it stops and stands."""
+        self._radio.silence(robot)
+        self._stop(robot)
+
+    def revive(self, robot: int) -> None:
+        """The robot answers and listens again, from where it stands."""
+        self._radio.revive(robot)
+
+    def disable(self, robot: int) -> None:
+        """The robot stops, stands and ignores commands, but can still be located."""
+        self._radio.disable(robot)
+        self._stop(robot)
+
+    def enable(self, robot: int) -> None:
+        """The robot listens to commands again."""
+        self._radio.enable(robot)
+
+    def state_bytes(self) -> bytes:
+        """The state of physics to the last bit, to compare runs."""
+        return self.simulator.state_bytes()
+
+    def _stop(self, robot: int) -> None:
+        reached = np.zeros(self.size, dtype=bool)
+        reached[robot] = True
+        self._hear(reached, self._time)
+
+    def _hear(self, reached: NDArray[np.bool_], now: float) -> None:
+        """Hand over what robots `reached` `(N,)` were told; the others' last command ages."""
+        if reached.any():
+            self._heard[reached] = now
+            self.control.command(self._radio.commands, self._heard)
+
+    def _judge(self) -> None:
+        """Look for falls in the newest sample."""
+        qpos = self._sampler.qpos
+        below = self.simulator.ground.heights_at(qpos[:, :2])
+        causes = fallen(qpos, below, self._standing)
+        for touch in self._sampler.touches[self._judged :]:
+            if touch.part == "trunk" and touch.other == "ground":
+                causes[touch.robot] = causes[touch.robot] or "trunk"
+        self._judged = len(self._sampler.touches)
+        for robot, cause in enumerate(causes):
+            if cause is not None and robot not in self._falls:
+                self._falls[robot] = Fall(self._sampler.time, robot, cause)
