@@ -33,6 +33,9 @@ FALL = 1.0
 STILL = 0.02
 """Commands below are none, m/s; twice that in rad/s."""
 
+CALM = 0.15
+"""Pushed to more than that a robot begins to step, m/s; three times that in rad/s."""
+
 FIXED = 0.8
 """From this share of a swing on, its foothold stays."""
 
@@ -138,7 +141,7 @@ def follow(gait, state, body, passed):
     state.velocity[0] += share * dx
     state.velocity[1] += share * dy
     state.velocity[2] += min(max(wz - state.velocity[2], -turn), turn)
-    if math.hypot(vx, vy) > STILL or abs(wz) > 2.0 * STILL:
+    if math.hypot(vx, vy) > STILL or abs(wz) > 2.0 * STILL or disturbed(state, body):
         state.idle = state.time
     yaw = state.yaw + 0.5 * state.velocity[2] * passed
     c, s = math.cos(yaw), math.sin(yaw)
@@ -152,6 +155,14 @@ def follow(gait, state, body, passed):
     off = wrapped(state.yaw + state.velocity[2] * passed - body.angles[2])
     measured = state.yaw + wrapped(body.angles[2] - state.yaw)
     state.yaw = measured + min(max(off, -gait.turn_leash), gait.turn_leash)
+
+
+@njit(cache=True)
+def disturbed(state, body):
+    """Whether a robot that wants to stand must step not to fall."""
+    speed = math.hypot(body.velocity[0], body.velocity[1])
+    own = math.hypot(state.velocity[0], state.velocity[1])
+    return speed - own > CALM or abs(body.spin[2] - state.velocity[2]) > 3.0 * CALM
 
 
 @njit(cache=True)
