@@ -14,8 +14,32 @@ from cavalcade.checking.tracks import Track
 from cavalcade.geometry import Array, transform_points, wrap_angle
 from cavalcade.scenario import FormationSection, Scenario
 
-DISTANCE, TURN, SPEED, STILL = 0.10, 0.15, 0.02, 0.5
-"""The contract's criterion: within m and rad of the slot, slower than m/s for s."""
+
+@dataclass(frozen=True)
+class Criterion:
+    """When a robot has arrived.
+
+    Attributes:
+        distance, turn: Of the slot, m and rad.
+        speed: Slower than this, m/s.
+        still: For so long, s.
+        mean: Whether the mean over that time counts, not every moment: legged robots sway.
+    """
+
+    distance: float = 0.10
+    turn: float = 0.15
+    speed: float = 0.02
+    still: float = 0.5
+    mean: bool = False
+
+
+IDEAL = Criterion()
+"""The contract's."""
+
+DISTANCE, TURN = IDEAL.distance, IDEAL.turn
+
+PHYSICS = Criterion(distance=0.15, turn=0.2, speed=0.05, mean=True)
+"""The contract's for robots in physics."""
 
 _SLACK = 1e-3
 """For each of them, m, rad or m/s: rounding."""
@@ -32,7 +56,10 @@ class _Task:
 
 
 def check_arrival(
-    scenario: Scenario, tracks: tuple[Track, ...], goal_moved: float
+    scenario: Scenario,
+    tracks: tuple[Track, ...],
+    goal_moved: float,
+    criterion: Criterion = IDEAL,
 ) -> list[Violation]:
     """What contradicts the claim that the whole team has arrived.
 
@@ -43,21 +70,22 @@ def check_arrival(
         scenario: With the goals, the formation and the events that change them.
         tracks: With increasing time stamps.
         goal_moved: How far the goal is said to have been moved to fit, m.
+        criterion: When robots have arrived.
     """
     end = max(float(track.time[-1]) for track in tracks)
     task = _task_at(scenario, end)
     final = np.array([tracks[k].pose[-1] for k in task.present])
     slots = transform_points(task.goal, slots_of(task.formation, len(scenario.robots)))
     if task.whole and len(slots) == len(final):
-        errors, limit = _slot_errors(final[:, :2], slots, goal_moved), DISTANCE
+        errors, limit = _slot_errors(final[:, :2], slots, goal_moved), criterion.distance
         words = "its slot"
     else:
         centre = np.array(task.goal[:2])
         errors = np.hypot(*(final[:, :2] - centre).T)
-        limit = float(np.hypot(*(slots - centre).T).max()) + DISTANCE + goal_moved
+        limit = float(np.hypot(*(slots - centre).T).max()) + criterion.distance + goal_moved
         words = "the goal"
     turns = np.abs(wrap_angle(final[:, 2] - task.goal[2]))
-    return standing(scenario, tracks, task.present, errors, turns, end, words, limit)
+    return standing(scenario, tracks, task.present, errors, turns, end, words, criterion, limit)
 
 
 def standing(
@@ -68,7 +96,8 @@ def standing(
     turns: Array,
     end: float,
     words: str,
-    limit: float = DISTANCE,
+    criterion: Criterion = IDEAL,
+    limit: float | None = None,
 ) -> list[Violation]:
     """Robots that are too far off, turned or not yet still.
 
@@ -79,21 +108,23 @@ def standing(
         errors, turns: Of each of them, m and rad.
         end: When that is, s.
         words: What the distance is from.
-        limit: Of the distance, m.
+        criterion: When a robot has arrived.
+        limit: Of the distance, m, if it is not the criterion's.
     """
+    limit = criterion.distance if limit is None else limit
     result = []
     for robot, error, turn in zip(robots, errors, turns, strict=True):
         where = f"robot {robot} claims to have arrived"
         if error > limit + _SLACK:
             text = f"{where} but stands {error:.3f} m from {words}"
             result.append(Violation("arrival", end, (robot,), text, float(error), limit))
-        if turn > TURN + _SLACK:
+        if turn > criterion.turn + _SLACK:
             text = f"{where} but is turned by {turn:.3f} rad from the goal's heading"
-            result.append(Violation("arrival", end, (robot,), text, float(turn), TURN))
-        speed = _late_speed(tracks[robot], 1.0 / scenario.execution.rate)
-        if speed > SPEED + _SLACK:
-            text = f"{where} but moved at {speed:.3f} m/s in the last {STILL:g} s"
-            result.append(Violation("arrival", end, (robot,), text, speed, SPEED))
+            result.append(Violation("arrival", end, (robot,), text, float(turn), criterion.turn))
+        speed = _late_speed(tracks[robot], 1.0 / scenario.execution.rate, criterion)
+        if speed > criterion.speed + _SLACK:
+            text = f"{where} but moved at {speed:.3f} m/s in the last {criterion.still:g} s"
+            result.append(Violation("arrival", end, (robot,), text, speed, criterion.speed))
     return result
 
 
@@ -113,13 +144,15 @@ def _task_at(scenario: Scenario, end: float) -> _Task:
     return _Task(goals[-1], formation, not lost, present)
 
 
-def _late_speed(track: Track, cycle: float) -> float:
-    """Largest mean speed between samples in the last `STILL` seconds, m/s."""
+def _late_speed(track: Track, cycle: float, criterion: Criterion) -> float:
+    """Largest speed between samples in the last seconds, or the mean over these, m/s."""
     # The cycle in which the robot came to rest may reach into the window.
-    late = track.time >= track.time[-1] - STILL + cycle - 1e-6
+    late = track.time >= track.time[-1] - criterion.still + cycle - 1e-6
     place, time = track.pose[late, :2], track.time[late]
     if len(time) < 2:
         return math.inf
+    if criterion.mean:
+        return float(np.hypot(*(place[-1] - place[0])) / (time[-1] - time[0]))
     steps = np.diff(place, axis=0)
     return float((np.hypot(steps[:, 0], steps[:, 1]) / np.diff(time)).max())
 

@@ -7,11 +7,14 @@ import math
 from pathlib import Path
 from typing import Any
 
-from cavalcade.checking.arrival import check_arrival
+from cavalcade.checking.arrival import PHYSICS, check_arrival
 from cavalcade.checking.contact import find_contacts
 from cavalcade.checking.limits import TOLERANCE, Effort, exceeded, measure
 from cavalcade.checking.motion import bodies, common_clock
 from cavalcade.checking.own_goals import check_own_arrival, with_own_limits
+from cavalcade.checking.physics.reading import read_records
+from cavalcade.checking.physics.record import RobotRecord
+from cavalcade.checking.physics.run import judge_motion
 from cavalcade.checking.plans import judge_plan, read_plan
 from cavalcade.checking.plans.terrainfile import read_heights
 from cavalcade.checking.report import Figures, Report, Violation
@@ -49,13 +52,12 @@ def check(directory: str | Path) -> Report:
     summary = _read_summary(folder / "summary.json")
     recording, plan = folder / RECORDING, folder / PLAN
     if not plan.is_file() and (recording.is_file() or not scenario.task.individual):
-        return judge(scenario, read_tracks(recording, len(scenario.robots)), summary)
+        return _judge_recording(scenario, recording, summary)
     if not scenario.task.individual:
         raise RecordingError("there is a plan, but the scenario has a formation", file=plan)
     if not recording.is_file():
         return judge_plan(scenario, read_plan(plan), summary)
-    tracks = read_tracks(recording, len(scenario.robots))
-    run = judge(scenario, tracks, summary)
+    run = _judge_recording(scenario, recording, summary)
     # The summary is that of the run: it says nothing of the plan's figures.
     planned = judge_plan(scenario, read_plan(plan), summary, figures=False)
     return _report([*run.violations, *planned.violations], run.figures)
@@ -99,6 +101,51 @@ def judge(scenario: Scenario, tracks: tuple[Track, ...], summary: dict[str, Any]
         violations += check_arrival(scenario, tracks, _number(summary, "goal_moved_m") or 0.0)
     duration = float(ticks[-1] - ticks[0])
     return _report(violations, _figures(efforts, duration, gap))
+
+
+def judge_physics(
+    scenario: Scenario,
+    tracks: tuple[Track, ...],
+    records: tuple[RobotRecord, ...],
+    summary: dict[str, Any],
+) -> Report:
+    """The verdict on motion recorded in physics.
+
+    Bodies, joints and contacts are judged instead of footprints and limits of planning.
+
+    Args:
+        scenario: A resolved one.
+        tracks: The true planar motion of each of its robots.
+        records: Their bodies, joints and forces.
+        summary: What the run says of itself.
+
+    Raises:
+        RecordingError: The map file cannot be read, or a robot has no description.
+    """
+    heights = read_heights(scenario)
+    scene = build_scene(scenario, None if heights is None else (heights.size, heights.origin))
+    violations = disordered(tracks)
+    if violations:
+        return _report(violations, None)
+    violations, gap = judge_motion(scenario, tracks, records, summary, scene, heights)
+    violations += misplaced(tracks, scenario.starts)
+    violations += incomplete(tracks, scenario.execution.rate, _number(summary, "sim_time_s"))
+    if summary.get("success") and scenario.task.individual:
+        violations += check_own_arrival(scenario, tracks, PHYSICS)
+    elif summary.get("success"):
+        moved = _number(summary, "goal_moved_m") or 0.0
+        violations += check_arrival(scenario, tracks, moved, PHYSICS)
+    efforts = [measure(track, model) for track, model in zip(tracks, scenario.models, strict=True)]
+    duration = max(float(track.time[-1] - track.time[0]) for track in tracks)
+    return _report(violations, _figures(efforts, duration, gap))
+
+
+def _judge_recording(scenario: Scenario, path: Path, summary: dict[str, Any]) -> Report:
+    robots, backend = len(scenario.robots), str(scenario.execution.backend)
+    tracks = read_tracks(path, robots)
+    if backend == "mujoco":
+        return judge_physics(scenario, tracks, read_records(path, robots), summary)
+    return judge(scenario, tracks, summary)
 
 
 def _figures(efforts: list[Effort], duration: float, gap: float) -> Figures:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cavalcade.checking.arrival import standing
+from cavalcade.checking.arrival import IDEAL, Criterion, standing
 from cavalcade.checking.report import Violation
 from cavalcade.checking.tracks import Track
 from cavalcade.geometry import wrap_angle
@@ -48,7 +48,9 @@ def with_own_limits(model: RobotModel, leaps: bool) -> RobotModel:
     )
 
 
-def check_own_arrival(scenario: Scenario, tracks: tuple[Track, ...]) -> list[Violation]:
+def check_own_arrival(
+    scenario: Scenario, tracks: tuple[Track, ...], criterion: Criterion = IDEAL
+) -> list[Violation]:
     """What contradicts the claim that every robot stands at its goal."""
     end = max(float(track.time[-1]) for track in tracks)
     everyone = tuple(range(len(tracks)))
@@ -58,4 +60,4 @@ def check_own_arrival(scenario: Scenario, tracks: tuple[Track, ...]) -> list[Vio
     turns = np.abs(wrap_angle(final[:, 2] - goals[:, 2]))
     # Where a robot that goes in all directions looks is of no interest.
     turns[[model.drive.startswith("integrator") for model in scenario.models]] = 0.0
-    return standing(scenario, tracks, everyone, errors, turns, end, "its goal")
+    return standing(scenario, tracks, everyone, errors, turns, end, "its goal", criterion)

@@ -1,0 +1,105 @@
+"""The verdict on a run in physics."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from cavalcade.checking.contact import find_contacts
+from cavalcade.checking.motion import bodies, common_clock
+from cavalcade.checking.physics.claims import check_counts, check_distances, check_poses
+from cavalcade.checking.physics.distances import obstacle_distance, pair_distance
+from cavalcade.checking.physics.floor import floor_of
+from cavalcade.checking.physics.judge import judge_robots
+from cavalcade.checking.physics.record import RobotRecord
+from cavalcade.checking.plans.heights import Heights
+from cavalcade.checking.report import Violation
+from cavalcade.checking.solids import Scene
+from cavalcade.checking.tracks import Track
+from cavalcade.errors import RecordingError
+from cavalcade.robots.description import QuadrupedDescription
+from cavalcade.scenario import Scenario
+
+SPARSE = 0.05
+"""Most seconds between samples of bodies: what is finer is the recording's grain."""
+
+
+def judge_motion(
+    scenario: Scenario,
+    tracks: tuple[Track, ...],
+    records: tuple[RobotRecord, ...],
+    summary: Mapping[str, Any],
+    scene: Scene,
+    heights: Heights | None,
+) -> tuple[list[Violation], float]:
+    """Violations of bodies, joints and contacts and of what is claimed; smallest footprint gap, m.
+
+    Footprints may touch here: of robots with legs and walls, their solid parts count.
+
+    Args:
+        scenario: A resolved one.
+        tracks, records: What is recorded of each robot.
+        summary: What the run says of itself.
+        scene: What robots may run into.
+        heights: Of the ground; None where it is level.
+
+    Raises:
+        RecordingError: A robot has no description.
+    """
+    places = np.concatenate([record.base[:, :2] for record in records])
+    floor = floor_of(heights, places)
+    result = judge_robots(records, _descriptions(scenario), floor, scene)
+    result += _sparse(records)
+    for record, track in zip(records, tracks, strict=True):
+        result += check_poses(record, track)
+        result += _short(record, track)
+    ticks = common_clock(tracks, scene.solids)
+    end, robots = float(ticks[-1]), len(records)
+    counts = {
+        "falls": sum(violation.kind == "fall" for violation in result),
+        "robot_robot": sum(violation.kind == "robot-robot" for violation in result),
+        "robot_obstacle": sum(violation.kind == "robot-obstacle" for violation in result),
+    }
+    result += check_counts(summary, counts, end, robots)
+    _, gap = find_contacts(scene, bodies(tracks, scenario.models, ticks), ticks)
+    distances = {
+        "min_robot_distance_m": pair_distance(tracks, ticks),
+        "min_obstacle_distance_m": obstacle_distance(scene, tracks, scenario.models, ticks),
+        "min_footprint_gap_m": gap if gap < 1.0 else np.inf,
+    }
+    result += check_distances(summary, distances, end, robots)
+    return result, gap
+
+
+def _descriptions(scenario: Scenario) -> list[QuadrupedDescription]:
+    result = []
+    for number, model in enumerate(scenario.models):
+        if model.description is None:
+            raise RecordingError(
+                f"there is no description of {model.name} to judge physics by",
+                key=f"robots[{number}].model",
+            )
+        result.append(model.description)
+    return result
+
+
+def _sparse(records: tuple[RobotRecord, ...]) -> list[Violation]:
+    gaps = records[0].steps
+    wide = np.flatnonzero(gaps > SPARSE + 1e-6)
+    if not len(wide):
+        return []
+    text = f"bodies have no samples for {gaps[wide[0]]:.3f} s"
+    everyone = tuple(range(len(records)))
+    time = float(records[0].time[wide[0]])
+    return [Violation("samples", time, everyone, text, float(gaps[wide[0]]), SPARSE)]
+
+
+def _short(record: RobotRecord, track: Track) -> list[Violation]:
+    """Bodies are recorded for as long as poses are."""
+    missing = max(float(record.time[0] - track.time[0]), float(track.time[-1] - record.time[-1]))
+    if missing <= SPARSE + 1e-6:
+        return []
+    text = f"robot {record.robot} has poses for {missing:.2f} s without its body"
+    return [Violation("samples", float(record.time[-1]), (record.robot,), text, missing, SPARSE)]
