@@ -13,6 +13,7 @@ from cavalcade.errors import InputError
 from cavalcade.fleet.physics._motors import limit_torques
 from cavalcade.fleet.physics.engine import load_mujoco
 from cavalcade.fleet.physics.ground import PhysicsGround
+from cavalcade.fleet.physics.ground_spec import AWAY
 from cavalcade.fleet.physics.settings import PhysicsSettings
 from cavalcade.fleet.physics.standing import standing_states
 from cavalcade.fleet.physics.world_spec import build_team, descriptions_of
@@ -149,6 +150,25 @@ class TeamSimulator:
             raise InputError("expected positive seconds", key="duration")
         steps = max(1, round(duration / self.settings.step))
         self._pushes.append((self._steps + steps, robot, vector))
+
+    def place_obstacle(self, number: int, offset: tuple[float, float] | None) -> None:
+        """Put a movable obstacle of the ground somewhere; all are away at first.
+
+        Args:
+            number: Index in `ground.movable`.
+            offset: x, y from its first place, m; None takes it away.
+
+        Raises:
+            InputError: No such obstacle, or an offset that is not finite.
+        """
+        if not 0 <= number < len(self.team.obstacles):
+            raise InputError(
+                f"no such obstacle; there are {len(self.team.obstacles)} movable ones", key="number"
+            )
+        place = AWAY if offset is None else (*offset, 0.0)
+        if not np.isfinite(place).all():
+            raise InputError("expected finite metres", key="offset")
+        self.data.mocap_pos[self.team.obstacles[number]] = place
 
     def state_bytes(self) -> bytes:
         """Time, positions and velocities to the last bit, to compare runs."""

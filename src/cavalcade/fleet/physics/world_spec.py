@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from cavalcade.errors import InputError
 from cavalcade.fleet.physics.engine import load_mujoco
-from cavalcade.fleet.physics.filtering import WORLD_AFFINITY, WORLD_TYPE, robot_bits
+from cavalcade.fleet.physics.filtering import robot_bits
 from cavalcade.fleet.physics.ground import PhysicsGround
+from cavalcade.fleet.physics.ground_spec import add_ground
 from cavalcade.fleet.physics.robot_spec import robot_spec
 from cavalcade.fleet.physics.settings import PhysicsSettings
 from cavalcade.robots.description import JOINTS, LEGS, PARTS, QuadrupedDescription
@@ -33,6 +34,7 @@ class TeamModel:
         qvel: `(N, 18)` places in `qvel`: velocity in the world, rates in the body, joints' rates.
         motors: `(N, 12)` actuators.
         touch: `(N, 4)` places in `sensordata`.
+        obstacles: `(M,)` rows of the movable obstacles in `mocap_pos`.
         geom_robot: `(G,)` the robot that a shape belongs to; -1 for the world's.
         geom_part: `(G,)` index in `PARTS` of a robot's shape; `GROUND` or `OBSTACLE` of the
             world's.
@@ -45,6 +47,7 @@ class TeamModel:
     qvel: NDArray[np.int64]
     motors: NDArray[np.int64]
     touch: NDArray[np.int64]
+    obstacles: NDArray[np.int64]
     geom_robot: NDArray[np.int64]
     geom_part: NDArray[np.int64]
     geom_leg: NDArray[np.int64]
@@ -80,14 +83,7 @@ def build_team(
     friction, scales = settings.drawn(len(models))
     spec = mujoco.MjSpec()
     _set_options(spec, settings)
-    spec.worldbody.add_geom(
-        name="ground",
-        type=mujoco.mjtGeom.mjGEOM_PLANE,
-        size=(0.0, 0.0, 1.0),
-        contype=WORLD_TYPE,
-        conaffinity=WORLD_AFFINITY,
-        condim=3,
-    )
+    add_ground(spec, ground)
     for number, bits in enumerate(robot_bits(len(models))):
         child = robot_spec(
             descriptions[number],
@@ -97,7 +93,7 @@ def build_team(
             settings.looks,
         )
         spec.attach(child, prefix=_prefix(number), frame=spec.worldbody.add_frame())
-    return _indexed(spec.compile(), len(models))
+    return _indexed(spec.compile(), len(models), len(ground.movable))
 
 
 def _set_options(spec: Any, settings: PhysicsSettings) -> None:
@@ -108,13 +104,15 @@ def _set_options(spec: Any, settings: PhysicsSettings) -> None:
     option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     option.impratio = 100.0
+    # Separate solutions of robots that do not touch: the same result, measured 10 to 15 % slower.
+    option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_ISLAND)
 
 
 def _prefix(robot: int) -> str:
     return f"robot_{robot}/"
 
 
-def _indexed(model: Any, robots: int) -> TeamModel:
+def _indexed(model: Any, robots: int, movable: int) -> TeamModel:
     names = [f"{leg}_{joint}" for leg in LEGS for joint in JOINTS]
     trunks = np.zeros(robots, dtype=np.int64)
     qpos, qvel = np.zeros((robots, 19), dtype=np.int64), np.zeros((robots, 18), dtype=np.int64)
@@ -144,4 +142,8 @@ def _indexed(model: Any, robots: int) -> TeamModel:
             geom = model.geom(f"{prefix}{name}_foot").id
             geom_part[geom], geom_leg[geom] = PARTS.index("foot"), leg
     geom_part[model.geom("ground").id] = GROUND
-    return TeamModel(model, trunks, qpos, qvel, motors, touch, geom_robot, geom_part, geom_leg)
+    bodies = [model.body(f"obstacle_{number}") for number in range(movable)]
+    obstacles = np.array([int(body.mocapid[0]) for body in bodies], dtype=np.int64)
+    return TeamModel(
+        model, trunks, qpos, qvel, motors, touch, obstacles, geom_robot, geom_part, geom_leg
+    )
