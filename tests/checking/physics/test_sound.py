@@ -51,7 +51,7 @@ def test_a_standing_robot_passes(standing, verdict):
 
 
 def test_a_robot_that_shifts_its_weight_passes(verdict):
-    assert verdict(carried(shifted(still(), 0.03, 0.02))) == []
+    assert verdict(carried(shifted(still(), 0.015, 0.015))) == []
 
 
 def test_two_robots_beside_each_other_pass(verdict):

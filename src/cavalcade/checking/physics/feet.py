@@ -31,8 +31,13 @@ FRICTION = 1.2
 FIRM = 0.1
 """A foot with this part of the weight, before and after as well, stands: it does not slide."""
 
-SLIDING = 0.015
-"""A standing foot may slide this far from where it set down, m."""
+SLIDING = 0.005
+"""A standing foot may slide this far from where it set down, m, unless friction holds against it:
+a foot whose friction is used up slides as it should."""
+
+USED = 0.3
+"""Sideways force over normal force from which friction may be used up: ice has less, but no legs
+walk there."""
 
 LEVEL = 0.005
 """Ground that differs by less, m, below a foot counts as level there."""
@@ -78,14 +83,19 @@ def standing(record: RobotRecord, posture: Posture) -> NDArray[np.bool_]:
 
 
 def slides(record: RobotRecord, posture: Posture) -> Array:
-    """Distances `(T - 1, 4)` in m that standing feet have slid since they set down.
+    """Distances `(T - 1, 4)` in m that standing feet have slid with nothing that holds against it.
 
-    A foot is a ball that rolls as its calf turns: its centre moves, what touches the ground does
-    not. Of the motion that is left only the horizontal part is looked at.
+    Counted from where they set down. A foot is a ball that rolls as its calf turns: its centre
+    moves, what touches the ground does not. Of the motion that is left only the horizontal part
+    is looked at. A foot whose friction is used up may slide against it.
     """
     turn = turns(posture.turn[:, CALVES])
     rolled = np.cross(turn, (0.0, 0.0, posture.radius))
     moved = (np.diff(posture.feet, axis=0) - rolled)[..., :2]
+    force = record.forces[1:]
+    braking = -(force[..., :2] * moved).sum(axis=-1)
+    excused = braking > USED * force[..., 2] * np.linalg.norm(moved, axis=-1)
+    moved = np.where(excused[..., None], 0.0, moved)
     firm = standing(record, posture)
     result = np.zeros(firm.shape)
     for leg in range(4):

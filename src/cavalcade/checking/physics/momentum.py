@@ -3,9 +3,10 @@
 Forces are recorded as means over the intervals between samples, and mean velocities follow from
 the places of all links at the samples. The difference of the mean velocities of two intervals is
 the impulse between their middles, of which the two outer halves are only known by the interval's
-mean force: if a force F sets in within an interval dt, that errs by F dt / 8 at most. So nothing
-of what is between samples is needed, and a robot that is moved by anything but its feet is found
-out: carried, dragged, or put elsewhere.
+mean force: if a force F sets in within an interval dt, that errs by F dt / 8 at most. How much
+sets in is seen from the forces of the intervals before and after. So nothing of what is between
+samples is needed, and a robot that is moved by anything but its feet is found out: carried,
+dragged, or put elsewhere.
 """
 
 from __future__ import annotations
@@ -31,14 +32,17 @@ LONG_ENOUGH = 2.0
 WINDOWS = (0.1, 0.5, 2.0)
 """Lengths in s over which changes of momentum are compared with impulses."""
 
-SUDDEN = 3.0
-"""Body weights by which a force may set in within one interval between samples."""
+SUDDEN = 0.5
+"""Body weights by which forces may change within an interval unseen in the means beside it."""
 
 DRIFT = 0.01
 """Of the weight: a steady error of the forces that is let pass."""
 
 ARM = 0.25
 """Moment arm in m of a force that sets in within an interval."""
+
+PLACE = 0.005
+"""Where on a foot its force acts is known to this, m."""
 
 
 def check_momentum(
@@ -59,10 +63,10 @@ def check_momentum(
     weight = mass * GRAVITY
     result = _mean_force(record, linear, weight, unknown)
     middle = 0.5 * (record.time[1:] + record.time[:-1])
-    edge = SUDDEN * weight * float(record.steps.max()) / 8.0
-    rules: tuple[tuple[Kind, Array, float, float], ...] = (
+    edge = _grain(record, pushes, weight)
+    rules: tuple[tuple[Kind, Array, Array, float], ...] = (
         ("momentum", linear, edge, DRIFT * weight),
-        ("angular-momentum", turning, ARM * edge, DRIFT * weight * ARM),
+        ("angular-momentum", turning, ARM * edge, PLACE * weight),
     )
     for kind, balance, end, drift in rules:
         found = [
@@ -88,6 +92,17 @@ def _missing(record: RobotRecord, posture: Posture, pushes: Array) -> tuple[Arra
     moment += np.cross(_middle(posture.centers[:, 0]) - center, pushes)
     linear = posture.weight * posture.velocity - _until_middle(force * step)
     return linear, posture.spin - _until_middle(moment * step)
+
+
+def _grain(record: RobotRecord, pushes: Array, weight: float) -> Array:
+    """By how much the impulse of half an interval may be off, `(T - 1,)` N s."""
+    forces = np.concatenate((record.forces[1:], pushes[:, None]), axis=1)
+    change = np.linalg.norm(np.diff(forces, axis=0), axis=2).sum(axis=1)
+    sudden = np.full(len(forces), SUDDEN * weight)
+    sudden[1:] += change
+    sudden[:-1] += change
+    grain: Array = sudden * record.steps / 8.0
+    return grain
 
 
 def _until_middle(impulse: Array) -> Array:
@@ -116,7 +131,7 @@ def _window(
     middle: Array,
     balance: Array,
     span: float,
-    edge: float,
+    edge: Array,
     drift: float,
     unknown: NDArray[np.bool_],
 ) -> list[Violation]:
@@ -128,7 +143,7 @@ def _window(
     known = count[last + 1] == count[first]
     first, last = first[known], last[known]
     gap = np.linalg.norm(balance[last] - balance[first], axis=1)
-    limit = 2.0 * edge + drift * (middle[last] - middle[first])
+    limit = edge[first] + edge[last] + drift * (middle[last] - middle[first])
     unit, cause = ("N s", "force") if kind == "momentum" else ("N m s", "moment")
     words = (
         f"changes its {kind.replace('-', ' ')} within {span:g} s by {{value:.2f}} {unit} that no "
