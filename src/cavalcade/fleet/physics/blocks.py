@@ -66,7 +66,7 @@ def blocks_of_shape(shape: Shape, resolution: float = 0.05) -> tuple[Block, ...]
     cols = math.ceil(x_max / resolution) + 1 - col
     origin = (col * resolution, row * resolution, 0.0)
     grid = rasterise([shape], rows, cols, resolution, origin)
-    local = OccupancyMap(grid, resolution, origin)
+    local = OccupancyMap(np.where(grid, np.int8(100), np.int8(0)), resolution, origin)
     return tuple(_box(local, *(int(v) for v in edges)) for edges in cover(grid))
 
 
