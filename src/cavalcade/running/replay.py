@@ -96,27 +96,22 @@ def replay_data(
     scene: Scene, world: World, summary: Mapping[str, Any], waypoints: int = 1
 ) -> dict[str, Any]:
     """What the page needs to know of a run, as plain lists and numbers."""
-    picked = _every(len(scene.time), -(-scene.poses.shape[0] * scene.size // _MOST_POSES))
+    picked = _picked(scene)
     poses = scene.poses[picked]
-    goals = np.stack([scene.status[i].goals for i in picked])
-    goals = np.where(np.isfinite(goals), goals, poses[..., :2])
     yaw = np.unwrap(poses[..., 2], axis=0)
-    slot_sets, phases = _phases(scene)
     return {
         "name": scene.name,
-        "outcome": _outcome(summary),
-        "numbers": _numbers(summary),
+        "outcome": outcome(summary),
+        "numbers": numbers(summary),
         "waypoints": waypoints,
         "radius": scene.radius,
         "colors": {"light": style.ROBOTS, "dark": _DARK},
         "view": _whole(scene.view(2.0), 1000),
         "arena": _arena(scene.arena),
-        "tracks": [_track(track) for track in scene.tracks],
         "robots": [
             {"model": model.name, "length": model.length, "width": model.width}
             for model in scene.models
         ],
-        "time": _steps(scene.time[picked], 1000),
         "pose": [
             {
                 "x": _steps(poses[:, k, 0], 1000),
@@ -125,6 +120,20 @@ def replay_data(
             }
             for k in range(scene.size)
         ],
+        "series": _series(scene, world),
+        **planner_data(scene),
+    }
+
+
+def planner_data(scene: Scene) -> dict[str, Any]:
+    """What the planner wanted and what happened around it: goals, slots, paths, obstacles, notes."""
+    picked = _picked(scene)
+    goals = np.stack([scene.status[i].goals for i in picked])
+    goals = np.where(np.isfinite(goals), goals, scene.poses[picked][..., :2])
+    slot_sets, phases = _phases(scene)
+    return {
+        "tracks": [_track(track) for track in scene.tracks],
+        "time": _steps(scene.time[picked], 1000),
         "goals": [
             {"x": _steps(goals[:, k, 0], 100), "y": _steps(goals[:, k, 1], 100)}
             for k in range(scene.size)
@@ -132,9 +141,13 @@ def replay_data(
         "slots": [_points(slots, 1000) for slots in slot_sets],
         "phases": phases,
         "paths": _paths(scene),
-        "series": _series(scene, world),
         "notes": [[round(float(time), 3), text] for time, text in scene.notes],
     }
+
+
+def _picked(scene: Scene) -> list[int]:
+    """The cycles that travel."""
+    return _every(len(scene.time), -(-scene.poses.shape[0] * scene.size // _MOST_POSES))
 
 
 def _every(count: int, stride: int) -> list[int]:
@@ -249,7 +262,8 @@ def _series(scene: Scene, world: World) -> dict[str, Any]:
     }
 
 
-def _outcome(summary: Mapping[str, Any]) -> dict[str, Any]:
+def outcome(summary: Mapping[str, Any]) -> dict[str, Any]:
+    """How the run ended, for people, and whether that is good."""
     reason = str(summary.get("reason") or "")
     makespan = summary.get("makespan_s")
     text = reason or "run"
@@ -258,7 +272,7 @@ def _outcome(summary: Mapping[str, Any]) -> dict[str, Any]:
     return {"text": text, "good": bool(summary.get("success"))}
 
 
-def _numbers(summary: Mapping[str, Any]) -> list[list[str]]:
+def numbers(summary: Mapping[str, Any]) -> list[list[str]]:
     """(name, value) rows of the summary for people."""
     error = summary.get("formation_error_m") or {}
     collisions = summary.get("collisions") or {}

@@ -111,7 +111,7 @@ class PhysicsTrack:
         return float(self.time[-1] - self.time[0]) if len(self.time) else 0.0
 
     def thinned(self, stride: int) -> PhysicsTrack:
-        """Every so many-th sample, with the mean force and the largest torque since the one before."""
+        """Every so many-th sample: its forces are means and its torques peaks since the last."""
         if stride <= 1 or len(self.time) < 2:
             return self
         kept = np.arange(0, len(self.time), stride)

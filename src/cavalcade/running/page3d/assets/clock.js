@@ -22,10 +22,15 @@ function frame(when) {
 function draw() {
   if (camera.follow !== null) camera.target = eyesOn(camera.follow);
   const view = viewMatrix(), radius = Math.min(Math.max(0.9 * camera.away, 2), 60);
-  renderSolid(view, eyeAt(), camera.target, radius, rgb(css("--sky")), () => { drawGround(); drawSolid(now); });
+  renderSolid(view, eyeAt(), camera.target, radius, rgb(css("--sky")), () => {
+    drawGround();
+    if (camera.follow === null || drawing === depths) drawSolids();
+    drawSolid(now);
+  });
   gl.enable(gl.BLEND);
   gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
   drawOver(view, now);
+  if (camera.follow !== null) drawGhosts(camera.target, camera.follow === "team" ? 0.22 : 0.15);
   id("seek").value = Math.round(1000 * now / Math.max(end, 1e-6));
   id("clock").innerHTML = `<b>${now.toFixed(2)}</b> <span>/ ${end.toFixed(1)} s</span>`;
 }

@@ -40,7 +40,7 @@ function terrainMesh() {
   return mesh(place, normal, colour, index);
 }
 
-const SHAPE = [0.42, 0.45, 0.49], WALL = [0.50, 0.53, 0.57];
+const SHAPE = [0.50, 0.53, 0.57], WALL = [0.56, 0.59, 0.63];
 
 // A collector of flat faces with their normals.
 function faces() {
@@ -75,5 +75,19 @@ const solids = (() => {
 function drawGround() {
   // Level ground takes shadows and throws none.
   if (terrain || drawing === meshes) drawMesh(ground, identity, dark() ? [0.52, 0.54, 0.56] : [1, 1, 1], dark() ? 0.5 : 0.22, contour);
+}
+
+function drawSolids() {
   if (solids) drawMesh(solids, identity, dark() ? [0.75, 0.78, 0.82] : [1, 1, 1]);
+}
+
+// The same after all else, so that what is behind them shows through where they are in the way.
+function drawGhosts(aim, slope) {
+  if (!solids) return;
+  useMeshes();
+  gl.uniform4f(meshes.at.aim, ...aim, slope);
+  gl.enable(gl.CULL_FACE);
+  drawSolids();
+  gl.disable(gl.CULL_FACE);
+  gl.uniform4f(meshes.at.aim, 0, 0, 0, 0);
 }

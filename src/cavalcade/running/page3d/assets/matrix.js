@@ -38,3 +38,16 @@ function rgb(text) {
   const n = parseInt(text.slice(1), 16);
   return [(n >> 16) / 255, ((n >> 8) & 255) / 255, (n & 255) / 255];
 }
+
+// The rotation of a unit quaternion w, x, y, z as its three columns.
+function turnOf([w, x, y, z]) {
+  return [
+    [1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)],
+    [2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)],
+    [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)],
+  ];
+}
+
+// A rotation's columns times a vector, and times another one's columns.
+const turned = (t, v) => [0, 1, 2].map((r) => t[0][r] * v[0] + t[1][r] * v[1] + t[2][r] * v[2]);
+const turnedBy = (t, s) => s.map((column) => turned(t, column));

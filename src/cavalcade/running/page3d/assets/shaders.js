@@ -1,6 +1,6 @@
 // WebGL: lit meshes with the sun's shadows, thick lines, dots.
 const canvas = document.getElementById("view");
-const gl = canvas.getContext("webgl", { antialias: true, preserveDrawingBuffer: true });
+const gl = canvas.getContext("webgl", { alpha: false, antialias: true, preserveDrawingBuffer: true });
 if (!gl) {
   document.getElementById("trouble").hidden = false;
   throw new Error("no WebGL");
@@ -52,23 +52,24 @@ ${fine ? "#extension GL_OES_standard_derivatives : enable" : ""}
 precision highp float;
 varying vec3 n, c, w, s;
 uniform vec3 eye, sunward;
+uniform vec4 aim;
 uniform float lines, contour, gloss, bias;
 uniform sampler2D shade;
 float line(float v) {
   ${fine ? "float d = fwidth(v); return d > 0.5 || d < 1e-5 ? 0.0 : 1.0 - smoothstep(0.0, 1.2 * d, abs(fract(v - 0.5) - 0.5));" : "return 0.0;"}
 }
 float nearest(vec2 at) { return dot(texture2D(shade, at), vec4(1.0, 1.0 / 255.0, 1.0 / 65025.0, 1.0 / 16581375.0)); }
-float sunlit() {
+float sunlit(float high) {
   if (min(s.x, s.y) < 0.0 || max(max(s.x, s.y), s.z) > 1.0) return 1.0;
-  float sum = 0.0;
+  float sum = 0.0, slack = bias * (1.0 + min(sqrt(1.0 - high * high) / high, 7.0));
   for (int i = -1; i <= 1; i++)
-    for (int j = -1; j <= 1; j++) sum += step(s.z - bias, nearest(s.xy + vec2(float(i), float(j)) / 2048.0));
+    for (int j = -1; j <= 1; j++) sum += step(s.z - slack, nearest(s.xy + vec2(float(i), float(j)) / 2048.0));
   return sum / 9.0;
 }
 void main() {
   vec3 m = normalize(n), ray = normalize(eye - w);
-  float high = dot(m, sunward), sun = high > 0.0 ? high * sunlit() : 0.0;
-  vec3 shade = c * (vec3(0.575, 0.585, 0.605) + vec3(0.525, 0.515, 0.49) * sun + 0.09 * m.z);
+  float high = dot(m, sunward), sun = high > 0.0 ? high * sunlit(high) : 0.0;
+  vec3 shade = c * (vec3(0.53, 0.54, 0.56) + vec3(0.50, 0.49, 0.465) * sun + 0.08 * m.z);
   if (gloss > 0.0) shade += gloss * (pow(max(dot(m, normalize(sunward + ray)), 0.0), 36.0) * sun + 0.25 * pow(1.0 - max(dot(m, ray), 0.0), 4.0));
   if (lines > 0.0) {
     float far = length(eye - w);
@@ -77,7 +78,14 @@ void main() {
     if (contour > 0.0) g = max(g * 0.5, line(w.z / contour + 0.5) * 0.30);
     shade = mix(shade, shade * 0.45, g);
   }
-  gl_FragColor = vec4(shade, 1.0);
+  // What stands between the eye and its aim is seen through, in a cone of the slope aim.w.
+  float seen = 1.0;
+  if (aim.w > 0.0) {
+    vec3 way = aim.xyz - eye;
+    float far = length(way), near = dot(w - eye, way) / far, off = length(w - eye - near / far * way);
+    seen = max(mix(0.2, 1.0, smoothstep(0.7, 1.0, off / (aim.w * near))), smoothstep(far - 0.7, far - 0.3, near));
+  }
+  gl_FragColor = vec4(shade, seen);
 }`);
 
 // Seen from the sun: how far away is what it meets first.
@@ -111,11 +119,17 @@ function sunMatrix(middle, radius) {
   const z = shadow.sunward, x = unit(cross([0, 0, 1], z)), y = cross(z, x), texel = 2 * radius / shadow.size;
   const u = Math.round(dot(x, middle) / texel) * texel, v = Math.round(dot(y, middle) / texel) * texel, f = 1 / radius;
   const g = 1 / (1.6 * radius + 3), matrix = new Float32Array([x[0] * f, y[0] * f, -z[0] * g, 0, x[1] * f, y[1] * f, -z[1] * g, 0, x[2] * f, y[2] * f, -z[2] * g, 0, -u * f, -v * f, dot(z, middle) * g, 1]);
-  return { matrix, texel, bias: 0.75 * texel * g };
+  return { matrix, texel, bias: 0.5 * texel * g };
 }
 
 // Everything solid: once as the sun sees it, once as the eye does.
 let fed = null, drawing = meshes;
+function useMeshes() {
+  drawing = meshes;
+  fed = null;
+  gl.useProgram(meshes.made);
+}
+
 function renderSolid(view, eye, middle, radius, sky, drawThem) {
   const sun = sunMatrix(middle, radius);
   gl.enable(gl.DEPTH_TEST);
@@ -130,12 +144,10 @@ function renderSolid(view, eye, middle, radius, sky, drawThem) {
   gl.uniformMatrix4fv(depths.at.view, false, sun.matrix);
   drawThem();
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-  drawing = meshes;
-  fed = null;
   gl.viewport(0, 0, canvas.width, canvas.height);
   gl.clearColor(...sky, 1);
   gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-  gl.useProgram(meshes.made);
+  useMeshes();
   gl.uniformMatrix4fv(meshes.at.view, false, view);
   gl.uniformMatrix4fv(meshes.at.sun, false, sun.matrix);
   gl.uniform1f(meshes.at.texel, sun.texel);
@@ -181,14 +193,14 @@ const dots = program(`
 attribute vec3 place, colour;
 attribute float when;
 uniform mat4 view;
-uniform float now, size;
+uniform float now, since, size;
 varying vec4 c;
 void main() {
   gl_Position = view * vec4(place, 1.0);
   gl_Position.z -= 0.0004 * gl_Position.w;
-  gl_PointSize = when <= now ? clamp(size / gl_Position.w, 1.5, 9.0) : 0.0;
-  if (when > now) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
-  c = vec4(colour, 0.9);
+  gl_PointSize = when <= now ? clamp(size / gl_Position.w, 1.5, 11.0) : 0.0;
+  if (when > now || when < since) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+  c = vec4(colour, since > 0.0 ? 0.9 * min(2.0 * (when - since) / (now - since), 1.0) : 0.9);
 }`, `
 precision mediump float;
 varying vec4 c;

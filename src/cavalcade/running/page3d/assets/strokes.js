@@ -63,17 +63,18 @@ function useStrokes(view) {
   gl.uniform2f(strokes.at.screen, canvas.width / 2, canvas.height / 2);
 }
 
-// Dots on the ground that are there from their `when` on.
+// Dots on the ground that are there from their `when` on, for as long as is said, s.
 function marksOf(place, colour, when) {
   return { parts: { place: [buffer(place), 3], colour: [buffer(colour), 3], when: [buffer(when), 1] }, count: when.length };
 }
 
-function drawMarks(marks, view, time) {
+function drawMarks(marks, view, time, size = 0.045, stay = Infinity) {
   if (!marks.count) return;
   gl.useProgram(dots.made);
   gl.uniformMatrix4fv(dots.at.view, false, view);
   feed(dots, marks.parts);
   gl.uniform1f(dots.at.now, time);
-  gl.uniform1f(dots.at.size, 0.045 * canvas.height / 0.73);
+  gl.uniform1f(dots.at.since, stay < time ? time - stay : -1);
+  gl.uniform1f(dots.at.size, size * canvas.height / 0.73);
   gl.drawArrays(gl.POINTS, 0, marks.count);
 }

@@ -23,9 +23,7 @@ function drawOver(view, time) {
   useStrokes(view);
   if (shown.goals) places.draw(1.2 * ratio);
   drawFootprints(time);
-  gl.depthMask(false);
   if (shown.paths) trails.draw(1.5 * ratio, time, 0.3);
-  gl.depthMask(true);
   robots.forEach((robot, k) => { const at = poseAt(robot, time); placeTag(k, view, [at.x, at.y, at.z + 0.28]); });
   fillTeam(time);
 }
