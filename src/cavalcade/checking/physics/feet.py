@@ -86,20 +86,26 @@ def slides(record: RobotRecord, posture: Posture) -> Array:
     """Distances `(T - 1, 4)` in m that standing feet have slid with nothing that holds against it.
 
     Counted from where they set down. A foot is a ball that rolls as its calf turns: its centre
-    moves, what touches the ground does not. Of the motion that is left only the horizontal part
-    is looked at. A foot whose friction is used up may slide against it.
+    moves, what touches the ground does not. Of the motion that is left only what is along the
+    ground is looked at. A foot whose friction is used up may slide against it.
     """
-    turn = turns(posture.turn[:, CALVES])
-    rolled = np.cross(turn, (0.0, 0.0, posture.radius))
-    moved = (np.diff(posture.feet, axis=0) - rolled)[..., :2]
+    normals = 0.5 * (posture.normals[1:] + posture.normals[:-1])
+    rolled = np.cross(turns(posture.turn[:, CALVES]), posture.radius * normals)
+    moved = _along(np.diff(posture.feet, axis=0) - rolled, normals)
     force = record.forces[1:]
-    braking = -(force[..., :2] * moved).sum(axis=-1)
-    excused = braking > USED * force[..., 2] * np.linalg.norm(moved, axis=-1)
+    pressing = (force * normals).sum(axis=-1)
+    braking = -(_along(force, normals) * moved).sum(axis=-1)
+    excused = braking > USED * pressing * np.linalg.norm(moved, axis=-1)
     moved = np.where(excused[..., None], 0.0, moved)
     firm = standing(record, posture)
     result = np.zeros(firm.shape)
     for leg in range(4):
         for begin, end in stretches(firm[:, leg]):
             path = np.cumsum(moved[begin:end, leg], axis=0)
-            result[begin:end, leg] = np.hypot(*path.T)
+            result[begin:end, leg] = np.linalg.norm(path, axis=1)
     return result
+
+
+def _along(vectors: Array, normals: Array) -> Array:
+    part: Array = vectors - (vectors * normals).sum(axis=-1, keepdims=True) * normals
+    return part

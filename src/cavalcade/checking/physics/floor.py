@@ -22,6 +22,9 @@ class Floor(Protocol):
         triangles or boxes of them stays within this range.
         """
 
+    def normals_at(self, places: Array, reach: float) -> Array:
+        """Unit vectors `(..., 3)` across the ground at places `(..., 2)`, seen `reach` m around."""
+
 
 class LevelFloor:
     """Ground at height 0 everywhere."""
@@ -30,6 +33,10 @@ class LevelFloor:
         """Zeros."""
         zero = np.zeros(places.shape[:-1])
         return zero, zero
+
+    def normals_at(self, places: Array, reach: float) -> Array:
+        """All upright."""
+        return np.broadcast_to((0.0, 0.0, 1.0), (*places.shape[:-1], 3))
 
 
 class HeightFloor:
@@ -42,6 +49,14 @@ class HeightFloor:
         """Of the grid's values around the place and around four others `reach` away."""
         low, high = self._ground.range_at(places[..., None, :] + reach * _AROUND)
         return low.min(axis=-1), high.max(axis=-1)
+
+    def normals_at(self, places: Array, reach: float) -> Array:
+        """From the heights before, behind, left and right; on an edge half way between."""
+        heights = self._ground.heights_at(places[..., None, :] + reach * _AROUND[1:])
+        slope = np.clip((heights[..., ::2] - heights[..., 1::2]) / (2.0 * reach), -1.0, 1.0)
+        normals = np.concatenate((-slope, np.ones((*slope.shape[:-1], 1))), axis=-1)
+        unit: Array = normals / np.linalg.norm(normals, axis=-1, keepdims=True)
+        return unit
 
 
 def floor_of(heights: Heights | None, places: Array) -> Floor:

@@ -74,7 +74,7 @@ def holding_torques(record: RobotRecord, posture: Posture) -> Array:
     held = np.empty((len(record.time) - 1, 12))
     middle = 0.5 * (posture.place[1:] + posture.place[:-1])
     centers = 0.5 * (posture.centers[1:] + posture.centers[:-1])
-    soles = 0.5 * (posture.feet[1:] + posture.feet[:-1]) - (0.0, 0.0, posture.radius)
+    soles = 0.5 * (posture.soles[1:] + posture.soles[:-1])
     for leg in range(4):
         for j in range(3):
             link = 1 + 3 * leg + j

@@ -67,7 +67,7 @@ def judge_robots(
     """
     scales = [1.0] * len(records) if mass_scales is None else mass_scales
     links = {
-        record.robot: posture(record, description, scale)
+        record.robot: posture(record, description, scale, floor)
         for record, description, scale in zip(records, descriptions, scales, strict=True)
     }
     told = {

@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from cavalcade.checking.physics.floor import Floor, LevelFloor
 from cavalcade.checking.physics.record import RobotRecord
 from cavalcade.checking.physics.rotations import about, turns
 from cavalcade.geometry import Array
@@ -27,6 +28,7 @@ class Posture:
         axes: `(T, 12, 3)` of the joints in the map frame; a joint's place is its link's origin.
         feet: `(T, 4, 3)` centres of the feet's balls, m.
         radius: Of these, m.
+        normals: `(T, 4, 3)` of the ground below the feet.
         mass: `(13,)` kg.
         centers: `(T, 13, 3)` centres of mass, m.
         inertia: `(13, 3, 3)` about them, in the links' frames, kg m².
@@ -38,9 +40,16 @@ class Posture:
     axes: Array
     feet: Array
     radius: float
+    normals: Array
     mass: Array
     centers: Array
     inertia: Array
+
+    @cached_property
+    def soles(self) -> Array:
+        """Where the feet touch the ground, or would, `(T, 4, 3)` m."""
+        soles: Array = self.feet - self.radius * self.normals
+        return soles
 
     @cached_property
     def weight(self) -> float:
@@ -75,9 +84,20 @@ class Posture:
 
 
 def posture(
-    record: RobotRecord, description: QuadrupedDescription, mass_scale: float = 1.0
+    record: RobotRecord,
+    description: QuadrupedDescription,
+    mass_scale: float = 1.0,
+    floor: Floor | None = None,
 ) -> Posture:
-    """The links of a robot at its samples; masses and inertias `mass_scale` times those said."""
+    """The links of a robot at its samples; masses and inertias `mass_scale` times those said.
+
+    Args:
+        record: Of the robot.
+        description: Of its mechanism.
+        mass_scale: Factor on masses and inertias.
+        floor: What it stands on; level ground by default.
+    """
+    floor = floor or LevelFloor()
     count = len(record.time)
     place = np.empty((count, 13, 3))
     turn = np.empty((count, 13, 3, 3))
@@ -104,6 +124,7 @@ def posture(
         axes,
         feet,
         description.foot_radius,
+        floor.normals_at(feet[..., :2], description.foot_radius),
         mass_scale * np.array([link.mass for link in links]),
         place + np.einsum("tlxy,ly->tlx", turn, local),
         mass_scale * np.array([link.matrix for link in links]),

@@ -96,7 +96,7 @@ def judge_leap(
         leap: What is to be leapt.
         floor: The ground, for contacts by geometry.
     """
-    links = posture(record, description)
+    links = posture(record, description, floor=floor)
     late = record.time >= leap.begin
     past = leap.past(links.feet[..., :2])
     carries = record.forces[..., 2] > TOUCHING

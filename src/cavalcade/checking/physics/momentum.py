@@ -87,7 +87,7 @@ def _missing(record: RobotRecord, posture: Posture, pushes: Array) -> tuple[Arra
     gravity = np.array([0.0, 0.0, -GRAVITY * posture.weight])
     force = record.forces[1:].sum(axis=1) + pushes + gravity
     center = _middle(posture.center)
-    soles = _middle(posture.feet) - (0.0, 0.0, posture.radius)
+    soles = _middle(posture.soles)
     moment = np.cross(soles - center[:, None], record.forces[1:]).sum(axis=1)
     moment += np.cross(_middle(posture.centers[:, 0]) - center, pushes)
     linear = posture.weight * posture.velocity - _until_middle(force * step)
