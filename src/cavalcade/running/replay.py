@@ -126,7 +126,7 @@ def replay_data(
 
 
 def planner_data(scene: Scene) -> dict[str, Any]:
-    """What the planner wanted and what happened around it: goals, slots, paths, obstacles, notes."""
+    """What the planner wanted and what happened: goals, slots, paths, obstacles, notes."""
     picked = _picked(scene)
     goals = np.stack([scene.status[i].goals for i in picked])
     goals = np.where(np.isfinite(goals), goals, scene.poses[picked][..., :2])

@@ -1,4 +1,4 @@
-"""Where a robot's links are, from its trunk and joints: the table and the rule the replay goes by."""
+"""Where a robot's links are, from its trunk and joints: the table the replay goes by."""
 
 from __future__ import annotations
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from cavalcade.robots import robot_model
 from cavalcade.robots.description import QuadrupedDescription
@@ -16,6 +17,11 @@ def go1() -> QuadrupedDescription:
     description = robot_model("go1").description
     assert description is not None
     return description
+
+
+@pytest.fixture(name="trot")
+def trot_fixture():
+    return trot
 
 
 def trot(
