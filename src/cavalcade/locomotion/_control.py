@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numba import njit
 
-from cavalcade.locomotion._horizon import solve_walk, swing_share
+from cavalcade.locomotion._horizon import approach, solve_walk, swing_share, wish
 from cavalcade.locomotion._kinematics import (
     leg_forward,
     leg_inverse,
@@ -130,17 +130,8 @@ def stand(robot, state, body):
 @njit(cache=True)
 def follow(gait, state, body, passed):
     """Let the followed velocity approach the commanded one, and carry the reference along."""
-    silent = state.time - state.heard > gait.silence
-    reach, turn = gait.acceleration * passed, gait.turning * passed
-    vx = 0.0 if silent else state.wanted[0]
-    vy = 0.0 if silent else state.wanted[1]
-    wz = 0.0 if silent else state.wanted[2]
-    dx, dy = vx - state.velocity[0], vy - state.velocity[1]
-    length = math.hypot(dx, dy)
-    share = 1.0 if length <= reach else reach / length
-    state.velocity[0] += share * dx
-    state.velocity[1] += share * dy
-    state.velocity[2] += min(max(wz - state.velocity[2], -turn), turn)
+    vx, vy, wz = wish(gait, state)
+    approach(gait, state.velocity, vx, vy, wz, passed)
     if math.hypot(vx, vy) > STILL or abs(wz) > 2.0 * STILL or disturbed(state, body):
         state.idle = state.time
     yaw = state.yaw + 0.5 * state.velocity[2] * passed

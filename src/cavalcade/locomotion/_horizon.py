@@ -22,6 +22,26 @@ def swing_share(gait, clock, leg):
 
 
 @njit(cache=True)
+def wish(gait, state):
+    """The commanded velocity; none after a silence."""
+    if state.time - state.heard > gait.silence:
+        return 0.0, 0.0, 0.0
+    return state.wanted[0], state.wanted[1], state.wanted[2]
+
+
+@njit(cache=True)
+def approach(gait, velocity, vx, vy, wz, passed):
+    """Let a velocity `(3,)` in the body frame come nearer to a wished one for `passed` s."""
+    reach, turn = gait.acceleration * passed, gait.turning * passed
+    dx, dy = vx - velocity[0], vy - velocity[1]
+    length = math.hypot(dx, dy)
+    share = 1.0 if length <= reach else reach / length
+    velocity[0] += share * dx
+    velocity[1] += share * dy
+    velocity[2] += min(max(wz - velocity[2], -turn), turn)
+
+
+@njit(cache=True)
 def solve_walk(robot, gait, body, state):
     """Compute `state.forces` for a robot that trots or stands.
 
@@ -45,28 +65,36 @@ def solve_walk(robot, gait, body, state):
     clock = state.time - state.began
     height = state.ground + gait.height + robot.centre[2]
     x, y, at_x, at_y = state.place[0], state.place[1], body.centre[0], body.centre[1]
+    velocity, half = state.velocity.copy(), 0.5 * gait.step
+    wish_x, wish_y, wish_turn = wish(gait, state)
+    yaw = state.yaw
     for k in range(STEPS):
+        # The middle of the step, then its end: commands are foreseen to be approached.
         middle = (k + 0.5) * gait.step
-        yaw = state.yaw + state.velocity[2] * middle
+        approach(gait, velocity, wish_x, wish_y, wish_turn, half)
+        yaw += velocity[2] * half
         c, s = math.cos(yaw), math.sin(yaw)
-        vx = c * state.velocity[0] - s * state.velocity[1]
-        vy = s * state.velocity[0] + c * state.velocity[1]
-        yaws[k] = measured_yaw + state.velocity[2] * middle
-        half_x, half_y = at_x + 0.5 * gait.step * vx, at_y + 0.5 * gait.step * vy
+        vx, vy = c * velocity[0] - s * velocity[1], s * velocity[0] + c * velocity[1]
+        yaws[k] = measured_yaw + yaw - state.yaw
+        half_x, half_y = at_x + half * vx, at_y + half * vy
         x, y, at_x, at_y = (
             x + gait.step * vx,
             y + gait.step * vy,
             at_x + gait.step * vx,
             at_y + gait.step * vy,
         )
+        approach(gait, velocity, wish_x, wish_y, wish_turn, half)
+        yaw += velocity[2] * half
+        c, s = math.cos(yaw), math.sin(yaw)
+        vx, vy = c * velocity[0] - s * velocity[1], s * velocity[0] + c * velocity[1]
         moved_x, moved_y = at_x - body.centre[0], at_y - body.centre[1]
         climb = state.slope[0] * moved_x + state.slope[1] * moved_y
         # A trunk that follows the ground: its nose rises (negative pitch) uphill.
         reference[k, 0] = math.atan(-s * state.slope[0] + c * state.slope[1])
         reference[k, 1] = -math.atan(c * state.slope[0] + s * state.slope[1])
-        reference[k, 2] = state.yaw + state.velocity[2] * (k + 1.0) * gait.step
+        reference[k, 2] = yaw
         reference[k, 3], reference[k, 4], reference[k, 5] = x, y, height + climb
-        reference[k, 8] = state.velocity[2]
+        reference[k, 8] = velocity[2]
         reference[k, 9], reference[k, 10] = vx, vy
         reference[k, 11] = state.slope[0] * vx + state.slope[1] * vy
         for leg in range(4):
