@@ -153,7 +153,7 @@ def test_mujoco_reads_the_same_robot_from_both(robot, published):
             if mass is None or float(mass.get("value")) < TOKENS:
                 link.remove(part)
     theirs = mujoco.MjSpec.from_string(ET.tostring(published, encoding="unicode")).compile()
-    ours = robot_spec(robot, (1, 1), 0.8, 1.0).compile()
+    ours = robot_spec(robot, (1, 1), 0.8).spec.compile()
     for leg in LEGS:
         for part in ("hip", "thigh", "calf"):
             one, other = ours.body(f"{leg}_{part}"), theirs.body(f"{leg}_{part}")

@@ -182,13 +182,17 @@ class QuadrupedDescription:
 
 
 def _bent(leg: LegDescription, drop: float) -> tuple[float, float, float]:
-    """Hip, thigh and calf of a leg bent backwards, its foot `drop` below the trunk's origin."""
+    """Hip, thigh and calf of a leg whose foot is `drop` below the trunk's origin.
+
+    The knee points backwards unless it can only bend the other way.
+    """
     hip, thigh, calf = leg.joints
     drop = drop + hip.offset[2] + thigh.offset[2]
     upper, lower = np.hypot(*calf.offset[::2]), np.hypot(*leg.foot[::2])
     reach = min(max(drop, abs(upper - lower) + 1e-3), upper + lower - 1e-3)
     knee = np.arccos((reach**2 - upper**2 - lower**2) / (2.0 * upper * lower))
-    bend = min(max(-float(knee), calf.lower), calf.upper)
+    bend = float(knee) if calf.lower >= 0.0 else -float(knee)
+    bend = min(max(bend, calf.lower), calf.upper)
     lean = np.arctan2(-lower * np.sin(bend), upper + lower * np.cos(bend))
     return 0.0, float(lean), bend
 

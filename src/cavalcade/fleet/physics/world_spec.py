@@ -14,9 +14,10 @@ from cavalcade.fleet.physics.engine import load_mujoco
 from cavalcade.fleet.physics.filtering import robot_bits
 from cavalcade.fleet.physics.ground import PhysicsGround
 from cavalcade.fleet.physics.ground_spec import add_ground
-from cavalcade.fleet.physics.robot_spec import robot_spec
+from cavalcade.fleet.physics.robot_spec import RobotSpec, robot_spec
 from cavalcade.fleet.physics.settings import PhysicsSettings
-from cavalcade.robots.description import JOINTS, LEGS, PARTS, QuadrupedDescription
+from cavalcade.geometry import Array
+from cavalcade.robots.description import PARTS, QuadrupedDescription
 from cavalcade.robots.model import RobotModel
 
 GROUND, OBSTACLE = 0, 1
@@ -84,16 +85,14 @@ def build_team(
     spec = mujoco.MjSpec()
     _set_options(spec, settings)
     add_ground(spec, ground)
+    robots = []
     for number, bits in enumerate(robot_bits(len(models))):
-        child = robot_spec(
-            descriptions[number],
-            bits,
-            float(friction[number]),
-            float(scales[number]),
-            settings.looks,
-        )
-        spec.attach(child, prefix=_prefix(number), frame=spec.worldbody.add_frame())
-    return _indexed(spec.compile(), len(models), len(ground.movable))
+        robot = robot_spec(descriptions[number], bits, float(friction[number]), settings.looks)
+        spec.attach(robot.spec, prefix=_prefix(number), frame=spec.worldbody.add_frame())
+        robots.append(robot)
+    team = _indexed(spec.compile(), robots, len(ground.movable))
+    _scale_masses(team, scales)
+    return team
 
 
 def _set_options(spec: Any, settings: PhysicsSettings) -> None:
@@ -112,23 +111,23 @@ def _prefix(robot: int) -> str:
     return f"robot_{robot}/"
 
 
-def _indexed(model: Any, robots: int, movable: int) -> TeamModel:
-    names = [f"{leg}_{joint}" for leg in LEGS for joint in JOINTS]
-    trunks = np.zeros(robots, dtype=np.int64)
-    qpos, qvel = np.zeros((robots, 19), dtype=np.int64), np.zeros((robots, 18), dtype=np.int64)
-    motors, touch = np.zeros((robots, 12), dtype=np.int64), np.zeros((robots, 4), dtype=np.int64)
+def _indexed(model: Any, robots: Sequence[RobotSpec], movable: int) -> TeamModel:
+    size = len(robots)
+    trunks = np.zeros(size, dtype=np.int64)
+    qpos, qvel = np.zeros((size, 19), dtype=np.int64), np.zeros((size, 18), dtype=np.int64)
+    motors, touch = np.zeros((size, 12), dtype=np.int64), np.zeros((size, 4), dtype=np.int64)
     geom_robot = np.full(model.ngeom, -1)
     geom_part, geom_leg = np.full(model.ngeom, OBSTACLE), np.full(model.ngeom, -1)
-    for robot in range(robots):
+    for robot, names in enumerate(robots):
         prefix = _prefix(robot)
-        joints = [model.joint(prefix + name) for name in names]
-        root = model.joint(prefix + "root")
+        joints = [model.joint(prefix + name) for name in names.joints]
+        root = model.joint(prefix + names.root)
         trunks[robot] = root.bodyid[0]
         start, rate = int(root.qposadr[0]), int(root.dofadr[0])
         qpos[robot] = [*range(start, start + 7), *(int(joint.qposadr[0]) for joint in joints)]
         qvel[robot] = [*range(rate, rate + 6), *(int(joint.dofadr[0]) for joint in joints)]
         motors[robot] = [model.actuator(f"{prefix}motor_{k}").id for k in range(12)]
-        touch[robot] = [model.sensor(f"{prefix}{leg}_foot_touch").adr[0] for leg in LEGS]
+        touch[robot] = [model.sensor(prefix + name).adr[0] for name in names.sensors]
         links = {int(trunks[robot]): (0, -1)}
         for number, joint in enumerate(joints):
             links[int(joint.bodyid[0])] = (1 + number % 3, number // 3)
@@ -138,8 +137,8 @@ def _indexed(model: Any, robots: int, movable: int) -> TeamModel:
             if link is not None:
                 geom_robot[geom] = robot
                 geom_part[geom], geom_leg[geom] = link
-        for leg, name in enumerate(LEGS):
-            geom = model.geom(f"{prefix}{name}_foot").id
+        for leg, name in enumerate(names.feet):
+            geom = model.geom(prefix + name).id
             geom_part[geom], geom_leg[geom] = PARTS.index("foot"), leg
     geom_part[model.geom("ground").id] = GROUND
     bodies = [model.body(f"obstacle_{number}") for number in range(movable)]
@@ -147,3 +146,16 @@ def _indexed(model: Any, robots: int, movable: int) -> TeamModel:
     return TeamModel(
         model, trunks, qpos, qvel, motors, touch, obstacles, geom_robot, geom_part, geom_leg
     )
+
+
+def _scale_masses(team: TeamModel, scales: Array) -> None:
+    """Scale masses and inertias of each robot's bodies, and what the model derives from them."""
+    if np.all(scales == 1.0):
+        return
+    mujoco = load_mujoco()
+    model = team.model
+    for trunk, scale in zip(team.trunks, scales, strict=True):
+        bodies = model.body_rootid == model.body_rootid[trunk]
+        model.body_mass[bodies] *= scale
+        model.body_inertia[bodies] *= scale
+    mujoco.mj_setConst(model, mujoco.MjData(model))
