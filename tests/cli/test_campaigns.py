@@ -124,7 +124,7 @@ def test_a_campaign_then_its_trials(
         (["clutter", "--set", "planner.variant=publisht"], "did you mean published?"),
         (["clutter", "--set", "planner.lookahed=1"], "--set planner.lookahed: unknown key"),
         (["clutter", "--set", "planner"], "expected KEY=VALUE"),
-        (["clutter", "--backend", "mujoco"], "execution.backend"),
+        (["clutter", "--backend", "gazebo"], "execution.backend"),
         (["clutter", "--data", "nowhere"], "no such folder: nowhere"),
         (["clutter", "--wokers", "2"], "No such option"),
     ],

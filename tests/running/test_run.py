@@ -65,8 +65,8 @@ def test_bad_input_leaves_no_folder(
 
 
 def test_arguments_are_checked(make_scenario: Callable[..., Scenario], straight: Any) -> None:
-    with pytest.raises(InputError, match="backend"):
-        run(make_scenario(), backend="mujoco", planner=straight)
+    with pytest.raises(InputError, match=r"backend: unknown backend 'gazebo' \(one of: ideal, muj"):
+        run(make_scenario(), backend="gazebo", planner=straight)
     with pytest.raises(InputError, match="overrides"):
         run(make_scenario(), overrides=["execution.rate=10"], planner=straight)
 

@@ -13,7 +13,14 @@ Line = dict[str, Any]
 CRASHED, REFUSED, OVERTIME = "crashed", "refused", "overtime"
 """Outcomes beside those of `summary.json` and the checker's `collision` and `invalid`."""
 
-TIMES = ("wall_time_s", "planning_time_s", "cycle_ms", "versions", "single_time_ratio")
+TIMES = (
+    "wall_time_s",
+    "planning_time_s",
+    "cycle_ms",
+    "real_time_factor",
+    "versions",
+    "single_time_ratio",
+)
 """What differs in the summaries and measures of two runs of the same scenario."""
 
 

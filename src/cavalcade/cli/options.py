@@ -33,7 +33,8 @@ Set = Annotated[
     ),
 ]
 Backend = Annotated[
-    str | None, typer.Option("--backend", metavar="NAME", help="Who moves the robots: ideal.")
+    str | None,
+    typer.Option("--backend", metavar="NAME", help="Who moves the robots: ideal or mujoco."),
 ]
 Force = Annotated[bool, typer.Option("--force", help="Replace what DIR holds.")]
 Realtime = Annotated[bool, typer.Option("--realtime", help="At the pace of the wall clock.")]

@@ -2,22 +2,38 @@
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
 
 from cavalcade.formation.status import PlannerStatus
 from cavalcade.geometry import Array, transform_points, wrap_angle
+from cavalcade.scenario import Scenario
 
 
 @dataclass(frozen=True)
 class ArrivalTolerance:
-    """How near is near enough: m, rad, m/s, and for how many seconds."""
+    """How near is near enough: m, rad, m/s, and for how many seconds.
+
+    Trunks of walking robots sway: with `mean`, the limit of the speed is one of the mean velocity
+    over these seconds, not of every moment's.
+    """
 
     position: float = 0.10
     heading: float = 0.15
     speed: float = 0.02
     hold: float = 0.5
+    mean: bool = False
+
+
+IDEAL = ArrivalTolerance()
+PHYSICS = ArrivalTolerance(position=0.15, heading=0.2, speed=0.05, mean=True)
+
+
+def tolerance_of(scenario: Scenario) -> ArrivalTolerance:
+    """What counts as arrived for the robots of a scenario."""
+    return PHYSICS if scenario.execution.backend == "mujoco" else IDEAL
 
 
 def slot_poses(status: PlannerStatus, goal: Array | None = None) -> Array | None:
@@ -51,8 +67,9 @@ class ArrivalMonitor:
     """
 
     def __init__(self, tolerance: ArrivalTolerance | None = None) -> None:
-        self._tolerance = tolerance or ArrivalTolerance()
+        self._tolerance = tolerance or IDEAL
         self._since: float | None = None
+        self._places: deque[tuple[float, Array]] = deque()
         self._status: PlannerStatus | None = None
 
     def update(
@@ -84,7 +101,23 @@ class ArrivalMonitor:
             return False
         if self._since is None:
             self._since = time
-        return time - self._since >= self._tolerance.hold - 1e-9
+            self._places.clear()
+        held = time - self._since >= self._tolerance.hold - 1e-9
+        if self._tolerance.mean:
+            held &= self._slow(time, poses[np.isfinite(targets).all(axis=1), :2])
+        return held
+
+    def _slow(self, time: float, places: Array) -> bool:
+        """Whether no robot got on faster than it may since `hold` s ago; places `(K, 2)`, m."""
+        kept = self._places
+        kept.append((time, places.copy()))
+        while kept[0][0] <= time - self._tolerance.hold + 1e-9:
+            kept.popleft()
+        before, there = kept[0]
+        if before >= time or there.shape != places.shape:
+            return False
+        way = np.hypot(*(places - there).T)
+        return bool((way <= self._tolerance.speed * (time - before)).all())
 
     def _near(self, poses: Array, velocities: Array, targets: Array) -> bool:
         active = np.isfinite(targets).all(axis=1)
@@ -95,5 +128,5 @@ class ArrivalMonitor:
         return bool(
             (np.hypot(off[:, 0], off[:, 1]) <= limit.position).all()
             and (np.abs(wrap_angle(off[:, 2])) <= limit.heading).all()
-            and (np.hypot(velocities[active, 0], velocities[active, 1]) < limit.speed).all()
+            and (limit.mean or (np.hypot(*velocities[active, :2].T) < limit.speed).all())
         )

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.formation.status import PlannerStatus
 from cavalcade.geometry import Array
+
+if TYPE_CHECKING:
+    from cavalcade.running.physics.track import PhysicsTrack
 
 
 @dataclass(frozen=True)
@@ -23,6 +27,7 @@ class Recording:
         status: The planner's status per cycle, T of them.
         obstacles: What the world gained or lost on the way, in order of time.
         notes: (time, text) pairs: events and watchdog messages.
+        physics: Bodies, joints, forces and contacts; None for robots without.
     """
 
     time: Array
@@ -32,6 +37,7 @@ class Recording:
     status: tuple[PlannerStatus, ...]
     obstacles: tuple[ObstacleTrack, ...]
     notes: tuple[tuple[float, str], ...]
+    physics: PhysicsTrack | None = None
 
     @property
     def roles(self) -> NDArray[np.int64]:

@@ -17,8 +17,7 @@ from cavalcade.running.progress import Progress, ProgressSink, Reporter
 from cavalcade.running.simulation import simulate
 from cavalcade.running.summary import summarise
 from cavalcade.scenario import Scenario, World, build_world, load_scenario, resolve_scenario
-
-BACKENDS = ("ideal",)
+from cavalcade.scenario.backends import with_backend
 
 
 @dataclass(frozen=True)
@@ -71,7 +70,7 @@ def run(
         out: The folder for the results, missing or empty; None writes nothing.
         seed: Over the scenario's.
         overrides: Over the file's values, as `load_scenario` takes them; only for a name or file.
-        backend: Over the scenario's; `ideal`.
+        backend: Over the scenario's; `ideal`, or `mujoco` for walking robots with dynamics.
         realtime: At the pace of the wall clock instead of as fast as possible.
         force: Replace what an earlier run left in `out`.
         figures: Draw the figures.
@@ -87,6 +86,11 @@ def run(
         KeyboardInterrupt: As it came; the team was commanded to stop and nothing is left behind.
     """
     loaded = load_for_running(scenario, seed, overrides, backend)
+    in_physics = loaded.execution.backend == "mujoco" and fleet is None
+    if in_physics:
+        from cavalcade.fleet.physics.engine import load_mujoco
+
+        load_mujoco()
     with ExitStack() as stack:
         folder = stack.enter_context(OutputFolder(out, force)) if out is not None else None
         reporter = stack.enter_context(Reporter(loaded.name, quiet))
@@ -100,6 +104,13 @@ def run(
                 progress(now)
 
         sink = tell if progress is not None or not quiet else None
+        make_robots = fleet
+        if in_physics:
+            from cavalcade.running.physics.robots import physics_fleet
+
+            def make_robots(scenario: Scenario) -> Fleet:
+                return physics_fleet(scenario, world)
+
         if loaded.task.individual and planner is None:
             from cavalcade.running.plans.carrying import carry_out
 
@@ -113,10 +124,10 @@ def run(
                 figures=figures,
                 replay=replay,
                 quiet=quiet,
-                fleet=fleet,
+                fleet=make_robots,
             )
         made_planner = (planner or _default_planner)(loaded, world)
-        made_fleet = (fleet or _default_fleet)(loaded)
+        made_fleet = (make_robots or _default_fleet)(loaded)
         done = simulate(loaded, world, made_planner, made_fleet, realtime=realtime, progress=sink)
         summary = summarise(loaded, world, done.recording, done.outcome)
         files: tuple[Path, ...] = ()
@@ -151,8 +162,8 @@ def load_for_running(
         scenario = load_scenario(scenario, overrides=overrides, seed=seed)
     elif overrides:
         raise InputError("only for a scenario's name or file", key="overrides")
-    if backend is not None and backend not in BACKENDS:
-        raise InputError(f"backend {backend!r} is not there yet", key="backend", choices=BACKENDS)
+    if backend is not None:
+        scenario = with_backend(scenario, backend)
     if seed is None or seed == scenario.execution.seed:
         return scenario
     if not isinstance(seed, int) or seed < 0:

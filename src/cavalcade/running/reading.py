@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from cavalcade.errors import RecordingError
 from cavalcade.formation.status import PlannerStatus
 from cavalcade.geometry import Array
 from cavalcade.running.frames import ObstacleTrack, Recording
+from cavalcade.running.physics.recording import read_physics
 from cavalcade.running.recording import FILE, NOTES_TOPIC, OBSTACLES_TOPIC, STATUS_TOPIC
 from cavalcade.running.status_text import StatusDecoder
 
@@ -38,7 +40,7 @@ def read_recording(path: str | Path) -> Recording:
     try:
         for topic, time, message in _messages(file):
             parts.take(topic, time, message)
-        return parts.recording()
+        return replace(parts.recording(), physics=read_physics(file))
     except (AttributeError, KeyError, TypeError, ValueError) as error:
         raise RecordingError(f"not a recording of a run: {error}", file=file) from None
 

@@ -25,8 +25,6 @@ from cavalcade.world import OccupancyMap
 if TYPE_CHECKING:
     from rosbags.rosbag2 import Writer
 
-    from cavalcade.running.physics.track import PhysicsTrack
-
 FILE = "recording.mcap"
 MARKER_PERIOD = 0.1
 """Markers are written this often, s."""
@@ -49,7 +47,6 @@ def write_recording(
     recording: Recording,
     models: Sequence[RobotModel],
     maps: Iterable[tuple[float, OccupancyMap]] = (),
-    physics: PhysicsTrack | None = None,
 ) -> Path:
     """Write a recording, all at once.
 
@@ -58,7 +55,6 @@ def write_recording(
         recording: What happened.
         models: One per robot, for the size of the markers.
         maps: (time in s, map) as it was from then on.
-        physics: Bodies, joints, forces and contacts of a run in physics.
 
     Returns:
         The file written.
@@ -71,11 +67,12 @@ def write_recording(
     target = Path(path)
     messages = _all_messages(recording, tuple(models), maps)
     topics = _topics(recording.poses.shape[1])
-    if physics is not None:
+    track = recording.physics
+    if track is not None:
         from cavalcade.running.physics.recording import physics_messages, physics_topics
 
-        topics |= physics_topics(physics.size)
-        messages += ((time, 10, topic, data) for time, topic, data in physics_messages(physics))
+        topics |= physics_topics(track.size)
+        messages += ((time, 10, topic, data) for time, topic, data in physics_messages(track))
     messages.sort(key=itemgetter(0, 1))
     try:
         # rosbags writes a folder of its own; only the file in it is wanted.

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cavalcade.fleet import Fleet
+from cavalcade.fleet import Fall, FallingFleet, Fleet
 from cavalcade.formation.status import PlannerStatus
-from cavalcade.running.arrival import ArrivalMonitor
+from cavalcade.running.arrival import ArrivalMonitor, tolerance_of
 from cavalcade.running.control import ControlLoop, Cycle, Planner
 from cavalcade.running.events import EventRunner
 from cavalcade.running.frames import Recording
@@ -23,6 +23,13 @@ from cavalcade.world import OccupancyMap
 
 _STANDING = 1e-3
 """Slower than this is standing still, m/s and rad/s."""
+
+_FALLS = {
+    "tilt": "rolled or pitched over",
+    "height": "sank to the ground",
+    "trunk": "touched the ground with its trunk",
+}
+"""Causes of falls in words."""
 
 _LONGEST_STOP = 3.0
 """A team that was stopped is waited for this long, s; delayed commands may never reach it."""
@@ -96,16 +103,22 @@ def simulate(
             fleet.advance(period)
             if realtime:
                 clock.sleep(max(0.0, started + fleet.time - start - clock.perf_counter()))
+    wall_time = clock.perf_counter() - started
     reason, detail, involved = end
+    recording = recorder.recording(events.tracks(now))
+    if scenario.execution.backend == "mujoco":
+        from cavalcade.running.physics.collecting import track_of
+
+        recording = replace(recording, physics=track_of(fleet, start))
     return Simulated(
-        recorder.recording(events.tracks(now)),
+        recording,
         recorder.maps,
         Outcome(
             reason=reason,
             detail=detail,
             involved=involved,
             last_waypoint=events.last_waypoint,
-            wall_time=clock.perf_counter() - started,
+            wall_time=wall_time,
             planning=np.array(planning),
         ),
     )
@@ -130,7 +143,8 @@ class _Judge:
         self._events = events
         self._fleet = fleet
         self._note = note
-        self._arrival = ArrivalMonitor()
+        self._arrival = ArrivalMonitor(tolerance_of(scenario))
+        self._falling = fleet if isinstance(fleet, FallingFleet) else None
         self._stopped: float | None = None
         self._cycles = 0
         self._planning = 0.0
@@ -138,6 +152,8 @@ class _Judge:
     def end(self, time: float, cycle: Cycle, status: PlannerStatus) -> _End | None:
         self._cycles += 1
         self._planning += cycle.planning
+        if self._falling is not None and self._falling.falls:
+            return self._end_of_fall(self._falling.falls, self._fleet.time - time)
         if not cycle.report.ok:
             return self._end_of_stop(time, cycle)
         poses, velocities = self._fleet.true_poses(), self._fleet.true_velocities()
@@ -154,6 +170,13 @@ class _Judge:
         if self._budget.seconds is not None and self._planning >= self._budget.seconds:
             return "budget", f"{self._budget.seconds:g} s of planning are used up", ()
         return None
+
+    def _end_of_fall(self, falls: tuple[Fall, ...], start: float) -> _End:
+        told = [
+            f"robot {fall.robot} {_FALLS[fall.cause]} at {fall.time - start:.2f} s"
+            for fall in falls
+        ]
+        return "fallen", ", ".join(told), tuple(fall.robot for fall in falls)
 
     def _end_of_stop(self, time: float, cycle: Cycle) -> _End | None:
         """Nobody is there to resume a run: it ends as soon as the team stands."""

@@ -13,11 +13,12 @@ from typing import Any
 import numpy as np
 
 from cavalcade.geometry import Array, wrap_angle
-from cavalcade.running.arrival import ArrivalTolerance, has_goal, slot_poses
+from cavalcade.running.arrival import ArrivalTolerance, has_goal, slot_poses, tolerance_of
 from cavalcade.running.clearance import clearance
 from cavalcade.running.formation_error import formation_errors
 from cavalcade.running.frames import Recording
 from cavalcade.running.lower_bound import ShortestWays
+from cavalcade.running.physics.summary import summarise_physics
 from cavalcade.scenario import Scenario, World
 
 _PACKAGES = ("cavalcade", "numpy", "numba", "scipy")
@@ -29,7 +30,7 @@ class Outcome:
     """How a run ended.
 
     Attributes:
-        reason: `arrived`, `timeout`, `stuck`, `infeasible`, `budget` or `stopped`.
+        reason: `arrived`, `timeout`, `stuck`, `fallen`, `infeasible`, `budget` or `stopped`.
         detail: One line about it, empty where there is nothing to add.
         involved: The robots it is about.
         last_waypoint: Index of the last goal.
@@ -51,14 +52,23 @@ def summarise(
     """All keys of `summary.json`, null where they do not apply. Distances are of true poses.
 
     Beyond the contract's keys there are `detail`, one line or null, and `involved`, the robots
-    that the reason is about.
+    that the reason is about; of runs in physics, `real_time_factor` and `physics` (see
+    `cavalcade.running.physics.summary`). There collisions are those of footprints or those of
+    bodies, whichever are more.
     """
     near = clearance(world, recording, scenario.models)
-    collided = near.robot_obstacle + near.robot_robot > 0
-    reason = "collision" if collided else outcome.reason
+    collisions = {"robot_robot": near.robot_robot, "robot_obstacle": near.robot_obstacle}
+    track, physics = recording.physics, None
+    if track is not None:
+        physics = summarise_physics(track, scenario.models)
+        for kind in collisions:
+            collisions[kind] = max(collisions[kind], physics["contacts"][kind])
+    reason = outcome.reason
+    if any(collisions.values()) and reason != "fallen":
+        reason = "collision"
     arrived = outcome.reason == "arrived"
     ends = _ends(recording)
-    durations = _durations(recording, ends)
+    durations = _durations(recording, ends, tolerance_of(scenario))
     cycles = outcome.planning * 1e3
     return {
         "name": scenario.name,
@@ -78,8 +88,8 @@ def summarise(
         "min_obstacle_distance_m": rounded(near.obstacle_distance),
         "min_robot_distance_m": rounded(near.robot_distance),
         "min_footprint_gap_m": rounded(near.footprint_gap),
-        "collisions": {"robot_robot": near.robot_robot, "robot_obstacle": near.robot_obstacle},
-        "falls": 0,
+        "collisions": collisions,
+        "falls": 0 if track is None else len(track.falls),
         "formation_error_m": _formation_error(recording),
         "leader_changes": leader_changes(recording),
         "role_changes": role_changes(recording),
@@ -94,7 +104,9 @@ def summarise(
         "duration_s": durations,
         "goal_error_m": _goal_errors(recording, ends),
         "goal_moved_m": _goal_moved(recording),
-        "versions": versions(),
+        "real_time_factor": _real_time_factor(recording, outcome),
+        "physics": physics,
+        "versions": versions(() if track is None else ("mujoco",)),
     }
 
 
@@ -115,10 +127,10 @@ def role_changes(recording: Recording) -> int:
     return count
 
 
-def versions() -> dict[str, str]:
-    """Python's version and those of the packages that figures depend on."""
+def versions(more: Sequence[str] = ()) -> dict[str, str]:
+    """Python's version and those of the packages that figures depend on, `more` among them."""
     found = {"python": python_version()}
-    for package in _PACKAGES:
+    for package in (*_PACKAGES, *more):
         try:
             found[package] = version(package)
         except PackageNotFoundError:
@@ -129,6 +141,13 @@ def versions() -> dict[str, str]:
     return found
 
 
+def _real_time_factor(recording: Recording, outcome: Outcome) -> float | None:
+    """Simulated by wall time of a run in physics."""
+    if recording.physics is None or not len(recording.time) or outcome.wall_time <= 0.0:
+        return None
+    return rounded(recording.time[-1] / outcome.wall_time)
+
+
 def _ends(recording: Recording) -> Array | None:
     """Poses `(N, 3)` of the slots that were driven to last; infinite for a robot without one."""
     for status in reversed(recording.status):
@@ -137,12 +156,13 @@ def _ends(recording: Recording) -> Array | None:
     return None
 
 
-def _durations(recording: Recording, ends: Array | None) -> list[float | None]:
+def _durations(
+    recording: Recording, ends: Array | None, limit: ArrivalTolerance
+) -> list[float | None]:
     """When each robot was at its last slot for good, s; null if it was not at the end."""
     robots = recording.poses.shape[1]
     if ends is None or not len(recording.time):
         return [None] * robots
-    limit = ArrivalTolerance()
     result: list[float | None] = []
     for robot in range(robots):
         if not np.isfinite(ends[robot]).all():

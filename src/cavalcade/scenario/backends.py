@@ -4,11 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from pydantic_core import PydanticCustomError
+
+from cavalcade.errors import ScenarioError
 from cavalcade.robots import MODELS
 from cavalcade.scenario.fields import expected
 
 if TYPE_CHECKING:
     from cavalcade.scenario.model import Scenario
+
+BACKENDS = ("ideal", "mujoco")
+"""Who can move robots."""
 
 SLOWEST, FASTEST = 2.5, 500.0
 """How often a planner is asked, Hz: robots stop 0.5 s after their last command, and there are 500
@@ -35,3 +41,26 @@ def check_backend(scenario: Scenario) -> None:
             f"expected {SLOWEST:g} to {FASTEST:g} in physics: robots stop 0.5 s after a command",
             key="execution.rate",
         )
+
+
+def with_backend(scenario: Scenario, backend: str) -> Scenario:
+    """The scenario with another backend.
+
+    Raises:
+        ScenarioError: There is none of that name, or it cannot carry the scenario out.
+    """
+    if backend not in BACKENDS:
+        raise ScenarioError(f"unknown backend {backend!r}", key="backend", choices=BACKENDS)
+    execution = scenario.execution.model_copy(update={"backend": backend})
+    changed = scenario.model_copy(update={"execution": execution})
+    try:
+        check_backend(changed)
+    except PydanticCustomError as error:
+        said = error.context or {}
+        raise ScenarioError(
+            str(said.get("text")),
+            file=scenario.file,
+            key=said.get("key"),
+            choices=said.get("choices"),
+        ) from None
+    return changed

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -44,7 +44,7 @@ def a_track(robots: int = ROBOTS, samples: int = SAMPLES) -> PhysicsTrack:
 
 
 def written(path: Path, track: PhysicsTrack | None) -> Path:
-    return write_recording(path, Recorder().recording(), (), physics=track)
+    return write_recording(path, replace(Recorder().recording(), physics=track), ())
 
 
 def test_everything_comes_back_to_the_last_bit(tmp_path: Path) -> None:
@@ -61,7 +61,11 @@ def test_recordings_of_ideal_robots_have_no_track(tmp_path: Path) -> None:
 
 
 def test_what_planners_saw_is_read_beside_it(tmp_path: Path) -> None:
-    assert len(read_recording(written(tmp_path / "r.mcap", a_track())).time) == 0
+    recording = read_recording(written(tmp_path / "r.mcap", a_track()))
+    assert len(recording.time) == 0
+    assert recording.physics is not None
+    assert len(recording.physics.time) == SAMPLES
+    assert read_recording(written(tmp_path / "i.mcap", None)).physics is None
 
 
 def test_same_track_same_bytes(tmp_path: Path) -> None:

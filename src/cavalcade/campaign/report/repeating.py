@@ -24,7 +24,7 @@ Replay = Callable[
 """Repeats the trial of a line in memory: scenario, world at the start, recording or plan, and
 summary; None where it cannot be repeated. It is called for the few worst trials only."""
 
-_VARYING = ("wall_time_s", "planning_time_s", "cycle_ms", "versions")
+_VARYING = ("wall_time_s", "planning_time_s", "cycle_ms", "real_time_factor", "versions")
 """Keys of a summary that a repetition may change."""
 
 

@@ -22,6 +22,7 @@ from cavalcade.fleet.radio import CommandDelay, LocalisationNoise, Radio, start_
 from cavalcade.geometry import Array
 from cavalcade.locomotion.control import LegControl
 from cavalcade.robots.model import RobotModel
+from cavalcade.scenario import ObstacleSpan
 
 
 class MujocoFleet:
@@ -36,6 +37,7 @@ class MujocoFleet:
         ground: What they walk on and run into; level without end by default.
         footing: The same ground as legs' control knows it, and
         origin: the pose of its grid in the map.
+        obstacles: Of `ground.movable`: where each of them is when, on the clock less its start.
         physics: Of the simulated world.
         noise: Errors of the reported poses.
         delay: Delay and loss of messages.
@@ -59,6 +61,7 @@ class MujocoFleet:
         ground: PhysicsGround | None = None,
         footing: Ground | None = None,
         origin: Sequence[float] = (0.0, 0.0, 0.0),
+        obstacles: Sequence[ObstacleSpan] = (),
         physics: PhysicsSettings | None = None,
         noise: LocalisationNoise | None = None,
         delay: CommandDelay | None = None,
@@ -75,6 +78,9 @@ class MujocoFleet:
         self._start = self._time = float(time)
         self._steps = 0
         self._standing = np.array([robot.stand_height for robot in self.simulator.descriptions])
+        self._obstacles = tuple(obstacles)
+        self._places: list[tuple[float, float] | None] = [None] * len(self._obstacles)
+        self._place_obstacles(0.0)
         self._falls: dict[int, Fall] = {}
         self._judged = 0
         self._sampler = Sampler(self.simulator, self._time)
@@ -142,6 +148,8 @@ class MujocoFleet:
             state = simulator.qpos, simulator.qvel, simulator.foot_forces
             if sensing is not None:
                 state = sensing.measured(state)
+            if self._obstacles:
+                self._place_obstacles(self._steps * self._step)
             simulator.step(control.step(now, *state))
             self._steps += 1
             if sampler.step():
@@ -180,6 +188,15 @@ class MujocoFleet:
         if reached.any():
             self._heard[reached] = now
             self.control.command(self._radio.commands, self._heard)
+
+    def _place_obstacles(self, time: float) -> None:
+        """Move those obstacles that are elsewhere, or away, by `time` s."""
+        for number, span in enumerate(self._obstacles):
+            there = span.start <= time + 1e-9 and time + 1e-9 < span.end
+            place = span.offset_at(time) if there else None
+            if place != self._places[number]:
+                self._places[number] = place
+                self.simulator.place_obstacle(number, place)
 
     def _judge(self) -> None:
         """Look for falls in the newest sample."""

@@ -89,6 +89,8 @@ def summarise_plan(
         "limit_s": scenario.planner.budget.seconds,
         "counts": dict(plan.counts),
         "footholds": _footholds(scenario, stretches),
+        "real_time_factor": None,
+        "physics": None,
         "versions": versions(),
     }
 
