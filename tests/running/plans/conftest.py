@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cache
 from itertools import pairwise
 from typing import Any
 
@@ -9,7 +10,9 @@ import pytest
 
 from cavalcade.body.trajectory import FLIGHT, LANDING, TAKE_OFF, WALK, Trajectory
 from cavalcade.coordination.result import TeamPlan
-from cavalcade.scenario import Scenario, World, parse_scenario
+from cavalcade.robots import RobotModel
+from cavalcade.running.plans.planning import make_plan
+from cavalcade.scenario import Scenario, World, build_world, parse_scenario, resolve_scenario
 
 STEP = 0.025
 
@@ -55,6 +58,51 @@ def with_leap(path: Trajectory) -> Trajectory:
     position = path.position.copy()
     position[:, 2] += 0.5 * 9.81 * t * (last - first - t)
     return Trajectory(time, position, path.velocity, path.yaw, phase)
+
+
+@pytest.fixture
+def straight_way() -> Callable[..., Trajectory]:
+    """Straight from a pose to another after a wait."""
+    return straight
+
+
+@pytest.fixture(scope="session")
+def crowd() -> Callable[[int], tuple[list[Trajectory], list[RobotModel]]]:
+    """Plans of six Go1s that cross 6 x 6 m from places to places drawn at random."""
+
+    @cache
+    def make(seed: int) -> tuple[list[Trajectory], list[RobotModel]]:
+        scenario = crowd_scenario(seed)
+        made = make_plan(scenario, build_world(scenario))
+        assert made.solved
+        return [path for path in made.trajectories if path is not None], list(scenario.models)
+
+    return make
+
+
+def crowd_scenario(seed: int, robots: int = 6, size: float = 6.0) -> Scenario:
+    rng = np.random.default_rng(seed)
+    places: list[list[float]] = []
+    for last in (robots, 2 * robots):
+        first = len(places)
+        while len(places) < last:
+            x, y = np.round(rng.uniform(0.6, size - 0.6, 2), 2).tolist()
+            if all(np.hypot(x - u, y - v) > 1.0 for u, v, _ in places[first:]):
+                places.append([x, y, round(float(rng.uniform(-3.0, 3.0)), 2)])
+    return resolve_scenario(
+        parse_scenario(
+            {
+                "version": 1,
+                "name": "crowd",
+                "world": {"empty": {"size": [size, size]}},
+                "robots": [
+                    {"model": "go1", "start": start, "goal": goal}
+                    for start, goal in zip(places[:robots], places[robots:], strict=True)
+                ],
+                "task": {"goals": "individual"},
+            }
+        )
+    )
 
 
 @pytest.fixture

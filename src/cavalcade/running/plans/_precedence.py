@@ -17,6 +17,9 @@ from cavalcade.running._kernels import body_corners, body_gap
 NEVER = 1 << 30
 """A cell's number where there is none."""
 
+CONCESSION = 0.01
+"""Out of step, bodies may come this much closer than the plan brings them at that time, m."""
+
 
 @njit(cache=True)
 def pose_gap(one, other, first, second, a, b):
@@ -34,10 +37,11 @@ def first_cells(poses, spread, rests, bodies, margin, band):
     """The first blocked cell of each row of each pair.
 
     A cell is blocked where the gap of the bodies is less than `margin` and what they may move
-    within the cell. Within `band` cells of the diagonal, where the two pass as closely as the
-    plan lets them, the margin is at most half of the plan's own gap at that time. Cells in
-    which one of the two has stood still since the diagonal are left out: they hold nothing that
-    the plan itself does not.
+    within the cell. Within `band` cells of the diagonal, where the plan itself may bring the two
+    closer than that, only what is closer than the plan is blocked: a robot may be in front of
+    its time where that leads it away from the other one, and not where it leads it nearer. Cells
+    in which one of the two has stood still since the diagonal are left out: they hold nothing
+    that the plan itself does not.
 
     Args:
         poses: `(N, K, 3)` every `dt`.
@@ -108,7 +112,7 @@ def first_cells(poses, spread, rests, bodies, margin, band):
                                 )
                             least = min(least, own[known])
                             known += 1
-                        wanted = max(min(wanted, 0.5 * least), loose)
+                        wanted = max(min(wanted, least - CONCESSION), loose)
                     if pose_gap(poses[i, a], poses[j, b], bodies[i], bodies[j], p, q) < wanted:
                         if inside:
                             near[i, j, a] = b
@@ -178,11 +182,10 @@ def stopping(rate, period, brake):
 
 
 @njit(cache=True)
-def allowed_rates(tables, dt, progress, sure, caps, wanted, lowest, period, brake, slack):
+def allowed_rates(tables, dt, progress, sure, caps, wanted, lowest, period, brake, trust, slack):
     """The largest rates with which all can still stop before they are where it is not their turn.
 
-    Rates only come down from those wanted, until no pair objects. Robots that are in step, as
-    the plan has them, may count on each other's braking no faster than they do themselves.
+    Rates only come down from those wanted, until no pair objects.
 
     Args:
         tables: near, ahead, far, each `(N, N, K)`, see `pair_bound`.
@@ -194,6 +197,8 @@ def allowed_rates(tables, dt, progress, sure, caps, wanted, lowest, period, brak
         lowest: `(N,)` rates below which robots cannot come within this cycle.
         period: Of a cycle, s.
         brake: Change of a rate per s when braking.
+        trust: Whether robots in step, as the plan has them, count on each other to brake no
+            harder than they do; otherwise any may stop dead.
         slack: See `pair_bound`.
 
     Returns:
@@ -212,7 +217,9 @@ def allowed_rates(tables, dt, progress, sure, caps, wanted, lowest, period, brak
             for i in range(robots):
                 if i == j:
                     continue
-                coming = sure[i] + stopping(rates[i], period, brake)
+                coming = sure[i]
+                if trust:
+                    coming += stopping(rates[i], period, brake)
                 lead = max(progress[j] - sure[i], after - coming)
                 bound = min(
                     bound,

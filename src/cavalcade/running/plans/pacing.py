@@ -25,6 +25,9 @@ _HARD = 2.5
 _BRAKES = (0.5, 4.0)
 """Least and largest change of a rate, 1/s."""
 
+_SLOW = 0.05
+"""A reference slower than this is waiting for its robot, m/s."""
+
 _STILL = 1e-9
 
 
@@ -35,6 +38,8 @@ class FollowSettings:
     Attributes:
         in_order: Whether each robot has a pace of its own and the order in which robots pass is
             kept; otherwise all follow the clock, come what may.
+        trust: Whether robots that the plan keeps close may rely on each other to stop no faster
+            than they do themselves. Otherwise each keeps the distance that it needs to stop.
         margin: Gap of the bodies that the order is kept with, m.
         lag: Tracking errors between which the rate of progress falls from 1 to 0, m.
         lag_heading: The same of the heading, rad.
@@ -46,6 +51,7 @@ class FollowSettings:
     """
 
     in_order: bool = True
+    trust: bool = False
     margin: float = MARGIN
     lag: tuple[float, float] = (0.10, 0.25)
     lag_heading: tuple[float, float] = (0.15, 0.30)
@@ -55,8 +61,8 @@ class FollowSettings:
     quiet_heading: tuple[float, float] = (0.0175, 0.05)
 
 
-EXACT = FollowSettings(quiet=(0.0, 0.0), quiet_heading=(0.0, 0.0))
-"""For robots that have nothing against small corrections."""
+EXACT = FollowSettings(trust=True, quiet=(0.0, 0.0), quiet_heading=(0.0, 0.0))
+"""For robots that do what they are told, and have nothing against small corrections."""
 
 
 class Pace:
@@ -156,6 +162,7 @@ class Pace:
             np.where(self.held, 0.0, np.maximum(self.rates - _HARD * change, 0.0)),
             self.period,
             self._brake,
+            self._settings.trust,
         )
         late = np.isnan(self.arrived_late) & (progress >= self._ends - _STILL)
         self.arrived_late[late] = self.delay[late]
@@ -170,18 +177,24 @@ class Pace:
     def _left_behind(self, robot: int, off: float, seen: float, pose: Array) -> float:
         """The plan time that the robot has reached; the reference's if it is there."""
         sure = float(self.sure[robot])
-        if off <= ON_TRACK:
-            return max(sure, float(seen))
-        moments = np.arange(sure, seen + 1e-9, _LOOK)
-        if len(moments) < 2:
-            return sure
+        moments = np.append(np.arange(sure, seen, _LOOK), max(seen, sure))
+        if off <= ON_TRACK and (self._settings.trust or self._slow(robot, float(seen))):
+            return float(moments[-1])
         away = self._paths[robot].poses_at(moments) - pose
         turn = np.abs(wrap_angle(away[:, 2]))
         far = np.hypot(away[:, 0], away[:, 1]) + self._reach[robot] * turn
-        # On to where it is nearest, or near enough; never over a place that it is farther from.
-        passed = (far[1:] <= far[:-1] + _STILL) | (far[1:] <= ON_TRACK)
-        stop = len(passed) if passed.all() else int(np.argmin(passed))
-        return float(moments[stop])
+        # The first place of several, but the end of a rest that is spent there.
+        nearest = int(np.argmin(far))
+        while nearest + 1 < len(far) and far[nearest + 1] <= far[nearest] + _STILL:
+            nearest += 1
+        return float(moments[nearest])
+
+    def _slow(self, robot: int, seen: float) -> bool:
+        """Whether the reference all but stands."""
+        marks = seen + np.array([0.0, self.rates[robot] * self.period])
+        here, there = self._paths[robot].poses_at(marks)
+        moved = math.hypot(*(there - here)[:2]) + self._reach[robot] * abs(there[2] - here[2])
+        return bool(moved <= _SLOW * self.period)
 
     def _skip_rests(self, now: float) -> None:
         late = (self.delay > _STILL) & ~self.held

@@ -45,9 +45,8 @@ class Precedence:
     may leave it. So the least progress grows until the plan ends.
 
     A cell in which one of the two has stood since the diagonal is no reason to wait: the plan has
-    just that meeting. Near the diagonal the margin is at most half of the gap that the plan has
-    there, and cells are still blocked where the plan is closer than the sampling can tell; such
-    cells keep the two in step.
+    just that meeting. Near the diagonal, where plans bring bodies closer than `margin`, only what
+    is closer than the plan is blocked; where that is so both ways, the two keep in step.
 
     Args:
         paths: One trajectory per robot, map frame.
@@ -98,6 +97,7 @@ class Precedence:
         lowest: Array,
         period: float,
         brake: float,
+        trust: bool,
     ) -> Array:
         """`(N,)` rates of progress for the next cycle; see `_precedence.allowed_rates`."""
         return np.asarray(
@@ -111,6 +111,7 @@ class Precedence:
                 lowest,
                 period,
                 brake,
+                trust,
                 SLACK,
             )
         )
