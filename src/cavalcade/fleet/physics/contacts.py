@@ -75,6 +75,20 @@ class ContactRecorder:
             for robot, part, other in self._begun[:begun].tolist():
                 self._contacts.append(Contact(time, robot, PARTS[part], self._names[other]))
 
+    def touching(self, steps: int) -> list[Contact]:
+        """What was in contact during the last `steps` recorded steps, at the last time of each."""
+        since = max(self._steps - steps, 0)
+        begin = self._simulator.time - self._steps * self._simulator.settings.step
+        return [
+            Contact(
+                begin + (int(self._seen[robot, part, other]) + 1) * self._simulator.settings.step,
+                int(robot),
+                PARTS[part],
+                self._names[other],
+            )
+            for robot, part, other in np.argwhere(self._seen >= since)
+        ]
+
     def take_forces(self) -> Array:
         """`(N, 4, 3)` N: mean force on each foot since the last call, map frame; starts anew.
 

@@ -203,10 +203,10 @@ class MujocoFleet:
         qpos = self._sampler.qpos
         below = self.simulator.ground.heights_at(qpos[:, :2])
         causes = fallen(qpos, below, self._standing)
-        for touch in self._sampler.touches[self._judged :]:
-            if touch.part == "trunk" and touch.other == "ground":
-                causes[touch.robot] = causes[touch.robot] or "trunk"
-        self._judged = len(self._sampler.touches)
+        for contact in self._sampler.contacts[self._judged :]:
+            if contact.part == "trunk" and contact.other == "ground":
+                causes[contact.robot] = causes[contact.robot] or "trunk"
+        self._judged = len(self._sampler.contacts)
         for robot, cause in enumerate(causes):
             if cause is not None and robot not in self._falls:
                 self._falls[robot] = Fall(self._sampler.time, robot, cause)

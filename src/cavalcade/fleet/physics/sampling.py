@@ -2,33 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from operator import attrgetter
 
 import numpy as np
 
 from cavalcade.fleet.physics._sampling import keep_peaks
+from cavalcade.fleet.physics.contacts import Contact, ContactRecorder
 from cavalcade.fleet.physics.simulator import TeamSimulator
 from cavalcade.geometry import Array
 
 SAMPLE_PERIOD = 0.02
 """Between two samples, s."""
-
-
-@dataclass(frozen=True)
-class Touch:
-    """A contact that is not a foot on the ground, in one interval between samples.
-
-    Attributes:
-        time: When it was seen first in that interval, s.
-        robot: Whose.
-        part: `trunk`, `hip`, `thigh`, `calf` or `foot`.
-        other: `ground`, `obstacle` or `robot k`.
-    """
-
-    time: float
-    robot: int
-    part: str
-    other: str
 
 
 @dataclass(frozen=True)
@@ -41,7 +26,8 @@ class Samples:
         joint_rates: `(T, N, 12)` rad/s.
         torques: `(T, N, 12)` N m, of largest magnitude since the sample before.
         foot_forces: `(T, N, 4, 3)` N, mean of the contact forces since the sample before.
-        touches: In order of time.
+        contacts: In order of time, each when it begins and, while it lasts, between any two
+            samples.
     """
 
     time: Array
@@ -49,7 +35,7 @@ class Samples:
     joint_rates: Array
     torques: Array
     foot_forces: Array
-    touches: tuple[Touch, ...]
+    contacts: tuple[Contact, ...]
 
 
 class Sampler:
@@ -65,21 +51,22 @@ class Sampler:
         self._start = time
         self._every = max(1, round(SAMPLE_PERIOD / simulator.settings.step))
         size = simulator.size
+        self._recorder = ContactRecorder(simulator)
+        self._known = 0
         self._peaks = np.zeros((size, 12))
-        self._forces = np.zeros((size, 4, 3))
         self._steps = 0
         self._time: list[float] = []
         self._qpos: list[Array] = []
         self._rates: list[Array] = []
         self._torques: list[Array] = []
         self._foot_forces: list[Array] = []
-        self._touches: list[Touch] = []
+        self._contacts: list[Contact] = []
         self._keep()
 
     def step(self) -> bool:
         """After a step of the simulator; True if it made a sample."""
         keep_peaks(self._simulator.torques, self._peaks)
-        self._forces[..., 2] += self._simulator.foot_forces
+        self._recorder.record()
         self._steps += 1
         if self._steps % self._every:
             return False
@@ -97,9 +84,9 @@ class Sampler:
         return self._qpos[-1]
 
     @property
-    def touches(self) -> list[Touch]:
-        """All so far, in order of time."""
-        return self._touches
+    def contacts(self) -> list[Contact]:
+        """All so far, as of `Samples`; not to be changed."""
+        return self._contacts
 
     def samples(self) -> Samples:
         """Everything so far."""
@@ -109,7 +96,7 @@ class Sampler:
             joint_rates=np.array(self._rates),
             torques=np.array(self._torques),
             foot_forces=np.array(self._foot_forces),
-            touches=tuple(self._touches),
+            contacts=tuple(self._contacts),
         )
 
     def _keep(self) -> None:
@@ -117,6 +104,21 @@ class Sampler:
         self._qpos.append(self._simulator.qpos)
         self._rates.append(self._simulator.qvel[:, 6:])
         self._torques.append(self._peaks.copy())
-        self._foot_forces.append(self._forces / self._every)
+        self._foot_forces.append(self._recorder.take_forces())
         self._peaks[:] = 0.0
-        self._forces[:] = 0.0
+        self._keep_contacts()
+
+    def _keep_contacts(self) -> None:
+        """Those that began since the last sample, and those that went on."""
+        begun = self._recorder.contacts[self._known :]
+        self._known += len(begun)
+        names = {(contact.robot, contact.part, contact.other) for contact in begun}
+        lasting = (
+            contact
+            for contact in self._recorder.touching(self._every)
+            if (contact.robot, contact.part, contact.other) not in names
+        )
+        found = sorted((*begun, *lasting), key=attrgetter("time"))
+        self._contacts += (
+            replace(contact, time=round(self._start + contact.time, 9)) for contact in found
+        )

@@ -21,8 +21,8 @@ def track_of(fleet: Fleet, start: float) -> PhysicsTrack | None:
         torques=kept.torques,
         foot_forces=kept.foot_forces,
         contacts=tuple(
-            ContactEvent(round(touch.time - start, 9), touch.robot, touch.part, touch.other)
-            for touch in kept.touches
+            ContactEvent(round(contact.time - start, 9), contact.robot, contact.part, contact.other)
+            for contact in kept.contacts
         ),
         falls=tuple(FallEvent(round(fall.time - start, 9), fall.robot) for fall in fleet.falls),
     )
