@@ -93,7 +93,7 @@ class Recorder:
         self.forces = np.zeros((robots, 4, 3))
         self.torques = np.zeros((robots, 12))
         self.count = 0
-        self._open: set[Any] = set()
+        self._told: set[Any] = set()
         self._sample()
 
     def step(self, torques: Any) -> None:
@@ -113,6 +113,7 @@ class Recorder:
         )
         self.forces[:] = 0.0
         self.torques[:] = 0.0
+        self._told.clear()
 
     def _read_contacts(self) -> None:
         import mujoco
@@ -142,9 +143,10 @@ class Recorder:
                 if team.geom_robot[other] >= 0:
                     what = f"robot {team.geom_robot[other]}"
                 now.add((int(robot), PARTS[part], what))
-        for robot, part, what in sorted(now - self._open):
+        # Once in every interval between samples, at the first moment.
+        for robot, part, what in sorted(now - self._told):
             self.touches[robot].append(Touch(self.simulator.time, part, what))
-        self._open = now
+        self._told |= now
 
     def records(self) -> list[RobotRecord]:
         time = np.array([row[0] for row in self.rows])

@@ -12,12 +12,8 @@ from cavalcade.checking.physics.stretches import stretches
 from cavalcade.checking.physics.touching import Overlap
 from cavalcade.checking.report import Kind, Violation
 
-DEEP = 0.005
+DEEP = 0.003
 """Parts that lie deeper in something than this, m, touch it."""
-
-SHALLOW = 0.02
-"""Parts that are recorded to touch something are this close to it, m: they may have been there
-between samples, and solids are filled from within."""
 
 TOGETHER = 0.1
 """Contacts of the same things with shorter breaks are one, s."""

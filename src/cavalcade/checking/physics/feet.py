@@ -22,18 +22,23 @@ TOUCHING = 2.0
 ABOVE = 0.01
 """A foot that pushes is no further from the ground than this, m, at one end of the interval."""
 
-BELOW = 0.015
-"""No foot is further below the ground than this, m: contacts give way a little."""
+BELOW, IMPACT, BRIEF = 0.015, 0.03, 0.05
+"""No foot is further below the ground than the first, m: contacts give way a little; in impacts,
+that is for less than the last, s, not further than the second."""
 
 FRICTION = 1.2
 """Largest coefficient of friction that is believed, rubber on rough ground."""
 
-FIRM = 0.1
-"""A foot with this part of the weight, before and after as well, stands: it does not slide."""
+FIRM, STANDS = 0.15, 0.05
+"""A foot that carries this part of the weight, before and after as well, for so long in s, stands:
+it does not slide. What bounces does not stand."""
 
-SLIDING = 0.005
-"""A standing foot may slide this far from where it set down, m, unless friction holds against it:
-a foot whose friction is used up slides as it should."""
+SLIDING = 0.01
+"""A standing foot may slide this far from where it set down, m, half the radius of its ball,
+unless friction holds against it: a foot whose friction is used up slides as it should."""
+
+CREEP = 0.01
+"""All standing feet together may slide this fast in the mean over the recording, m/s."""
 
 USED = 0.3
 """Sideways force over normal force from which friction may be used up: ice has less, but no legs
@@ -58,8 +63,9 @@ def check_feet(record: RobotRecord, posture: Posture, floor: Floor) -> list[Viol
         pushing = np.where(size > TOUCHING, clear[:, leg], 0.0)
         words = f"pushes with its foot {name} {{value:.3f}} m above the ground"
         result += excesses("footing", robot, time[1:], pushing, 0.0, words, ABOVE)
+        sunk = _lasting(time, (low - bottom)[:, leg])
         words = f"has its foot {name} {{value:.3f}} m below the ground"
-        result += excesses("footing", robot, time, (low - bottom)[:, leg], 0.0, words, BELOW)
+        result += excesses("footing", robot, time, sunk, 0.0, words, BELOW)
         # On an edge the normal is not known; there nothing is said.
         upwards = np.where(level[:, leg], force[:, leg, 2], size)
         words = f"is pulled down by its foot {name} with {{value:.1f}} N"
@@ -70,24 +76,49 @@ def check_feet(record: RobotRecord, posture: Posture, floor: Floor) -> list[Viol
         result += excesses("friction", robot, time[1:], sideways, most, words, TOUCHING)
         words = f"slides {{value:.3f}} m on its standing foot {name}"
         result += excesses("slide", robot, time[1:], slid[:, leg], 0.0, words, SLIDING)
+    return result + _creeping(record, posture)
+
+
+def _lasting(time: Array, depth: Array) -> Array:
+    """Depths `(T,)` without those of impacts."""
+    result = np.where(depth > IMPACT, depth, 0.0)
+    for begin, end in stretches(depth > BELOW):
+        if time[end - 1] - time[begin] >= BRIEF - 1e-9:
+            result[begin:end] = depth[begin:end]
     return result
 
 
+def _creeping(record: RobotRecord, posture: Posture) -> list[Violation]:
+    firm = standing(record, posture)
+    if not firm.any():
+        return []
+    path = np.where(firm, np.linalg.norm(slips(record, posture), axis=2), 0.0)
+    speed = float(path.sum() / (firm * record.steps[:, None]).sum())
+    if speed <= CREEP:
+        return []
+    worst = float(record.time[int(path.sum(axis=1).argmax())])
+    text = f"robot {record.robot} slides on its standing feet at {speed:.3f} m/s in the mean"
+    return [Violation("slide", worst, (record.robot,), text, speed, CREEP)]
+
+
 def standing(record: RobotRecord, posture: Posture) -> NDArray[np.bool_]:
-    """Intervals `(T - 1, 4)` in which, and before and after which, a foot carries."""
+    """Intervals `(T - 1, 4)` in which a foot stands."""
     firm = record.forces[1:, :, 2] > FIRM * posture.weight * GRAVITY
     inner = firm.copy()
     inner[1:] &= firm[:-1]
     inner[:-1] &= firm[1:]
+    for leg in range(4):
+        for begin, end in stretches(inner[:, leg]):
+            if record.time[end] - record.time[begin] < STANDS - 1e-9:
+                inner[begin:end, leg] = False
     return inner
 
 
-def slides(record: RobotRecord, posture: Posture) -> Array:
-    """Distances `(T - 1, 4)` in m that standing feet have slid with nothing that holds against it.
+def slips(record: RobotRecord, posture: Posture) -> Array:
+    """What feet slide in each interval along the ground with nothing against it, `(T - 1, 4, 3)` m.
 
-    Counted from where they set down. A foot is a ball that rolls as its calf turns: its centre
-    moves, what touches the ground does not. Of the motion that is left only what is along the
-    ground is looked at. A foot whose friction is used up may slide against it.
+    A foot is a ball that rolls as its calf turns: its centre moves, what touches the ground does
+    not. A foot whose friction is used up may slide against it.
     """
     normals = 0.5 * (posture.normals[1:] + posture.normals[:-1])
     rolled = np.cross(turns(posture.turn[:, CALVES]), posture.radius * normals)
@@ -96,8 +127,12 @@ def slides(record: RobotRecord, posture: Posture) -> Array:
     pressing = (force * normals).sum(axis=-1)
     braking = -(_along(force, normals) * moved).sum(axis=-1)
     excused = braking > USED * pressing * np.linalg.norm(moved, axis=-1)
-    moved = np.where(excused[..., None], 0.0, moved)
-    firm = standing(record, posture)
+    return np.where(excused[..., None], 0.0, moved)
+
+
+def slides(record: RobotRecord, posture: Posture) -> Array:
+    """Distances `(T - 1, 4)` in m of standing feet from where they set down, by slipping."""
+    moved, firm = slips(record, posture), standing(record, posture)
     result = np.zeros(firm.shape)
     for leg in range(4):
         for begin, end in stretches(firm[:, leg]):

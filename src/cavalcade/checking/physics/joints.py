@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
+from cavalcade.checking.physics.feet import standing
 from cavalcade.checking.physics.kinematics import Posture
 from cavalcade.checking.physics.momentum import GRAVITY
 from cavalcade.checking.physics.record import RobotRecord
 from cavalcade.checking.plans.stretches import excesses
-from cavalcade.checking.report import Kind, Violation
+from cavalcade.checking.report import Violation
 from cavalcade.geometry import Array
 from cavalcade.robots.description import JOINTS, LEGS, QuadrupedDescription
 
@@ -22,17 +24,25 @@ RATE = (0.5, 0.25)
 """Root mean square difference in rad/s between recorded rates and those of the angles, and what of
 their own root mean square is added: rates change within an interval."""
 
-HOLDING = (1.0, 0.35)
-"""Likewise of torques in N m, and those that hold the feet's forces."""
-
-LOADED = 0.1
-"""A foot with more than this part of the weight carries."""
+HOLDING = (0.5, 0.5)
+"""Likewise of a leg's torques in N m, and those that hold its foot's forces: what is recorded are
+the largest in an interval, and legs have some inertia of their own."""
 
 
 def check_joints(
-    record: RobotRecord, posture: Posture, description: QuadrupedDescription
+    record: RobotRecord,
+    posture: Posture,
+    description: QuadrupedDescription,
+    unknown: NDArray[np.bool_],
 ) -> list[Violation]:
-    """Joints beyond their limits, or with rates or torques that don't belong to the motion."""
+    """Joints beyond their limits, or with rates or torques that don't belong to the motion.
+
+    Args:
+        record: Of the robot.
+        posture: Its links.
+        description: With the limits.
+        unknown: `(T - 1,)` intervals in which more than feet carries.
+    """
     result: list[Violation] = []
     size = np.abs(record.torques)
     low, high = description.joint_range.T
@@ -46,27 +56,48 @@ def check_joints(
         result += excesses("joint", record.robot, record.time, beyond[:, j], 0.0, words, ANGLE)
     if len(record.time) > 2:
         result += _check_rates(record)
-        result += _check_holding(record, posture)
+        result += _check_holding(record, posture, unknown)
     return result
 
 
 def _check_rates(record: RobotRecord) -> list[Violation]:
     found = np.diff(record.joints, axis=0) / record.steps[:, None]
-    told = 0.5 * (record.rates[1:] + record.rates[:-1])
-    return _differing("joint", record, found, told, RATE, "rates", "rad/s", "the angles' change")
+    amiss = 0.5 * (record.rates[1:] + record.rates[:-1]) - found
+    difference, limit = _rms(amiss), RATE[0] + RATE[1] * _rms(found)
+    result = []
+    for j in np.flatnonzero(difference > limit):
+        when = float(record.time[int(np.abs(amiss)[:, j].argmax())])
+        text = (
+            f"the rates recorded of robot {record.robot}'s {LEGS[j // 3]} {JOINTS[j % 3]} differ "
+            f"by {difference[j]:.2f} rad/s in the mean from those of its angle"
+        )
+        value, most = float(difference[j]), float(limit[j])
+        result.append(Violation("joint", when, (record.robot,), text, value, most))
+    return result
 
 
-def _check_holding(record: RobotRecord, posture: Posture) -> list[Violation]:
+def _check_holding(
+    record: RobotRecord, posture: Posture, unknown: NDArray[np.bool_]
+) -> list[Violation]:
     """In stance, motors hold the feet's forces and the legs' weights; the rest is small."""
     held = holding_torques(record, posture)
-    normal = record.forces[1:, :, 2] > LOADED * posture.weight * GRAVITY
-    firm = normal & np.roll(normal, 1, axis=0) & np.roll(normal, -1, axis=0)
-    firm[[0, -1]] = False
+    firm = standing(record, posture) & ~unknown[:, None]
     stands = np.repeat(firm, 3, axis=1)
-    told = np.where(stands, record.torques[1:], 0.0)
-    return _differing(
-        "torque", record, np.where(stands, held, 0.0), told, HOLDING, "torques", "N m", "its feet"
-    )
+    amiss = np.where(stands, record.torques[1:] - held, 0.0)
+    result = []
+    for leg, name in enumerate(LEGS):
+        mine = slice(3 * leg, 3 * leg + 3)
+        difference = float(_rms(amiss[:, mine].reshape(-1)))
+        size = float(_rms(np.where(stands, held, 0.0)[:, mine].reshape(-1)))
+        limit = HOLDING[0] + HOLDING[1] * size
+        if difference > limit:
+            when = float(record.time[int(np.abs(amiss[:, mine]).max(axis=1).argmax())])
+            text = (
+                f"the torques recorded of robot {record.robot}'s leg {name} differ by "
+                f"{difference:.2f} N m in the mean from those that hold its foot's force"
+            )
+            result.append(Violation("torque", when, (record.robot,), text, difference, limit))
+    return result
 
 
 def holding_torques(record: RobotRecord, posture: Posture) -> Array:
@@ -86,32 +117,6 @@ def holding_torques(record: RobotRecord, posture: Posture) -> Array:
             axis = 0.5 * (posture.axes[1:, link - 1] + posture.axes[:-1, link - 1])
             held[:, link - 1] = -(axis * moment).sum(axis=1)
     return held
-
-
-def _differing(
-    kind: Kind,
-    record: RobotRecord,
-    found: Array,
-    told: Array,
-    allowed: tuple[float, float],
-    what: str,
-    unit: str,
-    source: str,
-) -> list[Violation]:
-    """Joints whose recorded figures `(T - 1, 12)` are, all in all, not those found."""
-    result = []
-    difference, size = _rms(told - found), _rms(found)
-    limit = allowed[0] + allowed[1] * size
-    for j in np.flatnonzero(difference > limit):
-        when = float(record.time[int(np.abs(told - found)[:, j].argmax())])
-        text = (
-            f"the {what} recorded of robot {record.robot}'s {LEGS[j // 3]} {JOINTS[j % 3]} differ "
-            f"by {difference[j]:.2f} {unit} in the mean from those of {source}"
-        )
-        result.append(
-            Violation(kind, when, (record.robot,), text, float(difference[j]), float(limit[j]))
-        )
-    return result
 
 
 def _rms(values: Array) -> Array:

@@ -98,9 +98,10 @@ def _alone(
     result = check_upright(record, description, floor)
     result += recorded_contacts(record)
     result += hidden_contacts(record, overlaps)
-    result += check_joints(record, links, description)
+    unknown = touched(record)
+    result += check_joints(record, links, description, unknown)
     result += check_feet(record, links, floor)
-    return result + check_momentum(record, links, forces, touched(record))
+    return result + check_momentum(record, links, forces, unknown)
 
 
 def pushed(record: RobotRecord, pushes: Sequence[Push]) -> Array:
