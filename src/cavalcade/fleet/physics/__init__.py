@@ -5,7 +5,15 @@ Importing this package does not load MuJoCo; making a simulator does.
 
 from cavalcade.fleet.physics.contacts import Contact, ContactRecorder
 from cavalcade.fleet.physics.ground import PhysicsGround
+from cavalcade.fleet.physics.own_robot import own_robot
 from cavalcade.fleet.physics.settings import PhysicsSettings
 from cavalcade.fleet.physics.simulator import TeamSimulator
 
-__all__ = ["Contact", "ContactRecorder", "PhysicsGround", "PhysicsSettings", "TeamSimulator"]
+__all__ = [
+    "Contact",
+    "ContactRecorder",
+    "PhysicsGround",
+    "PhysicsSettings",
+    "TeamSimulator",
+    "own_robot",
+]

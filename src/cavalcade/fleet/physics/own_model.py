@@ -61,6 +61,8 @@ def read_own_model(file: str | Path) -> OwnModel:
     try:
         spec = mujoco.MjSpec.from_file(str(path))
         _name_everything(spec)
+        for key in spec.keys:
+            spec.delete(key)
         with_motors = spec.compile()
     except ValueError as error:
         raise InputError(f"not a MuJoCo model that can be used: {error}", file=path) from None
@@ -68,7 +70,7 @@ def read_own_model(file: str | Path) -> OwnModel:
     joints = _legs(with_motors, root, path)
     feet = tuple(_foot(with_motors, joint, leg, path) for leg, joint in enumerate(joints[2::3]))
     torques = tuple(_torque(with_motors, joint, path) for joint in joints)
-    for thing in (*spec.actuators, *spec.sensors, *spec.keys):
+    for thing in (*spec.actuators, *spec.sensors):
         spec.delete(thing)
     for thing in (*spec.worldbody.geoms, *spec.worldbody.sites, *spec.worldbody.lights):
         spec.delete(thing)
