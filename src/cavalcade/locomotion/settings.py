@@ -36,11 +36,11 @@ class GaitSettings:
         leash, turn_leash: The reference runs ahead of the robot at most so far, m and rad.
     """
 
-    period: float = 0.4
+    period: float = 0.36
     duty: float = 0.5
     height: float | None = None
     clearance: float = 0.08
-    capture: float = 0.015
+    capture: float = 0.0
     acceleration: float = 1.0
     turning: float = 2.0
     silence: float = 0.5
