@@ -138,7 +138,13 @@ def run(
 
                 reporter.say("Drawing the figures ...")
                 make_figures(loaded, world, done.recording, summary, folder.stage / FIGURES)
-            if replay:
+            if replay and done.recording.physics is not None:
+                from cavalcade.running.physics.replay import write_physics_replay
+
+                track = done.recording.physics
+                target = folder.stage / REPLAY
+                write_physics_replay(loaded, world, done.recording, track, summary, target)
+            elif replay:
                 from cavalcade.running.replay import write_replay
 
                 write_replay(loaded, world, done.recording, summary, folder.stage / REPLAY)

@@ -64,7 +64,13 @@ def carry_out(
 
             reporter.say("Drawing the figures ...")
             make_plan_figures(scenario, world, shown, stage / FIGURES)
-        if replay:
+        track = done.recording.physics
+        if replay and track is not None:
+            from cavalcade.running.physics.replay import write_physics_replay
+
+            target = stage / REPLAY
+            write_physics_replay(scenario, world, done.recording, track, summary, target)
+        elif replay:
             from cavalcade.running.plans.replay import write_plan_replay
 
             write_plan_replay(scenario, world, shown, stage / REPLAY)
