@@ -66,7 +66,7 @@ def loaded_spans(time: Array, force: Array) -> list[tuple[float, float]]:
     begin, end = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
     return [
         (float(time[max(first - 1, 0)]), float(time[last - 1]))
-        for first, last in zip(begin, end, strict=True)
+        for first, last in zip(begin.tolist(), end.tolist(), strict=True)
     ]
 
 
@@ -76,7 +76,7 @@ def busiest_window(track: PhysicsTrack, length: float) -> tuple[float, float]:
     carries: NDArray[np.bool_] = np.greater_equal(track.foot_forces[..., 2], LOADED)
     length = min(length, track.duration)
     first, last = float(time[0]), float(time[-1])
-    flying = ~carries.any(axis=2)
+    flying = np.asarray(~carries.any(axis=2))
     # Two samples in a row, so that a stumble of one is no flight.
     flight = np.flatnonzero((flying[1:] & flying[:-1]).any(axis=1))
     if len(flight):

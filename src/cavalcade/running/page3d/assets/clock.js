@@ -129,11 +129,12 @@ function fillFacts() {
   }
 }
 
-// The page opens playing; `#t=3.2` opens at that time, `#follow=1` (or `team`) beside a robot,
-// `#top` from above, and `open` says how otherwise.
+// The page opens playing, in the view that `open` makes. After `#`, joined by `&`: `t=3.2` opens it
+// at that time, `follow=1` (or `team`) beside a robot, `top=1` from above, `dark=1` in the dark;
+// `away`, `lift` and `turn` place the camera, `hide=paths,labels` leaves layers out.
 function begin(open) {
-  const said = new URLSearchParams(location.hash.slice(1).replace(/(^|&)top(&|$)/, "$1top=1$2"));
-  if (window.matchMedia("(prefers-color-scheme: dark)").matches) document.documentElement.dataset.theme = "dark";
+  const said = new URLSearchParams(location.hash.slice(1).replace(/(^|&)(top|dark)(?=&|$)/g, "$1$2=1"));
+  if (said.has("dark") || window.matchMedia("(prefers-color-scheme: dark)").matches) document.documentElement.dataset.theme = "dark";
   window.addEventListener("resize", resize);
   resize();
   if (said.has("t")) goTo(Number(said.get("t")) || 0);

@@ -27,7 +27,8 @@ function teamView() {
   const ahead = Math.hypot(x1 - x0, y1 - y0) > 0.3 ? Math.atan2(y1 - y0, x1 - x0) : stateAt(robots[0], 0).yaw;
   const [x, y] = eyesOn("team"), spread = Math.max(...robots.map((robot) => Math.hypot(stateAt(robot, now).place[0] - x, stateAt(robot, now).place[1] - y)));
   Object.assign(camera, { turn: ahead + Math.PI - 0.75, lift: 0.5 });
-  follow("team", Math.min(2.2 + 2.5 * spread, 14));
+  const narrow = Math.max(1.25 * canvas.height / Math.max(canvas.width, 1), 1);
+  follow("team", Math.min((2.2 + 2.5 * spread) * narrow, 14));
 }
 
 const moreKeys = {
