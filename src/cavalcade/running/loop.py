@@ -13,6 +13,7 @@ from cavalcade.fleet import Fleet
 from cavalcade.running.control import Planner
 from cavalcade.running.frames import Recording
 from cavalcade.running.output import FIGURES, RECORDING, REPLAY, OutputFolder
+from cavalcade.running.physics.drawing import add_figures, replay_in_physics
 from cavalcade.running.progress import Progress, ProgressSink, Reporter
 from cavalcade.running.simulation import simulate
 from cavalcade.running.summary import summarise
@@ -138,16 +139,9 @@ def run(
 
                 reporter.say("Drawing the figures ...")
                 make_figures(loaded, world, done.recording, summary, folder.stage / FIGURES)
-            if replay and done.recording.physics is not None:
-                from cavalcade.running.physics.replay import write_physics_replay
-
-                track = done.recording.physics
-                target = folder.stage / REPLAY
-                write_physics_replay(loaded, world, done.recording, track, summary, target)
-            elif replay:
-                from cavalcade.running.replay import write_replay
-
-                write_replay(loaded, world, done.recording, summary, folder.stage / REPLAY)
+                add_figures(loaded, done.recording, folder.stage / FIGURES)
+            if replay:
+                _write_replay(loaded, world, done.recording, summary, folder.stage / REPLAY)
             files = folder.commit(loaded, summary)
         reporter.finish(summary, files)
     return RunResult(summary, done.recording, None if folder is None else folder.path, files)
@@ -197,6 +191,15 @@ def _default_fleet(scenario: Scenario) -> Fleet:
     from cavalcade.running.team import make_fleet
 
     return make_fleet(scenario)
+
+
+def _write_replay(
+    scenario: Scenario, world: World, recording: Recording, summary: dict[str, Any], path: Path
+) -> None:
+    if not replay_in_physics(scenario, world, recording, summary, path):
+        from cavalcade.running.replay import write_replay
+
+        write_replay(scenario, world, recording, summary, path)
 
 
 def _write(

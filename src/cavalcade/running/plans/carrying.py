@@ -15,6 +15,7 @@ from cavalcade.fleet import Fleet, IdealFleet, LeapingFleet
 from cavalcade.running.frames import Recording
 from cavalcade.running.loop import RunResult
 from cavalcade.running.output import FIGURES, PLAN, RECORDING, REPLAY, OutputFolder
+from cavalcade.running.physics.drawing import add_figures, replay_in_physics
 from cavalcade.running.plans.follower import PlanFollower
 from cavalcade.running.plans.pacing import EXACT, FollowSettings
 from cavalcade.running.plans.planfile import write_plan
@@ -64,13 +65,10 @@ def carry_out(
 
             reporter.say("Drawing the figures ...")
             make_plan_figures(scenario, world, shown, stage / FIGURES)
-        track = done.recording.physics
-        if replay and track is not None:
-            from cavalcade.running.physics.replay import write_physics_replay
-
-            target = stage / REPLAY
-            write_physics_replay(scenario, world, done.recording, track, summary, target)
-        elif replay:
+            add_figures(scenario, done.recording, stage / FIGURES)
+        if replay and not replay_in_physics(
+            scenario, world, done.recording, summary, stage / REPLAY
+        ):
             from cavalcade.running.plans.replay import write_plan_replay
 
             write_plan_replay(scenario, world, shown, stage / REPLAY)
