@@ -17,8 +17,9 @@ from cavalcade.world import Terrain
 AFTERWARDS = 2.0
 """A robot that has landed goes on at most this much later in its plan, s."""
 
-PATIENCE = 10.0
-"""A team in which nobody has come on for this long because of a leap is stuck, s."""
+PATIENCE = 3.0
+"""Once nobody has come on for this long because of a leap, a robot may leap that would come
+nearer to others than the margin, but touch nobody, s."""
 
 _BREAK, _ACROSS, _GRAIN = 0.05, 0.05, 0.01
 """Ground breaks where its height changes by more than the first over the second, m; looked for
@@ -40,8 +41,8 @@ class Leaps:
 
     A leap begins when nobody can come in its way any more: everybody who goes before the robot,
     up to the end of the landing, has passed. Until then the robot waits where its approach
-    begins. Where two robots' leaps depend on each other there is no such moment, and the team is
-    stuck.
+    begins. Robots that leap side by side may wait for each other so; then one leaps closer to
+    the others than the margin. If none can without touching one, the team is stuck.
 
     Args:
         paths: One trajectory per robot, map frame.
@@ -60,6 +61,7 @@ class Leaps:
         self._paths, self._fleet, self._terrain, self._pace = paths, fleet, terrain, pace
         self._waiting = [leaps_of(path) for path in paths]
         self._landed = np.zeros(len(paths))
+        self._excused = np.zeros(len(paths), dtype=bool)
         self._moved = 0.0
         self._furthest = np.zeros(len(paths))
         self.trouble: tuple[str, tuple[int, ...]] | None = None
@@ -69,10 +71,12 @@ class Leaps:
         """Take back who has landed."""
         pace = self._pace
         for robot in np.flatnonzero(pace.held & ~self._fleet.leaping).tolist():
-            leap = self._waiting[robot].pop(0)
             if self._fleet.leap_failed[robot]:
+                # Wherever it is, the others take it to be where it was handed over.
                 self.trouble = (f"robot {robot} failed to leap", (robot,))
-                return
+                continue
+            leap = self._waiting[robot].pop(0)
+            self._excused[robot] = False
             self._landed[robot] = self._paths[robot].time[leap.landed]
             pace.go_on(robot, now, self._nearest(robot, poses[robot]))
         self._cap()
@@ -104,7 +108,8 @@ class Leaps:
             cap = math.inf
             if waiting and not self._pace.held[robot]:
                 end = self._paths[robot].time[waiting[0].landed]
-                cap = math.inf if bounds[robot] >= end else self._begin(robot)
+                free = self._excused[robot] or bounds[robot] >= end
+                cap = math.inf if free else self._begin(robot)
             self._pace.caps[robot] = cap
 
     def _nearest(self, robot: int, pose: Array) -> float:
@@ -119,15 +124,22 @@ class Leaps:
         return float(moments[int(np.argmin(far))])
 
     def _watch(self, now: float) -> None:
-        """Notice when leaps wait for each other."""
-        progress = self._pace.sure
-        if (progress > self._furthest + 1e-6).any() or self._pace.held.any():
-            self._furthest = progress.copy()
+        """Notice when leaps wait for each other, and let one begin."""
+        pace = self._pace
+        if (pace.sure > self._furthest + 1e-6).any() or pace.held.any():
+            self._furthest = pace.sure.copy()
             self._moved = now
-        waits = np.flatnonzero(np.isfinite(self._pace.caps))
-        if len(waits) and now - self._moved > PATIENCE:
-            names = tuple(waits.tolist())
-            self.trouble = (f"the leap of robot {names[0]} is never free to its end", names)
+        waits = np.flatnonzero(np.isfinite(pace.caps))
+        if not len(waits) or now - self._moved <= PATIENCE:
+            return
+        bounds = pace.bounds(margin=False)
+        for robot in waits[np.argsort(pace.sure[waits], kind="stable")].tolist():
+            if bounds[robot] >= self._paths[robot].time[self._waiting[robot][0].landed]:
+                self._excused[robot] = True
+                self._moved = now
+                return
+        names = tuple(waits.tolist())
+        self.trouble = (f"the leap of robot {names[0]} is never free to its end", names)
 
 
 def leaps_of(path: Trajectory) -> list[Leap]:

@@ -96,6 +96,9 @@ class Pace:
         self._rests = [_rests(path) for path in paths]
         self._ends = np.array([path.duration for path in paths])
         self._brake = _brake(paths, models)
+        self._models = models
+        self._stop = 2.0 * period + 0.5 / self._brake
+        self._bare: Precedence | None = None
         size = len(paths)
         self.delay = np.zeros(size)
         self.rates = np.ones(size)
@@ -105,20 +108,26 @@ class Pace:
         self.arrived_late = np.full(size, np.nan)
         self.precedence: Precedence | None = None
         if settings.in_order:
-            self.precedence = Precedence(
-                paths, models, 2.0 * period + 0.5 / self._brake, settings.margin
-            )
+            self.precedence = Precedence(paths, models, self._stop, settings.margin)
         self._last: float | None = None
 
     def progress(self, now: float) -> Array:
         """`(N,)` plan times of the references, s."""
         return np.asarray(now - self.delay)
 
-    def bounds(self) -> Array:
-        """`(N,)` plan times beyond which nobody may go while nobody else moves on, s."""
+    def bounds(self, margin: bool = True) -> Array:
+        """`(N,)` plan times beyond which nobody may go while nobody else moves on, s.
+
+        Args:
+            margin: Whether bodies keep their margin; otherwise they only do not touch.
+        """
         if self.precedence is None:
             return np.full(len(self._paths), math.inf)
-        return self.precedence.bounds(self.sure)
+        if margin:
+            return self.precedence.bounds(self.sure)
+        if self._bare is None:
+            self._bare = Precedence(self._paths, self._models, self._stop, margin=0.0)
+        return self._bare.bounds(self.sure)
 
     def begin(self, now: float) -> None:
         """The progress since the last cycle; time in which nobody was commanded is no progress."""
