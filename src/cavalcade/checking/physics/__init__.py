@@ -5,11 +5,12 @@ geometry and the criterion of a leap are its own. What it knows of robots is the
 """
 
 from cavalcade.checking.physics.floor import Floor, LevelFloor, floor_of
-from cavalcade.checking.physics.judge import Push, judge_robots
+from cavalcade.checking.physics.judge import Conditions, Push, judge_robots
 from cavalcade.checking.physics.leaps import Leap, LeapVerdict, judge_leap
 from cavalcade.checking.physics.record import RobotRecord, Touch
 
 __all__ = [
+    "Conditions",
     "Floor",
     "Leap",
     "LeapVerdict",

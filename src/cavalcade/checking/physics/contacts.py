@@ -12,7 +12,7 @@ from cavalcade.checking.physics.stretches import stretches
 from cavalcade.checking.physics.touching import Overlap
 from cavalcade.checking.report import Kind, Violation
 
-DEEP = 0.003
+DEEP = 0.001
 """Parts that lie deeper in something than this, m, touch it."""
 
 TOGETHER = 0.1

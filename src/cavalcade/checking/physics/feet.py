@@ -27,7 +27,7 @@ BELOW, IMPACT, BRIEF = 0.015, 0.03, 0.05
 that is for less than the last, s, not further than the second."""
 
 FRICTION = 1.2
-"""Largest coefficient of friction that is believed, rubber on rough ground."""
+"""Largest coefficient of friction that is believed if it is not known: rubber on rough ground."""
 
 FIRM, STANDS = 0.15, 0.05
 """A foot that carries this part of the weight, before and after as well, for so long in s, stands:
@@ -48,7 +48,9 @@ LEVEL = 0.005
 """Ground that differs by less, m, below a foot counts as level there."""
 
 
-def check_feet(record: RobotRecord, posture: Posture, floor: Floor) -> list[Violation]:
+def check_feet(
+    record: RobotRecord, posture: Posture, floor: Floor, friction: float = FRICTION
+) -> list[Violation]:
     """Feet that push in the air, sink in, pull, are held sideways by nothing, or slide."""
     result: list[Violation] = []
     bottom = posture.feet[..., 2] - posture.radius
@@ -72,7 +74,7 @@ def check_feet(record: RobotRecord, posture: Posture, floor: Floor) -> list[Viol
         result += excesses("friction", robot, time[1:], -upwards, 0.0, words, TOUCHING)
         sideways = np.where(level[:, leg], np.hypot(*force[:, leg, :2].T), 0.0)
         words = f"is held sideways by its foot {name} with {{value:.1f}} N; {{limit:.1f}} would do"
-        most = FRICTION * np.maximum(upwards, 0.0)
+        most = friction * np.maximum(upwards, 0.0)
         result += excesses("friction", robot, time[1:], sideways, most, words, TOUCHING)
         words = f"slides {{value:.3f}} m on its standing foot {name}"
         result += excesses("slide", robot, time[1:], slid[:, leg], 0.0, words, SLIDING)

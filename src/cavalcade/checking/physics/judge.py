@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from cavalcade.checking.physics.contacts import hidden_contacts, recorded_contacts, touched
-from cavalcade.checking.physics.feet import check_feet
+from cavalcade.checking.physics.feet import FRICTION, check_feet
 from cavalcade.checking.physics.floor import Floor
 from cavalcade.checking.physics.joints import check_joints
 from cavalcade.checking.physics.kinematics import Posture, posture
-from cavalcade.checking.physics.momentum import check_momentum
+from cavalcade.checking.physics.momentum import carried_part, check_momentum
 from cavalcade.checking.physics.record import RobotRecord
 from cavalcade.checking.physics.touching import (
     Overlap,
@@ -25,6 +25,8 @@ from cavalcade.checking.report import Violation
 from cavalcade.checking.solids import Scene
 from cavalcade.geometry import Array
 from cavalcade.robots.description import QuadrupedDescription
+
+_BOTH = np.array([-1.0, 1.0])
 
 
 @dataclass(frozen=True)
@@ -43,14 +45,27 @@ class Push:
     force: tuple[float, float, float]
 
 
+@dataclass(frozen=True)
+class Conditions:
+    """What an experiment says of its robots.
+
+    Attributes:
+        friction: Largest coefficient between a foot and what it stands on.
+        variation: Masses may be other ones by this part.
+        pushes: Forces from outside.
+    """
+
+    friction: float = FRICTION
+    variation: float = 0.0
+    pushes: tuple[Push, ...] = ()
+
+
 def judge_robots(
     records: Sequence[RobotRecord],
     descriptions: Sequence[QuadrupedDescription],
     floor: Floor,
     scene: Scene | None = None,
-    *,
-    pushes: Sequence[Push] = (),
-    mass_scales: Sequence[float] | None = None,
+    conditions: Conditions | None = None,
 ) -> list[Violation]:
     """What is wrong with the recorded motion of robots: see `docs/checker.md`.
 
@@ -59,19 +74,17 @@ def judge_robots(
         descriptions: Of each of them.
         floor: What they walk on.
         scene: What they may run into.
-        pushes: Forces from outside that may act.
-        mass_scales: Of each robot, if its masses are not those of its description.
+        conditions: Of the experiment.
 
     Returns:
         In order of time.
     """
-    scales = [1.0] * len(records) if mass_scales is None else mass_scales
-    links = {
-        record.robot: posture(record, description, scale, floor)
-        for record, description, scale in zip(records, descriptions, scales, strict=True)
-    }
+    conditions = conditions or Conditions()
     told = {
         record.robot: description for record, description in zip(records, descriptions, strict=True)
+    }
+    links = {
+        record.robot: _links(record, told[record.robot], floor, conditions) for record in records
     }
     among: dict[int, list[Overlap]] = {record.robot: [] for record in records}
     for overlap in robot_overlaps(links, told):
@@ -82,9 +95,24 @@ def judge_robots(
         overlaps = [*ground_overlaps(robot, links[robot], told[robot], floor), *among[robot]]
         if scene is not None:
             overlaps += obstacle_overlaps(robot, links[robot], told[robot], scene)
-        forces = pushed(record, pushes)
-        result += _alone(record, links[robot], told[robot], floor, overlaps, forces)
+        result += hidden_contacts(record, overlaps)
+        result += _alone(record, links[robot], told[robot], floor, conditions)
     return sorted(result, key=lambda violation: violation.time)
+
+
+def _links(
+    record: RobotRecord,
+    description: QuadrupedDescription,
+    floor: Floor,
+    conditions: Conditions,
+) -> Posture:
+    """The robot's links; if its mass may vary, with that which its feet carry, within reason."""
+    links = posture(record, description, floor=floor)
+    if conditions.variation <= 0.0:
+        return links
+    part = carried_part(record, links, pushed(record, conditions.pushes), touched(record))
+    scale = np.clip(1.0 if part is None else part, *(1.0 + conditions.variation * _BOTH))
+    return posture(record, description, float(scale), floor)
 
 
 def _alone(
@@ -92,15 +120,13 @@ def _alone(
     links: Posture,
     description: QuadrupedDescription,
     floor: Floor,
-    overlaps: Sequence[Overlap],
-    forces: Array,
+    conditions: Conditions,
 ) -> list[Violation]:
+    unknown, forces = touched(record), pushed(record, conditions.pushes)
     result = check_upright(record, description, floor)
     result += recorded_contacts(record)
-    result += hidden_contacts(record, overlaps)
-    unknown = touched(record)
     result += check_joints(record, links, description, unknown)
-    result += check_feet(record, links, floor)
+    result += check_feet(record, links, floor, conditions.friction)
     return result + check_momentum(record, links, forces, unknown)
 
 

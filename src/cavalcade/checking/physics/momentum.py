@@ -61,7 +61,7 @@ def check_momentum(
     mass = posture.weight
     linear, turning = _missing(record, posture, pushes)
     weight = mass * GRAVITY
-    result = _mean_force(record, linear, weight, unknown)
+    result = _mean_force(record, _carried(record, linear, weight, unknown))
     middle = 0.5 * (record.time[1:] + record.time[:-1])
     edge = _grain(record, pushes, weight)
     rules: tuple[tuple[Kind, Array, Array, float], ...] = (
@@ -109,18 +109,31 @@ def _until_middle(impulse: Array) -> Array:
     return np.cumsum(impulse, axis=0) - 0.5 * impulse
 
 
-def _mean_force(
+def carried_part(
+    record: RobotRecord, posture: Posture, pushes: Array, unknown: NDArray[np.bool_]
+) -> float | None:
+    """Mean vertical force over what the robot's weight and motion take; None if too short."""
+    if len(record.time) < 3:
+        return None
+    linear, _ = _missing(record, posture, pushes)
+    return _carried(record, linear, posture.weight * GRAVITY, unknown)
+
+
+def _carried(
     record: RobotRecord, balance: Array, weight: float, unknown: NDArray[np.bool_]
-) -> list[Violation]:
-    """Over the whole recording the feet carry the robot's weight."""
+) -> float | None:
     middle = 0.5 * (record.time[1:] + record.time[:-1])
     missing, span = 0.0, 0.0
     for begin, end in stretches(~unknown):
         missing += float(balance[begin, 2] - balance[end - 1, 2])
         span += float(middle[end - 1] - middle[begin])
-    if span < LONG_ENOUGH or abs(missing) <= WEIGHT * weight * span:
+    return None if span < LONG_ENOUGH else 1.0 + missing / (weight * span)
+
+
+def _mean_force(record: RobotRecord, part: float | None) -> list[Violation]:
+    """Over the whole recording the feet carry the robot's weight."""
+    if part is None or abs(part - 1.0) <= WEIGHT:
         return []
-    part = 1.0 + missing / (weight * span)
     text = f"the feet of robot {record.robot} carry {100.0 * part:.1f} % of what moves it"
     return [Violation("weight", float(record.time[0]), (record.robot,), text, part, 1.0)]
 

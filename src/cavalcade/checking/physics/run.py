@@ -12,7 +12,7 @@ from cavalcade.checking.motion import bodies, common_clock
 from cavalcade.checking.physics.claims import check_counts, check_distances, check_poses
 from cavalcade.checking.physics.distances import obstacle_distance, pair_distance
 from cavalcade.checking.physics.floor import floor_of
-from cavalcade.checking.physics.judge import judge_robots
+from cavalcade.checking.physics.judge import Conditions, judge_robots
 from cavalcade.checking.physics.record import RobotRecord
 from cavalcade.checking.plans.heights import Heights
 from cavalcade.checking.report import Violation
@@ -50,7 +50,9 @@ def judge_motion(
     """
     places = np.concatenate([record.base[:, :2] for record in records])
     floor = floor_of(heights, places)
-    result = judge_robots(records, _descriptions(scenario), floor, scene)
+    said = scenario.execution.physics
+    conditions = Conditions(said.friction * (1.0 + said.variation), said.variation)
+    result = judge_robots(records, _descriptions(scenario), floor, scene, conditions)
     result += _sparse(records)
     for record, track in zip(records, tracks, strict=True):
         result += check_poses(record, track)

@@ -45,6 +45,23 @@ def balls_of(shape: BodyShape, posture: Posture) -> Balls:
     return Balls(shape, place[:, None] + np.einsum("txy,by->tbx", turn, within), radius)
 
 
+def middle_of(shape: BodyShape, posture: Posture) -> Array:
+    """Where a solid's centre is, `(T, 3)` m."""
+    link = shape.link
+    middle: Array = posture.place[:, link] + posture.turn[:, link] @ np.array(shape.position)
+    return middle
+
+
+def radius_of(shape: BodyShape) -> float:
+    """Of the ball around a solid, m."""
+    a, b, c = shape.size
+    if shape.kind == "sphere":
+        return a
+    if shape.kind == "capsule":
+        return a + b
+    return float(np.hypot(a, b)) if shape.kind == "cylinder" else float(np.hypot(np.hypot(a, b), c))
+
+
 def distance_to(
     shape: BodyShape, posture: Posture, places: Array, rows: NDArray[np.int64]
 ) -> Array:
@@ -53,10 +70,7 @@ def distance_to(
     Negative inside.
     """
     turn = posture.turn[rows, shape.link] @ matrices(np.array(shape.rotation))
-    middle = posture.place[rows, shape.link] + posture.turn[rows, shape.link] @ np.array(
-        shape.position
-    )
-    local = np.einsum("kyx,kby->kbx", turn, places - middle[:, None])
+    local = (places - middle_of(shape, posture)[rows][:, None]) @ turn
     distance: Array = _DISTANCES[shape.kind](local, np.array(shape.size))
     return distance
 

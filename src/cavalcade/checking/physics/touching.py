@@ -11,7 +11,13 @@ from numpy.typing import NDArray
 
 from cavalcade.checking.physics.floor import Floor
 from cavalcade.checking.physics.kinematics import Posture
-from cavalcade.checking.physics.solids import Balls, balls_of, distance_to
+from cavalcade.checking.physics.solids import (
+    Balls,
+    balls_of,
+    distance_to,
+    middle_of,
+    radius_of,
+)
 from cavalcade.checking.solids import Scene, Solid
 from cavalcade.geometry import Array, inverse_transform_points
 from cavalcade.robots.description import QuadrupedDescription
@@ -91,13 +97,14 @@ def robot_overlaps(
             continue
         for shape in descriptions[one].solids:
             balls = balls_of(shape, postures[one])
-            places = balls.places[rows]
-            least = np.full(len(rows), np.inf)
-            for solid in descriptions[two].solids:
-                found = distance_to(solid, postures[two], places, rows)
-                least = np.minimum(least, found.min(axis=1))
+            middle = middle_of(shape, postures[one])
             depth = np.full(len(apart), -np.inf)
-            depth[rows] = balls.radius - least
+            for solid in descriptions[two].solids:
+                gap = np.linalg.norm((middle - middle_of(solid, postures[two]))[rows], axis=1)
+                close = rows[gap < radius_of(shape) + radius_of(solid)]
+                found = distance_to(solid, postures[two], balls.places[close], close)
+                deep = balls.radius - found.min(axis=1)
+                depth[close] = np.maximum(depth[close], deep)
             yield Overlap(one, shape.part, shape.leg, f"robot {two}", "", depth)
 
 
