@@ -7,7 +7,8 @@ import pytest
 from scipy.optimize import nnls
 
 from cavalcade.locomotion._qp import solve_qp
-from cavalcade.locomotion._qp_factor import back_solve, factorise
+from cavalcade.locomotion._qp_factor import backward, factorise, forward
+from cavalcade.locomotion._qp_held import combine, hold, release, split
 
 MU, MOST, MANY = 0.5, 150.0, 100_000
 
@@ -47,8 +48,42 @@ def test_factor_and_solution(feet):
     for first in {0, 3 * (feet // 2), n - 3}:
         vector = np.where(np.arange(n) >= first, rng.normal(size=n), 0.0)
         exact = np.linalg.solve(hessian, vector)
-        back_solve(factor, scale, vector, first)
+        forward(factor, scale, vector, first)
+        backward(factor, scale, vector)
         np.testing.assert_allclose(vector, exact, rtol=1e-7, atol=1e-9 * np.abs(exact).max())
+
+
+def test_the_basis_stays_exact_as_limits_come_and_go():
+    rng = np.random.default_rng(6)
+    n = 30
+    basis, triangle = np.empty((n, n)), np.empty((n, n))
+    shares, answer = np.empty(n), np.empty(n)
+    vectors = []
+    for turn in range(2000):
+        held = len(vectors)
+        if held == n or (held and rng.random() < 0.4):
+            place = int(rng.integers(held))
+            release(basis, triangle, held, place)
+            del vectors[place]
+            continue
+        vector = rng.normal(size=n)
+        if held and turn % 3 == 0:  # nearly a combination of those that are held
+            vector = 1e-4 * vector + rng.normal(size=held) @ np.array(vectors)
+        vector /= np.linalg.norm(vector)
+        left = vector.copy()
+        square = split(basis, held, left, shares, answer)
+        combine(triangle, held, shares, answer)
+        if held:
+            known = np.array(vectors)
+            np.testing.assert_allclose(answer[:held] @ known + left, vector, atol=1e-8)
+            np.testing.assert_allclose(known @ left, 0.0, atol=1e-10)
+        hold(basis, triangle, held, left, shares, square)
+        vectors.append(vector)
+        held += 1
+        np.testing.assert_allclose(basis[:held] @ basis[:held].T, np.eye(held), atol=1e-11)
+        np.testing.assert_allclose(
+            np.tril(triangle[:held, :held]) @ basis[:held], vectors, atol=1e-11
+        )
 
 
 @pytest.mark.parametrize("wildness", [20.0, 80.0, 400.0])

@@ -53,7 +53,7 @@ def solve_mpc(
         max_force: Greatest normal force on a foot, N.
         plan: `(H, 4, 3)`, becomes the answer.
         changes: Of the set of limits held by the solver, for every standing foot: at most so
-            many. Some 2 are needed where all feet slip; 10 are never reached.
+            many; 30 are enough for the wildest questions, and mostly none is needed.
 
     Returns:
         `plan`: forces of the ground on the feet, world frame, N; zero where a foot swings.

@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 
 
-@njit(cache=True, fastmath={"contract", "reassoc"})
+@njit(cache=True, fastmath={"contract", "reassoc"}, error_model="numpy")
 def factorise(matrix, factor, scale):
     """Upper triangular R with Rᵀ R = matrix, three rows at a time.
 
@@ -53,8 +53,8 @@ def factorise(matrix, factor, scale):
 
 
 @njit(cache=True, fastmath={"contract", "reassoc"})
-def back_solve(factor, scale, vector, first):
-    """Turn `vector` into (Rᵀ R)⁻¹ vector; it is zero before `first`, a multiple of 3."""
+def forward(factor, scale, vector, first):
+    """Turn `vector` into R⁻ᵀ vector; it is zero before `first`, a multiple of 3."""
     n = factor.shape[0]
     end = np.uint64(n)
     for p in range(first, n, 3):
@@ -64,6 +64,13 @@ def back_solve(factor, scale, vector, first):
         vector[p], vector[p + 1], vector[p + 2] = x, y, z
         for c in range(np.uint64(p + 3), end):
             vector[c] -= x * factor[p, c] + y * factor[p + 1, c] + z * factor[p + 2, c]
+
+
+@njit(cache=True, fastmath={"contract", "reassoc"})
+def backward(factor, scale, vector):
+    """Turn `vector` into R⁻¹ vector."""
+    n = factor.shape[0]
+    end = np.uint64(n)
     for p in range(n - 3, -1, -3):
         x, y, z = 0.0, 0.0, 0.0
         for c in range(np.uint64(p + 3), end):
