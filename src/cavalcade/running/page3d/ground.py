@@ -15,8 +15,8 @@ from cavalcade.running.page3d.meshes import Prism, counter_clockwise, rectangles
 from cavalcade.running.page3d.packing import packed, whole
 from cavalcade.world import OccupancyMap, Shape, Terrain
 
-WALL = 0.45
-"""How high solid obstacles are drawn, m: their true height is unlimited."""
+WALL = 0.5
+"""How high solid obstacles are drawn, m: as high as they are in physics; planners never look."""
 
 _MOST_NODES = 22_000
 
