@@ -120,9 +120,10 @@ def judge_leap(
     body = [touch for touch in record.touches if touch.part in BODY and touch.time >= leap.begin]
     if body:
         return verdict(f"the {body[0].part} touches the {body[0].other} at {body[0].time:.2f} s")
-    hidden = hidden_contacts(record, ground_overlaps(0, links, description, floor))
-    if any(violation.time >= leap.begin for violation in hidden):
-        return verdict(hidden[0].message)
+    hidden = hidden_contacts(record, ground_overlaps(record.robot, links, description, floor))
+    unsaid = [violation.message for violation in hidden if violation.time >= leap.begin]
+    if unsaid:
+        return verdict(unsaid[0])
     if pitch >= PITCH:
         return verdict(f"the trunk is pitched by {pitch:.2f} rad")
     if record.time[-1] < touch_down + STABLE - 1e-9:
