@@ -66,6 +66,9 @@ def test_mean_forces_and_begins_are_those_of_every_single_contact():
         simulator.step(torques)
         recorder.record()
         sums += forces_on_feet(simulator)
+        now = recorder.touching(1)
+        assert {(c.robot, c.part, c.other) for c in now} == touching(simulator)
+        assert all(c.time == pytest.approx(simulator.time) for c in now)
         for touch in sorted(touching(simulator)):
             if step - last.get(touch, -1000) > 50:
                 expected.append((simulator.time, *touch))
