@@ -1,4 +1,4 @@
-"""One step of the controller for every robot, compiled: from measured states to joint torques."""
+"""One step of the controller for one robot, compiled: from measured state to joint torques."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from cavalcade.locomotion._kinematics import (
     turned_back,
     wrapped,
 )
-from cavalcade.locomotion._legs import BODY, look
+from cavalcade.locomotion._legs import look
 from cavalcade.locomotion._swing import choose_foothold, swing_point
 from cavalcade.locomotion.records import (
     FALLEN,
@@ -53,27 +53,17 @@ FOLDED = (0.0, 1.25, -2.7)
 
 
 @njit(cache=True)
-def control_team(robots, gaits, states, ground, frame, time, qpos, qvel, feet, torques):
-    """Torques for every robot.
+def control(robot, gait, state, body, ground, frame, time, qpos, qvel, feet, torques):
+    """Torques for one robot.
 
     Args:
-        robots, gaits, states: `(N,)` of `ROBOT`, `GAIT`, `STATE`; states change.
+        robot, gait, state, body: Rows of `ROBOT`, `GAIT`, `STATE`, `BODY`; the last two change.
         ground, frame: `Ground`, and the pose of its grid in the world `(3,)`.
         time: Now, s.
-        qpos, qvel: `(N, 19)`, `(N, 18)` as MuJoCo has them.
-        feet: `(N, 4)` normal forces on the feet, N.
-        torques: `(N, 12)`, overwritten, N m.
+        qpos, qvel: `(19,)`, `(18,)` as MuJoCo has them.
+        feet: `(4,)` normal forces on the feet, N.
+        torques: `(12,)`, overwritten, N m.
     """
-    scratch = np.zeros(1, BODY)
-    body = scratch[0]
-    for n in range(robots.shape[0]):
-        control(robots[n], gaits[n], states[n], body, ground, frame, time, qpos[n], qvel[n],
-                feet[n], torques[n])  # fmt: skip
-
-
-@njit(cache=True)
-def control(robot, gait, state, body, ground, frame, time, qpos, qvel, feet, torques):
-    """Torques for one robot; arguments as of `control_team`."""
     passed = time - state.time
     state.time = time
     look(robot, qpos, qvel, body)

@@ -10,11 +10,15 @@ from numpy.typing import ArrayLike, NDArray
 from cavalcade.body.ground import Ground, make_ground, read_only
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array
-from cavalcade.locomotion._control import control_team
+from cavalcade.locomotion._legs import BODY
+from cavalcade.locomotion._team import move_team
 from cavalcade.locomotion.figures import robot_figures
+from cavalcade.locomotion.leap import LeapManoeuvre, LeapSettings, lay_out
+from cavalcade.locomotion.leap_records import LEAP
 from cavalcade.locomotion.records import (
     FALLEN,
     GAIT,
+    LEAPING,
     LYING,
     RISING,
     ROBOT,
@@ -51,6 +55,8 @@ class LegControl:
         self._robots = np.zeros(len(models), ROBOT)
         self._gaits = np.zeros(len(models), GAIT)
         self._states = np.zeros(len(models), STATE)
+        self._leaps = np.zeros(len(models), LEAP)
+        self._bodies = np.zeros(len(models), BODY)
         for number, model in enumerate(models):
             if model.description is None:
                 raise InputError(f"there is no description of the legs of {model.name}")
@@ -112,6 +118,32 @@ class LegControl:
         """Let a robot that stands lie down."""
         self._posture(robot, qpos, SINKING)
 
+    def leap(
+        self, robot: int, manoeuvre: LeapManoeuvre, settings: LeapSettings | None = None
+    ) -> None:
+        """Let a robot that stands leap; it stands again when it has landed.
+
+        Raises:
+            InputError: The robot does not stand.
+        """
+        state = self._states[robot]
+        if state["mode"] != STANDING:
+            raise InputError(f"robot {robot} must stand before it leaps")
+        self._leaps[robot] = lay_out(
+            manoeuvre,
+            self._robots[robot],
+            float(self._gaits[robot]["height"]),
+            state["stood"],
+            float(state["yaw"]),
+            settings or LeapSettings(),
+        )
+        state["mode"], state["solved"] = LEAPING, -1.0
+
+    @property
+    def leap_failed(self) -> NDArray[np.bool_]:
+        """`(N,)` whether each robot's last leap failed."""
+        return np.asarray(self._leaps["failed"] == 1)
+
     def step(self, time: float, qpos: Array, qvel: Array, feet: Array) -> Array:
         """Torques `(N, 12)` for the state now; the array is overwritten by the next call.
 
@@ -120,9 +152,9 @@ class LegControl:
             qpos, qvel: `(N, 19)`, `(N, 18)` as MuJoCo has them.
             feet: `(N, 4)` normal forces on the feet, N.
         """
-        control_team(
-            self._robots, self._gaits, self._states, self._ground, self._frame, time,
-            qpos, qvel, feet, self._torques,
+        move_team(
+            self._robots, self._gaits, self._states, self._leaps, self._bodies, self._ground,
+            self._frame, time, qpos, qvel, feet, self._torques,
         )  # fmt: skip
         return self._torques
 

@@ -15,6 +15,10 @@ def robot_figures(description: QuadrupedDescription) -> Array:
     offsets = description.joint_offsets
     figures["mass"] = description.mass
     figures["centre"], figures["inertia"] = composite(description, description.standing)
+    figures["trunk_mass"], figures["trunk_centre"] = (
+        description.trunk.mass,
+        description.trunk.center,
+    )
     figures["hip"] = offsets[:, 0]
     figures["side"] = offsets[:, 1, 1]
     figures["thigh"] = np.linalg.norm(offsets[0, 2])

@@ -15,6 +15,8 @@ ROBOT = np.dtype(
         ("mass", np.float64),  # kg
         ("centre", np.float64, (3,)),  # of mass, standing, trunk frame, m
         ("inertia", np.float64, (3, 3)),  # of the whole robot about it, standing, kg m²
+        ("trunk_mass", np.float64),  # without the legs, kg
+        ("trunk_centre", np.float64, (3,)),  # of it, trunk frame, m
         ("hip", np.float64, (4, 3)),  # hip joints, trunk frame, m
         ("side", np.float64, (4,)),  # from hip joint to thigh joint along y, m
         ("thigh", np.float64),  # m

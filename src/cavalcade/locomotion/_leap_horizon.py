@@ -1,0 +1,143 @@
+"""What predictive control is asked for in a leap: way, contacts and arms, compiled."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from cavalcade.locomotion._kinematics import GRAVITY, wrapped
+from cavalcade.locomotion._mpc import solve_mpc
+from cavalcade.locomotion.leap_records import CROUCH, FLIGHT, LANDING, PUSH
+from cavalcade.locomotion.records import STEPS
+
+
+@njit(cache=True)
+def hermite(start, start_speed, end, end_speed, lasts, t):
+    """Place and speed at `t` of the cubic with these values at 0 and `lasts`."""
+    s = min(max(t / lasts, 0.0), 1.0)
+    a, b = start_speed * lasts, end_speed * lasts
+    c2, c3 = 3.0 * (end - start) - 2.0 * a - b, 2.0 * (start - end) + a + b
+    return (
+        start + s * (a + s * (c2 + s * c3)),
+        (a + s * (2.0 * c2 + 3.0 * s * c3)) / lasts,
+    )
+
+
+@njit(cache=True)
+def way(leap, phase, t, out):
+    """State `(12,)` wanted at `t` s of a phase, as `solve_mpc` has it; overwritten."""
+    lasts = leap.lasts[phase]
+    share = min(t / lasts, 1.0)
+    out[0] = out[6] = out[7] = out[8] = 0.0
+    first, last = leap.pitches[0], leap.pitches[0]
+    if phase == CROUCH:
+        first = 0.0
+    elif phase == PUSH:
+        last = leap.pitches[1]
+    elif phase == FLIGHT:
+        first, last = leap.pitches[1], leap.pitches[2]
+    else:
+        first, last = leap.pitches[2], 0.0
+    if phase == PUSH:
+        # Into the turning that the flight goes on with.
+        rate = (leap.pitches[2] - leap.pitches[1]) / leap.lasts[FLIGHT]
+        out[1], out[7] = hermite(first, 0.0, last, rate, lasts, t)
+    elif phase == FLIGHT:
+        out[1], out[7] = first + share * (last - first), (last - first) / lasts
+    elif phase == LANDING:
+        rate = (leap.pitches[2] - leap.pitches[1]) / leap.lasts[FLIGHT]
+        out[1], out[7] = hermite(first, rate, last, 0.0, lasts, t)
+    else:
+        out[1], out[7] = hermite(first, 0.0, last, 0.0, lasts, t)
+    turn = leap.yaws[1] - leap.yaws[0]
+    out[2] = leap.yaws[0] if phase < FLIGHT else leap.yaws[0] + turn
+    if phase == FLIGHT:
+        out[2] = leap.yaws[0] + share * turn
+        out[8] = turn / lasts
+    for a in range(3):
+        if phase == CROUCH:
+            place, speed = hermite(leap.start[a], 0.0, leap.squat[a], 0.0, 0.8 * lasts, t)
+        elif phase == PUSH:
+            place, speed = hermite(
+                leap.squat[a], 0.0, leap.lift[a], leap.lift_velocity[a], lasts, t
+            )
+        elif phase == FLIGHT:
+            fall = GRAVITY if a == 2 else 0.0
+            speed = leap.lift_velocity[a] - fall * t
+            place = leap.lift[a] + (leap.lift_velocity[a] - 0.5 * fall * t) * t
+        else:
+            place, speed = hermite(leap.down[a], leap.down_velocity[a], leap.rest[a], 0.0, lasts, t)
+        out[3 + a], out[9 + a] = place, speed
+
+
+@njit(cache=True)
+def solve_leap(robot, leap, state, body, centre, velocity, spin):
+    """Compute `state.forces` for a robot that leaps: one programme over push, flight, landing.
+
+    Steps end where phases do. A flight is two steps, whatever it lasts.
+    """
+    reference = np.zeros((STEPS, 12))
+    contacts = np.zeros((STEPS, 4), np.int64)
+    levers = np.zeros((STEPS, 4, 3))
+    yaws, dts = np.empty(STEPS), np.empty(STEPS)
+    present, middle, now = np.empty(12), np.empty(12), np.empty(12)
+    for a in range(3):
+        present[a] = body.angles[a]
+        present[3 + a] = centre[a]
+        present[6 + a] = spin[a]
+        present[9 + a] = velocity[a]
+    phase, t = leap.phase, state.time - leap.began
+    measured = leap.yaws[0] + wrapped(body.angles[2] - leap.yaws[0])
+    present[2] = measured
+    way(leap, phase, t, now)
+    for k in range(STEPS):
+        if phase < LANDING and t >= leap.lasts[phase] - 1e-4:
+            phase, t = phase + 1, 0.0
+        if phase == LANDING:
+            dt = leap.step
+        else:
+            left = leap.lasts[phase] - t
+            most = max(0.5 * leap.lasts[FLIGHT], 0.05) if phase == FLIGHT else leap.step
+            dt = left / math.ceil(left / most - 1e-6)
+        dts[k] = dt
+        way(leap, phase, t + 0.5 * dt, middle)
+        t += dt
+        way(leap, phase, t, reference[k])
+        yaws[k] = measured + middle[2] - now[2]
+        for leg in range(4):
+            stands = phase != FLIGHT
+            if phase == LANDING and leap.phase == LANDING and k == 0:
+                stands = state.contact[leg] == 1
+            contacts[k, leg] = 1 if stands else 0
+            landed = phase == LANDING and not (leap.phase == LANDING and state.contact[leg] == 1)
+            for a in range(3):
+                foot = state.stood[leg, a]
+                if landed:
+                    foot = leap.foothold[leg, a]
+                    if a < 2:
+                        foot += leap.shift[a]
+                # Where the centre of mass will be, from where it is.
+                levers[k, leg, a] = foot - (centre[a] + middle[3 + a] - now[3 + a])
+            levers[k, leg, 2] -= robot.foot_radius
+    weights = leap.land_weights if leap.phase == LANDING else leap.weights
+    forces = solve_mpc(
+        present,
+        reference,
+        contacts,
+        levers,
+        yaws,
+        dts,
+        robot.inertia,
+        robot.mass,
+        weights,
+        leap.force_weight,
+        leap.mu,
+        leap.max_force,
+        state.warm,
+        30,
+    )
+    for leg in range(4):
+        for a in range(3):
+            state.forces[leg, a] = forces[0, leg, a]

@@ -1,0 +1,172 @@
+"""Leaps: what one is to be, and how it is laid out from the feet that push to those that land."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cavalcade.errors import InputError
+from cavalcade.geometry import Array, wrap_angle
+from cavalcade.locomotion.leap_records import LEAP
+from cavalcade.locomotion.settings import Weights
+
+GRAVITY = 9.81
+
+Pose = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True)
+class LeapManoeuvre:
+    """A leap from one standing pose to another.
+
+    Attributes:
+        take_off, landing: Of the trunk seen from above, and the ground below it: x, y, z of the
+            ground in m, yaw in rad; world frame.
+        edges: m along the line from `take_off` to `landing` where the ground of the take-off ends
+            and that of the landing begins, the same for a step; None where it does not break.
+    """
+
+    take_off: Pose
+    landing: Pose
+    edges: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("take_off", "landing"):
+            pose = getattr(self, name)
+            if len(pose) != 4 or not np.isfinite(pose).all():
+                raise InputError("expected x, y, z, yaw", key=name)
+        if self.edges is not None and not (
+            np.isfinite(self.edges).all() and self.edges[0] <= self.edges[1]
+        ):
+            raise InputError("expected two numbers, the second not smaller", key="edges")
+
+    @property
+    def direction(self) -> Array:
+        """`(2,)` unit vector from take-off to landing."""
+        way = np.array(self.landing[:2]) - np.array(self.take_off[:2])
+        length = math.hypot(*way)
+        if length < 0.05:
+            return np.array([math.cos(self.take_off[3]), math.sin(self.take_off[3])])
+        return np.asarray(way / length)
+
+
+@dataclass(frozen=True)
+class LeapSettings:
+    """How robots leap. Heights are of the trunk's origin over the ground.
+
+    Attributes:
+        crouch, landing: How long these take, s.
+        push: Shortest and longest push, s.
+        squat: Lowest height in the crouch, m.
+        lift, down: Heights at lift-off and touch-down, m.
+        lean: At lift-off the body is so far ahead of the feet's middle, and
+        reach: at touch-down behind it, at a leap of `far` m or more; m.
+        far: m.
+        flight: Shortest flight, s.
+        tuck: In flight feet are drawn up so far below the centre of mass, m.
+        margin: A foot's centre lands at least so far beyond an edge, m.
+        boost: Factors on the velocity at lift-off along the leap and upwards.
+        pitch: In the squat, at lift-off and at touch-down, rad; noses go up with negative ones.
+        weights, land_weights: Of squared errors of the state, as in `GaitSettings`.
+        force_weight: Of squared forces, 1/N².
+        mu: Friction that is counted on.
+        max_force: On one foot, in body weights.
+        step, interval: Of the horizon and between solutions, s.
+        stiffness, joint_damping: Of flying legs' joints, N m/rad and N m s/rad.
+        touch: Force from which a foot is known to stand, N.
+    """
+
+    crouch: float = 0.5
+    landing: float = 0.35
+    push: tuple[float, float] = (0.13, 0.22)
+    squat: float = 0.16
+    lift: float = 0.33
+    down: float = 0.26
+    lean: float = 0.10
+    reach: float = 0.10
+    far: float = 0.7
+    flight: float = 0.30
+    tuck: float = 0.16
+    margin: float = 0.05
+    boost: tuple[float, float] = (1.0, 1.0)
+    pitch: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    weights: Weights = (5.0, 10.0, 5.0, 20.0, 20.0, 50.0, 0.1, 0.2, 0.2, 2.0, 2.0, 2.0)
+    land_weights: Weights = (5.0, 5.0, 2.0, 4.0, 4.0, 50.0, 0.05, 0.05, 0.15, 0.6, 0.6, 0.6)
+    force_weight: float = 2e-6
+    mu: float = 0.6
+    max_force: float = 1.6
+    step: float = 0.025
+    interval: float = 0.01
+    stiffness: float = 60.0
+    joint_damping: float = 1.5
+    touch: float = 8.0
+
+
+def lay_out(
+    manoeuvre: LeapManoeuvre,
+    robot: Array,
+    height: float,
+    feet: Array,
+    yaw: float,
+    settings: LeapSettings,
+) -> Array:
+    """A row `()` of `LEAP` that begins where the robot stands.
+
+    Args:
+        manoeuvre: The leap.
+        robot: A row of `ROBOT`.
+        height: Of the trunk's origin when standing, m.
+        feet: `(4, 3)` where the feet stand, their centres, world, m.
+        yaw: Of the trunk now, unwrapped, rad.
+        settings: How to leap.
+    """
+    leap = np.zeros((), LEAP)
+    way = manoeuvre.direction
+    above, radius = float(robot["centre"][2]), float(robot["foot_radius"])
+    start = feet.mean(axis=0) - (0.0, 0.0, radius)
+    turn = float(wrap_angle(manoeuvre.landing[3] - yaw))
+    c, s = math.cos(yaw + turn), math.sin(yaw + turn)
+    ahead = np.asarray(robot["hip"][:, 0])
+    aside = np.asarray(robot["hip"][:, 1] + robot["side"])
+    holds = np.empty((4, 3))
+    holds[:, 0] = manoeuvre.landing[0] + c * ahead - s * aside
+    holds[:, 1] = manoeuvre.landing[1] + s * ahead + c * aside
+    holds[:, 2] = manoeuvre.landing[2] + radius
+    bound = -math.inf
+    if manoeuvre.edges is not None:
+        bound = float(np.dot(manoeuvre.take_off[:2], way)) + manoeuvre.edges[1] + settings.margin
+        short = bound - float((holds[:, :2] @ way).min())
+        if short > 0.0:
+            holds[:, :2] += short * way
+    end = holds.mean(axis=0) - (0.0, 0.0, radius)
+    far = float(np.dot(end[:2] - start[:2], way))
+    share = min(max(far / settings.far, 0.0), 1.0)
+    lift = np.append(start[:2] + share * settings.lean * way, start[2] + settings.lift + above)
+    down = np.append(end[:2] - share * settings.reach * way, end[2] + settings.down + above)
+    flown = down - lift
+    # The least speed that gets there leaves for this time; less would not clear an edge.
+    flight = max(math.sqrt(2.0 * float(np.linalg.norm(flown)) / GRAVITY), settings.flight)
+    velocity = flown / flight
+    velocity[2] += 0.5 * GRAVITY * flight
+    velocity *= (settings.boost[0], settings.boost[0], settings.boost[1])
+    stroke = settings.lift - settings.squat
+    push = min(max(2.0 * stroke / max(velocity[2], 0.1), settings.push[0]), settings.push[1])
+    leap["lasts"] = (settings.crouch, push, flight, settings.landing)
+    leap["began"] = -1.0
+    leap["lift"], leap["down"] = lift, down
+    leap["squat"] = lift - 0.5 * push * velocity
+    leap["squat"][2] = max(leap["squat"][2], start[2] + settings.squat + above)
+    leap["lift_velocity"] = velocity
+    leap["down_velocity"] = velocity - (0.0, 0.0, GRAVITY * flight)
+    leap["rest"] = np.append(end[:2], end[2] + height + above)
+    leap["yaws"], leap["pitches"] = (yaw, yaw + turn), settings.pitch
+    leap["foothold"], leap["along"], leap["bound"] = holds, way, bound
+    leap["max_force"] = settings.max_force * float(robot["mass"]) * GRAVITY
+    for name in (
+        "tuck", "weights", "land_weights", "force_weight", "mu", "step", "interval",
+        "stiffness", "joint_damping", "touch",
+    ):  # fmt: skip
+        leap[name] = getattr(settings, name)
+    return leap
