@@ -204,6 +204,13 @@ def test_a_calf_on_the_ground_is_let_pass(standing, verdict):
     assert verdict(replace(standing, touches=(Touch(1.0, "calf", "ground"),))) == []
 
 
+def test_a_robot_does_not_walk_on_its_calves(standing, verdict):
+    """It might hide everything that carries it by saying so."""
+    touches = tuple(Touch(float(time), "calf", "ground") for time in standing.time[1:])
+    (found,) = verdict(replace(standing, touches=touches))
+    assert found.kind == "contact"
+
+
 def test_a_robot_that_tips_over_has_fallen(standing, verdict):
     base = standing.base.copy()
     tilt = 1.2 * np.clip(standing.time - 1.0, 0.0, 1.0)

@@ -73,7 +73,7 @@ def test_a_real_run_is_clean(folder):
 
 
 def test_records_are_what_was_run(run):
-    _, tracks, records, summary = run
+    _, _, records, summary = run
     for record in records:
         assert record.time[0] == 0.0
         assert record.time[-1] == pytest.approx(summary["sim_time_s"], abs=0.02)

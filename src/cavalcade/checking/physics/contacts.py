@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +16,13 @@ from cavalcade.checking.report import Kind, Violation
 DEEP = 0.001
 """Parts that lie deeper in something than this, m, touch it."""
 
+_CALF = ("calf", "ground")
+
 TOGETHER = 0.1
 """Contacts of the same things with shorter breaks are one, s."""
+
+ON_CALVES = 0.2
+"""More than this part of the time calves on the ground are no accident, and hide what carries."""
 
 BODY = ("trunk", "hip", "thigh")
 """Parts that have no business on the ground."""
@@ -34,6 +40,12 @@ def recorded_contacts(record: RobotRecord) -> list[Violation]:
         last[what] = touch.time
         if touch.time > before + TOGETHER:
             result.append(_violation(record, touch.time, touch.part, touch.other, "", 0.0, ""))
+    calves = [touch for touch in record.touches if (touch.part, touch.other) == _CALF]
+    if calves:
+        part = float(touched(replace(record, touches=tuple(calves))).mean())
+        if part > ON_CALVES:
+            words = f" {100.0 * part:.0f} % of the time"
+            result.append(_violation(record, calves[0].time, *_CALF, "", part, words))
     return result
 
 

@@ -29,6 +29,9 @@ that is for less than the last, s, not further than the second."""
 FRICTION = 1.2
 """Largest coefficient of friction that is believed if it is not known: rubber on rough ground."""
 
+ROUNDING = 0.05
+"""Of a foot's force: normals are known so well, rad."""
+
 FIRM, STANDS = 0.15, 0.05
 """A foot that carries this part of the weight, before and after as well, for so long in s, stands:
 it does not slide. What bounces does not stand."""
@@ -44,9 +47,6 @@ USED = 0.3
 """Sideways force over normal force from which friction may be used up: ice has less, but no legs
 walk there."""
 
-LEVEL = 0.005
-"""Ground that differs by less, m, below a foot counts as level there."""
-
 
 def check_feet(
     record: RobotRecord, posture: Posture, floor: Floor, friction: float = FRICTION
@@ -56,7 +56,7 @@ def check_feet(
     bottom = posture.feet[..., 2] - posture.radius
     low, high = floor.range_at(posture.feet[..., :2], posture.radius)
     force = record.forces[1:]
-    level = np.maximum(high - low, 0.0)[1:] < LEVEL
+    pressing, along = _parts(record, posture)
     clear = np.minimum((bottom - high)[1:], (bottom - high)[:-1])
     slid = slides(record, posture)
     for leg, name in enumerate(LEGS):
@@ -68,14 +68,13 @@ def check_feet(
         sunk = _lasting(time, (low - bottom)[:, leg])
         words = f"has its foot {name} {{value:.3f}} m below the ground"
         result += excesses("footing", robot, time, sunk, 0.0, words, BELOW)
-        # On an edge the normal is not known; there nothing is said.
-        upwards = np.where(level[:, leg], force[:, leg, 2], size)
         words = f"is pulled down by its foot {name} with {{value:.1f}} N"
-        result += excesses("friction", robot, time[1:], -upwards, 0.0, words, TOUCHING)
-        sideways = np.where(level[:, leg], np.hypot(*force[:, leg, :2].T), 0.0)
+        result += excesses("friction", robot, time[1:], -pressing[:, leg], 0.0, words, TOUCHING)
+        sideways = np.linalg.norm(along[:, leg], axis=-1)
         words = f"is held sideways by its foot {name} with {{value:.1f}} N; {{limit:.1f}} would do"
-        most = friction * np.maximum(upwards, 0.0)
-        result += excesses("friction", robot, time[1:], sideways, most, words, TOUCHING)
+        most = friction * np.maximum(pressing[:, leg], 0.0)
+        slack = TOUCHING + ROUNDING * size
+        result += excesses("friction", robot, time[1:], sideways, most, words, slack)
         words = f"slides {{value:.3f}} m on its standing foot {name}"
         result += excesses("slide", robot, time[1:], slid[:, leg], 0.0, words, SLIDING)
     return result + _creeping(record, posture)
@@ -116,19 +115,30 @@ def standing(record: RobotRecord, posture: Posture) -> NDArray[np.bool_]:
     return inner
 
 
+def _parts(record: RobotRecord, posture: Posture) -> tuple[Array, Array]:
+    """Forces of intervals across the ground `(T - 1, 4)` and along it `(T - 1, 4, 3)`.
+
+    On an edge the normal is not known; there both are none.
+    """
+    even = posture.even[1:] & posture.even[:-1]
+    normals = 0.5 * (posture.normals[1:] + posture.normals[:-1])
+    force = np.where(even[..., None], record.forces[1:], 0.0)
+    return (force * normals).sum(axis=-1), _along(force, normals)
+
+
 def slips(record: RobotRecord, posture: Posture) -> Array:
     """What feet slide in each interval along the ground with nothing against it, `(T - 1, 4, 3)` m.
 
     A foot is a ball that rolls as its calf turns: its centre moves, what touches the ground does
-    not. A foot whose friction is used up may slide against it.
+    not. A foot whose friction is used up may slide against it; on an edge nothing is said.
     """
     normals = 0.5 * (posture.normals[1:] + posture.normals[:-1])
     rolled = np.cross(turns(posture.turn[:, CALVES]), posture.radius * normals)
     moved = _along(np.diff(posture.feet, axis=0) - rolled, normals)
-    force = record.forces[1:]
-    pressing = (force * normals).sum(axis=-1)
-    braking = -(_along(force, normals) * moved).sum(axis=-1)
+    pressing, along = _parts(record, posture)
+    braking = -(along * moved).sum(axis=-1)
     excused = braking > USED * pressing * np.linalg.norm(moved, axis=-1)
+    excused |= ~(posture.even[1:] & posture.even[:-1])
     return np.where(excused[..., None], 0.0, moved)
 
 

@@ -5,11 +5,15 @@ from __future__ import annotations
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cavalcade.checking.plans.heights import Ground, Heights, ground_around
 from cavalcade.geometry import Array
 
 _AROUND = np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]], dtype=float)
+
+STEEP, BENT = 0.8, 0.2
+"""Steeper ground, and ground whose slope changes by more within a foot's width, is an edge."""
 
 
 class Floor(Protocol):
@@ -25,6 +29,9 @@ class Floor(Protocol):
     def normals_at(self, places: Array, reach: float) -> Array:
         """Unit vectors `(..., 3)` across the ground at places `(..., 2)`, seen `reach` m around."""
 
+    def even_at(self, places: Array, reach: float) -> NDArray[np.bool_]:
+        """Whether the ground around places `(..., 2)` has one normal: no edge and no wall."""
+
 
 class LevelFloor:
     """Ground at height 0 everywhere."""
@@ -37,6 +44,10 @@ class LevelFloor:
     def normals_at(self, places: Array, reach: float) -> Array:
         """All upright."""
         return np.broadcast_to((0.0, 0.0, 1.0), (*places.shape[:-1], 3))
+
+    def even_at(self, places: Array, reach: float) -> NDArray[np.bool_]:
+        """Everywhere."""
+        return np.ones(places.shape[:-1], dtype=bool)
 
 
 class HeightFloor:
@@ -52,11 +63,22 @@ class HeightFloor:
 
     def normals_at(self, places: Array, reach: float) -> Array:
         """From the heights before, behind, left and right; on an edge half way between."""
-        heights = self._ground.heights_at(places[..., None, :] + reach * _AROUND[1:])
-        slope = np.clip((heights[..., ::2] - heights[..., 1::2]) / (2.0 * reach), -1.0, 1.0)
+        slope = np.clip(self._slope_at(places, reach), -STEEP, STEEP)
         normals = np.concatenate((-slope, np.ones((*slope.shape[:-1], 1))), axis=-1)
         unit: Array = normals / np.linalg.norm(normals, axis=-1, keepdims=True)
         return unit
+
+    def even_at(self, places: Array, reach: float) -> NDArray[np.bool_]:
+        """Where slopes seen nearby and from three times as far are gentle and about the same."""
+        near, far = self._slope_at(places, reach), self._slope_at(places, 3.0 * reach)
+        size = np.maximum(np.abs(near), np.abs(far)).max(axis=-1)
+        even: NDArray[np.bool_] = (size < STEEP) & (np.abs(near - far).max(axis=-1) < BENT)
+        return even
+
+    def _slope_at(self, places: Array, reach: float) -> Array:
+        heights = self._ground.heights_at(places[..., None, :] + reach * _AROUND[1:])
+        slope: Array = (heights[..., ::2] - heights[..., 1::2]) / (2.0 * reach)
+        return slope
 
 
 def floor_of(heights: Heights | None, places: Array) -> Floor:

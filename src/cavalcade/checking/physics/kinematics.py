@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cavalcade.checking.physics.floor import Floor, LevelFloor
 from cavalcade.checking.physics.record import RobotRecord
@@ -29,6 +30,7 @@ class Posture:
         feet: `(T, 4, 3)` centres of the feet's balls, m.
         radius: Of these, m.
         normals: `(T, 4, 3)` of the ground below the feet.
+        even: `(T, 4)` whether that has one normal there.
         mass: `(13,)` kg.
         centers: `(T, 13, 3)` centres of mass, m.
         inertia: `(13, 3, 3)` about them, in the links' frames, kg m².
@@ -41,6 +43,7 @@ class Posture:
     feet: Array
     radius: float
     normals: Array
+    even: NDArray[np.bool_]
     mass: Array
     centers: Array
     inertia: Array
@@ -125,6 +128,7 @@ def posture(
         feet,
         description.foot_radius,
         floor.normals_at(feet[..., :2], description.foot_radius),
+        floor.even_at(feet[..., :2], description.foot_radius),
         mass_scale * np.array([link.mass for link in links]),
         place + np.einsum("tlxy,ly->tlx", turn, local),
         mass_scale * np.array([link.matrix for link in links]),

@@ -3,8 +3,9 @@
 Forces are recorded as means over the intervals between samples, and mean velocities follow from
 the places of all links at the samples. The difference of the mean velocities of two intervals is
 the impulse between their middles, of which the two outer halves are only known by the interval's
-mean force: if a force F sets in within an interval dt, that errs by F dt / 8 at most. How much
-sets in is seen from the forces of the intervals before and after. So nothing of what is between
+mean force: if a force F sets in within an interval dt, that errs by F dt / 8 at most, and an
+impact at one end of it by half of its impulse. How much sets in is seen from the forces of the
+intervals before and after, of which a quarter is allowed for. So nothing of what is between
 samples is needed, and a robot that is moved by anything but its feet is found out: carried,
 dragged, or put elsewhere.
 """
@@ -98,10 +99,10 @@ def _grain(record: RobotRecord, pushes: Array, weight: float) -> Array:
     """By how much the impulse of half an interval may be off, `(T - 1,)` N s."""
     forces = np.concatenate((record.forces[1:], pushes[:, None]), axis=1)
     change = np.linalg.norm(np.diff(forces, axis=0), axis=2).sum(axis=1)
-    sudden = np.full(len(forces), SUDDEN * weight)
-    sudden[1:] += change
-    sudden[:-1] += change
-    grain: Array = sudden * record.steps / 8.0
+    sudden = np.full(len(forces), SUDDEN * weight / 8.0)
+    sudden[1:] += change / 4.0
+    sudden[:-1] += change / 4.0
+    grain: Array = sudden * record.steps
     return grain
 
 
