@@ -30,7 +30,7 @@ function draw() {
   gl.enable(gl.BLEND);
   gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
   drawOver(view, now);
-  if (camera.follow !== null) drawGhosts(camera.target, camera.follow === "team" ? 0.22 : 0.15);
+  if (camera.follow !== null) drawGhosts(camera.target, camera.follow === "team" ? 0.24 : 0.2);
   id("seek").value = Math.round(1000 * now / Math.max(end, 1e-6));
   id("clock").innerHTML = `<b>${now.toFixed(2)}</b> <span>/ ${end.toFixed(1)} s</span>`;
 }

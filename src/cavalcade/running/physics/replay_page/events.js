@@ -26,7 +26,7 @@ function fillEvents(time) {
   if (last === current) return;
   current = last;
   happened.forEach((row, k) => { row.classList.toggle("past", k <= last); row.classList.toggle("now", k === last); });
-  if (last >= 0 && playing) happened[last].scrollIntoView({ block: "nearest" });
+  if (last >= 0) happened[last].scrollIntoView({ block: "nearest" });
 }
 
 // What a robot ran into within the last second.
