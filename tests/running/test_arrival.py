@@ -6,7 +6,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cavalcade.running.arrival import ArrivalMonitor, slot_poses
+from cavalcade.running.arrival import (
+    IDEAL,
+    PHYSICS,
+    ArrivalMonitor,
+    ArrivalTolerance,
+    slot_poses,
+    tolerance_of,
+)
 
 SLOTS = np.array([(0.5, 0.0), (-0.5, 0.0)])
 GOAL = np.array([3.0, 2.0, np.pi / 2])
@@ -93,3 +100,58 @@ def test_a_robot_without_a_slot_is_not_waited_for(status: Any) -> None:
     assert np.isfinite(arrived_after(ArrivalMonitor(), poses, STILL, lost))
     nobody = replace(status, roles=np.array([-1, -1]))
     assert arrived_after(ArrivalMonitor(), poses, STILL, nobody) == np.inf
+
+
+def swaying(size: float, drift: float = 0.0, period: float = 0.4) -> Any:
+    """Poses over time of robots that sway sideways, m, and drift, m/s."""
+
+    def poses(time: float) -> np.ndarray:
+        off = size * np.sin(2.0 * np.pi * time / period) + drift * time
+        return THERE + np.array([(0.0, 0.0, 0.0), (off, 0.0, 0.0)])
+
+    return poses
+
+
+def arrived_on_the_way(tolerance: ArrivalTolerance, poses: Any, status: Any) -> float:
+    """Seconds until robots at `poses(time)` have arrived; inf if they have not within five."""
+    monitor = ArrivalMonitor(tolerance)
+    for k in range(101):
+        time = 0.05 * k
+        speed = (poses(time + 1e-4) - poses(time - 1e-4)) / 2e-4
+        if monitor.update(time, poses(time), speed, status, 1):
+            return time
+    return np.inf
+
+
+def test_a_trunk_that_sways_in_place_has_arrived_in_physics(status: Any) -> None:
+    assert arrived_on_the_way(PHYSICS, swaying(0.005), status) < 1.0
+    assert arrived_on_the_way(IDEAL, swaying(0.005), status) == np.inf
+
+
+@pytest.mark.parametrize(("drift", "arrives"), [(0.03, True), (0.06, False)])
+def test_one_that_moves_on_has_not(status: Any, drift: float, arrives: bool) -> None:
+    """Twice as far off as its drift takes it in half a second, it is still near enough."""
+    near = swaying(0.0, drift)
+    slow = arrived_on_the_way(PHYSICS, lambda time: near(time - 2.0), status)
+    assert np.isfinite(slow) == arrives
+
+
+@pytest.mark.parametrize(
+    ("off", "arrives"),
+    [
+        ((0.149, 0.0, 0.0), True),
+        ((0.151, 0.0, 0.0), False),
+        ((0.0, 0.0, 0.199), True),
+        ((0.0, 0.0, 0.201), False),
+    ],
+)
+def test_the_tolerances_of_physics(status: Any, off: tuple[float, ...], arrives: bool) -> None:
+    there = THERE + np.array([(0.0, 0.0, 0.0), off])
+    after = arrived_on_the_way(PHYSICS, lambda time: there, status)
+    assert after == pytest.approx(0.5) if arrives else after == np.inf
+
+
+def test_the_backend_says_which_tolerances_hold(make_scenario: Any) -> None:
+    assert tolerance_of(make_scenario()) == IDEAL
+    assert tolerance_of(make_scenario(backend="mujoco")) == PHYSICS
+    assert (PHYSICS.position, PHYSICS.heading, PHYSICS.speed) == (0.15, 0.2, 0.05)

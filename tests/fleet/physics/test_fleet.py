@@ -17,6 +17,8 @@ from cavalcade.robots import robot_model
 from cavalcade.scenario import Obstacle, ObstacleSpan
 from cavalcade.world import Circle
 
+pytest.importorskip("mujoco")
+
 GO1 = robot_model("go1")
 DT = 0.05
 FORWARDS = (0.4, 0.0, 0.0)
