@@ -22,6 +22,15 @@ from cavalcade.locomotion._swing import smooth
 from cavalcade.locomotion.leap_records import FLIGHT, LANDING
 from cavalcade.locomotion.records import FALLEN
 
+FORWARD = (0.15, 0.85)
+"""Feet go forward in this part of the flight."""
+
+UP, DOWN = 0.3, (0.5, 0.9)
+"""They are drawn up until then and reach down in that part."""
+
+SINK = 0.5
+"""A foot that meets no ground goes down with that speed, m/s."""
+
 LOST = 0.35
 """A flight that lasts so much longer than planned has failed, s."""
 
@@ -75,7 +84,8 @@ def advance(robot, state, leap, body, centre, velocity, feet):
             for leg in range(4):
                 state.contact[leg] = 0
                 for a in range(3):
-                    leap.left[leg, a] = body.foot[leg, a] - centre[a]
+                    leap.left[leg, a] = body.foot[leg, a]
+            leap.lift[2] = centre[2]
         return True
     if leap.phase == FLIGHT:
         foresee(leap, state, centre, velocity)
@@ -136,34 +146,36 @@ def settle(robot, state, leap, body):
 
 
 @njit(cache=True)
-def foot_way(robot, leap, state, centre, leg, t, place, velocity):
-    """Where a flying foot is to be, from the centre of mass, and how fast it moves there."""
+def foot_way(leap, centre, velocity, leg, t, place, rate):
+    """Where a flying foot is to be at `t` s of the flight, world, and how fast it moves there.
+
+    It is drawn up first, then goes forward, then down.
+    """
     lasts = leap.lasts[FLIGHT]
-    goal = np.empty(3)
-    for a in range(3):
-        goal[a] = leap.foothold[leg, a] - leap.down[a]
+    goal, start = leap.foothold[leg], leap.left[leg]
     # The body comes down elsewhere: footholds come along, but not back over the edge.
-    x, y = leap.foothold[leg, 0] + leap.shift[0], leap.foothold[leg, 1] + leap.shift[1]
-    short = leap.bound - (x * leap.along[0] + y * leap.along[1])
-    if short > 0.0:
-        goal[0] += short * leap.along[0]
-        goal[1] += short * leap.along[1]
-    forth = min(t / (0.8 * lasts), 1.0)
-    share, rate = smooth(forth)
-    for a in range(2):
-        place[a] = leap.left[leg, a] + share * (goal[a] - leap.left[leg, a])
-        velocity[a] = rate * (goal[a] - leap.left[leg, a]) / (0.8 * lasts) if forth < 1.0 else 0.0
-    high = 0.4 * lasts
+    x, y = goal[0] + leap.shift[0], goal[1] + leap.shift[1]
+    short = max(leap.bound - (x * leap.along[0] + y * leap.along[1]), 0.0)
+    x, y = x + short * leap.along[0], y + short * leap.along[1]
+    begin, end = FORWARD[0] * lasts, FORWARD[1] * lasts
+    share, speed = smooth(min(max((t - begin) / (end - begin), 0.0), 1.0))
+    speed /= end - begin
+    place[0], place[1] = start[0] + share * (x - start[0]), start[1] + share * (y - start[1])
+    rate[0], rate[1] = speed * (x - start[0]), speed * (y - start[1])
+    # Heights are from the centre of mass.
+    high, down, end = UP * lasts, DOWN[0] * lasts, DOWN[1] * lasts
+    low = start[2] - leap.lift[2]
+    landed = goal[2] - leap.down[2] - SINK * max(t - lasts, 0.0)
     if t < high:
-        share, rate = smooth(t / high)
-        low, up, span = leap.left[leg, 2], -leap.tuck, high
+        share, speed = smooth(t / high)
+        place[2] = low - share * (leap.tuck + low)
+        rate[2] = -speed / high * (leap.tuck + low)
     else:
-        span = 0.5 * lasts
-        s = min((t - high) / span, 1.0)
-        share, rate = smooth(s)
-        low, up = -leap.tuck, goal[2]
-    place[2] = low + share * (up - low)
-    velocity[2] = rate * (up - low) / span
+        share, speed = smooth(min(max((t - down) / (end - down), 0.0), 1.0))
+        place[2] = -leap.tuck + share * (landed + leap.tuck)
+        rate[2] = speed / (end - down) * (landed + leap.tuck)
+    place[2] += centre[2]
+    rate[2] += velocity[2]
 
 
 @njit(cache=True)
@@ -173,18 +185,18 @@ def fly(robot, state, leap, body, centre, velocity, leg, qpos, qvel, torques):
     t = state.time - leap.began
     if leap.phase == LANDING:
         t += leap.lasts[FLIGHT]
-    foot_way(robot, leap, state, centre, leg, t, place, rate)
+    foot_way(leap, centre, velocity, leg, t, place, rate)
     arm, wanted, back = np.empty(3), np.empty(3), np.empty(3)
     for a in range(3):
-        arm[a] = place[a] + centre[a] - body.trunk[a]
+        arm[a] = place[a] - body.trunk[a]
         joint_part = 0.0
         for j in range(3):
             part = 0.0
             for b in range(3):
                 part += body.matrix[a, b] * body.jacobian[leg, b, j]
             joint_part += part * qvel[6 + 3 * leg + j]
-        # Against the trunk as it moves, less the centre of mass's own motion.
-        rate[a] += velocity[a] - (body.foot_velocity[leg, a] - joint_part)
+        # Against the trunk as it moves: its own motion at the foot, without the joints'.
+        rate[a] -= body.foot_velocity[leg, a] - joint_part
     turned_back(body.matrix, arm, wanted)
     joints, speeds = np.empty(3), np.empty(3)
     jacobian, reached, aimed = np.empty((3, 3)), np.empty(3), np.empty(12)

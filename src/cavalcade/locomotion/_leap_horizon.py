@@ -68,6 +68,8 @@ def way(leap, phase, t, out):
             speed = leap.lift_velocity[a] - fall * t
             place = leap.lift[a] + (leap.lift_velocity[a] - 0.5 * fall * t) * t
         else:
+            if a == 2:
+                lasts = leap.absorb
             place, speed = hermite(leap.down[a], leap.down_velocity[a], leap.rest[a], 0.0, lasts, t)
         out[3 + a], out[9 + a] = place, speed
 

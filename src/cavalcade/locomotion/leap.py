@@ -58,6 +58,7 @@ class LeapSettings:
 
     Attributes:
         crouch, landing: How long these take, s.
+        absorb: In the landing, how long sinking lasts, s.
         push: Shortest and longest push, s.
         squat: Lowest height in the crouch, m.
         lift, down: Heights at lift-off and touch-down, m.
@@ -80,10 +81,11 @@ class LeapSettings:
 
     crouch: float = 0.5
     landing: float = 0.35
+    absorb: float = 0.2
     push: tuple[float, float] = (0.13, 0.22)
-    squat: float = 0.16
+    squat: float = 0.19
     lift: float = 0.33
-    down: float = 0.26
+    down: float = 0.28
     lean: float = 0.10
     reach: float = 0.10
     far: float = 0.7
@@ -165,7 +167,7 @@ def lay_out(
     leap["foothold"], leap["along"], leap["bound"] = holds, way, bound
     leap["max_force"] = settings.max_force * float(robot["mass"]) * GRAVITY
     for name in (
-        "tuck", "weights", "land_weights", "force_weight", "mu", "step", "interval",
+        "absorb", "tuck", "weights", "land_weights", "force_weight", "mu", "step", "interval",
         "stiffness", "joint_damping", "touch",
     ):  # fmt: skip
         leap[name] = getattr(settings, name)

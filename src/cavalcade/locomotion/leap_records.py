@@ -12,6 +12,7 @@ LEAP = np.dtype(
         ("phase", np.int64),
         ("began", np.float64),  # the phase, s
         ("lasts", np.float64, (4,)),  # each phase, s
+        ("absorb", np.float64),  # the fall, from touch-down, s
         ("start", np.float64, (3,)),  # of the centre of mass when crouching begins, world, m
         ("squat", np.float64, (3,)),  # where the push begins
         ("lift", np.float64, (3,)),  # where it ends
@@ -25,7 +26,7 @@ LEAP = np.dtype(
         ("along", np.float64, (2,)),  # direction of the leap
         ("bound", np.float64),  # no foot lands at a smaller coordinate along it, m
         ("shift", np.float64, (2,)),  # footholds are moved so far to meet the body, m
-        ("left", np.float64, (4, 3)),  # feet from the centre of mass at lift-off, world, m
+        ("left", np.float64, (4, 3)),  # feet at lift-off, world, m
         ("tuck", np.float64),  # feet below the centre of mass in flight, m
         ("weights", np.float64, (12,)),
         ("land_weights", np.float64, (12,)),
