@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.body.ground import Ground
 from cavalcade.errors import InputError
+from cavalcade.fleet.physics._postures import find_falls, planar_poses, planar_velocities
 from cavalcade.fleet.physics.ground import PhysicsGround
-from cavalcade.fleet.physics.postures import fallen, planar_poses, planar_velocities
 from cavalcade.fleet.physics.sampling import Sampler, Samples
 from cavalcade.fleet.physics.sensing import Sensing, SensingErrors
 from cavalcade.fleet.physics.settings import PhysicsSettings
@@ -23,6 +23,14 @@ from cavalcade.geometry import Array
 from cavalcade.locomotion.control import LegControl
 from cavalcade.robots.model import RobotModel
 from cavalcade.scenario import ObstacleSpan
+
+MOST_TILT = 1.0
+"""A robot whose trunk has rolled or pitched by more has fallen, rad."""
+
+LEAST_HEIGHT = 0.4
+"""A robot whose trunk is lower has fallen; of its standing height."""
+
+_CAUSES = ("", "tilt", "height")
 
 
 class MujocoFleet:
@@ -77,7 +85,8 @@ class MujocoFleet:
         self._sensing = None if errors.none else Sensing(errors, self._step, seed)
         self._start = self._time = float(time)
         self._steps = 0
-        self._standing = np.array([robot.stand_height for robot in self.simulator.descriptions])
+        heights = [robot.stand_height for robot in self.simulator.descriptions]
+        self._lowest = LEAST_HEIGHT * np.array(heights)
         self._obstacles = tuple(obstacles)
         self._places: list[tuple[float, float] | None] = [None] * len(self._obstacles)
         self._place_obstacles(0.0)
@@ -202,11 +211,12 @@ class MujocoFleet:
         """Look for falls in the newest sample."""
         qpos = self._sampler.qpos
         below = self.simulator.ground.heights_at(qpos[:, :2])
-        causes = fallen(qpos, below, self._standing)
+        found = find_falls(qpos, below, self._lowest, MOST_TILT)
+        causes = {int(robot): _CAUSES[found[robot]] for robot in found.nonzero()[0]}
         for contact in self._sampler.contacts[self._judged :]:
             if contact.part == "trunk" and contact.other == "ground":
-                causes[contact.robot] = causes[contact.robot] or "trunk"
+                causes.setdefault(contact.robot, "trunk")
         self._judged = len(self._sampler.contacts)
-        for robot, cause in enumerate(causes):
-            if cause is not None and robot not in self._falls:
+        for robot, cause in sorted(causes.items()):
+            if robot not in self._falls:
                 self._falls[robot] = Fall(self._sampler.time, robot, cause)
