@@ -22,10 +22,10 @@ from cavalcade.locomotion._swing import smooth
 from cavalcade.locomotion.leap_records import FLIGHT, LANDING
 from cavalcade.locomotion.records import FALLEN
 
-FORWARD = (0.15, 0.85)
+FORWARD = (0.1, 0.75)
 """Feet go forward in this part of the flight."""
 
-UP, DOWN = 0.3, (0.5, 0.9)
+UP, DOWN = 0.3, (0.6, 0.9)
 """They are drawn up until then and reach down in that part."""
 
 SINK = 0.5

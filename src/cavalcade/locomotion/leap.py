@@ -67,7 +67,10 @@ class LeapSettings:
         far: m.
         flight: Shortest flight, s.
         tuck: In flight feet are drawn up so far below the centre of mass, m.
-        margin: A foot's centre lands at least so far beyond an edge, m.
+        margin: A foot's centre lands at least so far beyond an edge, m, and
+        drop: that much further per m that the landing is lower: rear thighs pass the edge.
+        before: Front feet stand so far before an edge, m, and
+        head: that much further per m that the landing is higher: the head rises past the edge.
         boost: Factors on the velocity at lift-off along the leap and upwards.
         pitch: In the squat, at lift-off and at touch-down, rad; noses go up with negative ones.
         weights, land_weights: Of squared errors of the state, as in `GaitSettings`.
@@ -92,6 +95,9 @@ class LeapSettings:
     flight: float = 0.30
     tuck: float = 0.16
     margin: float = 0.05
+    drop: float = 1.2
+    before: float = 0.04
+    head: float = 0.5
     boost: tuple[float, float] = (1.0, 1.0)
     pitch: tuple[float, float, float] = (0.0, 0.0, 0.0)
     weights: Weights = (5.0, 10.0, 5.0, 20.0, 20.0, 50.0, 0.1, 0.2, 0.2, 2.0, 2.0, 2.0)
@@ -138,7 +144,8 @@ def lay_out(
     holds[:, 2] = manoeuvre.landing[2] + radius
     bound = -math.inf
     if manoeuvre.edges is not None:
-        bound = float(np.dot(manoeuvre.take_off[:2], way)) + manoeuvre.edges[1] + settings.margin
+        bound = float(np.dot(manoeuvre.take_off[:2], way)) + manoeuvre.edges[1]
+        bound += settings.margin + settings.drop * max(start[2] - manoeuvre.landing[2], 0.0)
         short = bound - float((holds[:, :2] @ way).min())
         if short > 0.0:
             holds[:, :2] += short * way
