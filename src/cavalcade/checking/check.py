@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -127,7 +128,7 @@ def judge_physics(
     violations = disordered(tracks)
     if violations:
         return _report(violations, None)
-    violations, gap = judge_motion(scenario, tracks, records, summary, scene, heights)
+    violations, gap, physics = judge_motion(scenario, tracks, records, summary, scene, heights)
     violations += misplaced(tracks, scenario.starts)
     violations += incomplete(tracks, scenario.execution.rate, _number(summary, "sim_time_s"))
     if summary.get("success") and scenario.task.individual:
@@ -137,7 +138,8 @@ def judge_physics(
         violations += check_arrival(scenario, tracks, moved, PHYSICS)
     efforts = [measure(track, model) for track, model in zip(tracks, scenario.models, strict=True)]
     duration = max(float(track.time[-1] - track.time[0]) for track in tracks)
-    return _report(violations, _figures(efforts, duration, gap))
+    figures = replace(_figures(efforts, duration, gap), physics=physics)
+    return _report(violations, figures)
 
 
 def _judge_recording(scenario: Scenario, path: Path, summary: dict[str, Any]) -> Report:

@@ -71,6 +71,22 @@ class Violation:
 
 
 @dataclass(frozen=True)
+class PhysicsFigures:
+    """Figures of bodies, joints and feet.
+
+    Attributes:
+        carried: Per robot, mean vertical force on the feet over what the described weight and the
+            motion take; None where it is too short or too often touching something.
+        max_torque_ratio: Largest torque over its joint's limit.
+        max_slide_m: Farthest that a standing foot slid with nothing against it.
+    """
+
+    carried: tuple[float | None, ...]
+    max_torque_ratio: float
+    max_slide_m: float
+
+
+@dataclass(frozen=True)
 class Figures:
     """What was measured on the way.
 
@@ -87,6 +103,7 @@ class Figures:
         max_yaw_acceleration: Largest, rad/s².
         min_belly_clearance_m: Of plans of legged robots: smallest distance of the trunk from the
             ground below it, m.
+        physics: Of runs in physics.
     """
 
     robots: int
@@ -97,6 +114,7 @@ class Figures:
     max_acceleration: float
     max_yaw_acceleration: float
     min_belly_clearance_m: float | None = None
+    physics: PhysicsFigures | None = None
 
 
 @dataclass(frozen=True)

@@ -70,6 +70,10 @@ def test_a_real_run_is_clean(folder):
     assert report.violations == ()
     assert report.figures is not None
     assert report.figures.robots == 2
+    physics = report.figures.physics
+    assert physics.carried == pytest.approx((1.0, 1.0), abs=0.01)
+    assert 0.1 < physics.max_torque_ratio <= 1.0
+    assert 0.0 < physics.max_slide_m < 0.01
 
 
 def test_records_are_what_was_run(run):

@@ -98,6 +98,17 @@ def test_a_push_counts_as_a_force_if_it_is_known(verdict):
     assert verdict(record, conditions=Conditions(pushes=(push,))) == []
 
 
+def test_a_robot_that_is_dragged_is_refused(verdict):
+    """Its feet hold against a force of which nobody speaks."""
+    pytest.importorskip("mujoco")
+    from cavalcade.fleet.physics import TeamSimulator
+
+    simulator = TeamSimulator([robot_model("go1")], [(0.0, 0.0, 0.0)])
+    simulator.push(0, (15.0, 0.0, 0.0), 3.0)
+    (record,) = waved(simulator, 3.0, 0.1)
+    assert {"momentum", "angular-momentum"} & kinds(verdict(record))
+
+
 def test_a_heavier_robot_passes_if_masses_vary(verdict):
     from cavalcade.checking.physics import Conditions
 

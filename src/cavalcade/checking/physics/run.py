@@ -11,11 +11,12 @@ from cavalcade.checking.contact import find_contacts
 from cavalcade.checking.motion import bodies, common_clock
 from cavalcade.checking.physics.claims import check_counts, check_distances, check_poses
 from cavalcade.checking.physics.distances import obstacle_distance, pair_distance
+from cavalcade.checking.physics.figures import measured
 from cavalcade.checking.physics.floor import floor_of
 from cavalcade.checking.physics.judge import Conditions, judge_robots
 from cavalcade.checking.physics.record import RobotRecord
 from cavalcade.checking.plans.heights import Heights
-from cavalcade.checking.report import Violation
+from cavalcade.checking.report import PhysicsFigures, Violation
 from cavalcade.checking.solids import Scene
 from cavalcade.checking.tracks import Track
 from cavalcade.errors import RecordingError
@@ -33,8 +34,8 @@ def judge_motion(
     summary: Mapping[str, Any],
     scene: Scene,
     heights: Heights | None,
-) -> tuple[list[Violation], float]:
-    """Violations of bodies, joints and contacts and of what is claimed; smallest footprint gap, m.
+) -> tuple[list[Violation], float, PhysicsFigures]:
+    """Violations of bodies, joints and contacts and of what is claimed.
 
     Footprints may touch here: of robots with legs and walls, their solid parts count.
 
@@ -45,14 +46,18 @@ def judge_motion(
         scene: What robots may run into.
         heights: Of the ground; None where it is level.
 
+    Returns:
+        Them, the smallest gap of footprints in m, and figures.
+
     Raises:
         RecordingError: A robot has no description.
     """
     places = np.concatenate([record.base[:, :2] for record in records])
     floor = floor_of(heights, places)
+    descriptions = _descriptions(scenario)
     said = scenario.execution.physics
     conditions = Conditions(said.friction * (1.0 + said.variation), said.variation)
-    result = judge_robots(records, _descriptions(scenario), floor, scene, conditions)
+    result = judge_robots(records, descriptions, floor, scene, conditions)
     result += _sparse(records)
     for record, track in zip(records, tracks, strict=True):
         result += check_poses(record, track)
@@ -72,7 +77,7 @@ def judge_motion(
         "min_footprint_gap_m": gap if gap < 1.0 else np.inf,
     }
     result += check_distances(summary, distances, end, robots)
-    return result, gap
+    return result, gap, measured(records, descriptions, floor)
 
 
 def _descriptions(scenario: Scenario) -> list[QuadrupedDescription]:
