@@ -45,6 +45,20 @@ def test_one_text_is_one_override(data: Data) -> None:
     assert data["execution"]["rate"] == 50
 
 
+@pytest.mark.parametrize("key", ["robots.*.model", "robots[*].model"])
+def test_a_star_is_every_element_of_a_list(data: Data, key: str) -> None:
+    apply_overrides(data, [f"{key}=spirit"], None)
+    assert len(data["robots"]) > 1
+    assert [robot.model for robot in parse_scenario(data).robots] == ["spirit"] * len(
+        data["robots"]
+    )
+
+
+def test_what_a_star_sets_is_one_value_for_each(data: Data) -> None:
+    apply_overrides(data, ["robots.*.start=[1, 1, 0]", "robots[0].start[0]=2"], None)
+    assert [robot["start"][0] for robot in data["robots"][:2]] == [2, 1]
+
+
 @pytest.mark.parametrize(
     ("said", "message"),
     [
@@ -52,8 +66,12 @@ def test_one_text_is_one_override(data: Data) -> None:
         ("=3", "--set: expected KEY=VALUE"),
         ("a..b=3", "--set: expected a dotted path"),
         ("robots[x].start=3", "--set: expected a dotted path"),
-        ("robots[7].start=3", "robots[7].start: expected an index below 2 for a list, got 7"),
-        ("robots.first=3", "robots.first: expected an index below 2"),
+        ("robots[7].start=3", "robots[7].start: expected an index below 2 or * for a list, got 7"),
+        ("robots.first=3", "robots.first: expected an index below 2 or * for a list, got first"),
+        ("world.*=3", "world.*: * stands for the elements of a list"),
+        ("*=3", "*: * stands for the elements of a list"),
+        ("robots.*x=3", "robots.*x: expected a dotted path"),
+        ("robots.*.model.x=3", "robots.*.model.x: there is nothing below model"),
         ("version.x=3", "version.x: there is nothing below version"),
         ("name=[1", "--set name: not valid YAML"),
     ],

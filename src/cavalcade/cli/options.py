@@ -29,7 +29,7 @@ Set = Annotated[
         "--set",
         metavar="KEY=VALUE",
         help="Over the file: a dotted path and a YAML value, such as planner.variant=published; "
-        "repeatable.",
+        "a list's elements are [0] and so on, or * for all: robots.*.model=go1; repeatable.",
     ),
 ]
 Backend = Annotated[

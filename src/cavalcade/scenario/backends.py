@@ -32,7 +32,8 @@ def check_backend(scenario: Scenario) -> None:
     for index, model in enumerate(scenario.models):
         if model.description is None:
             raise expected(
-                f"physics has no masses and joints of a {model.name}; expected a robot with them",
+                f"physics has no masses and joints of a {model.name}; expected a robot with them, "
+                "such as with --set 'robots.*.model=go1'",
                 key=f"robots[{index}].model",
                 choices=(name for name, known in MODELS.items() if known.description is not None),
             )

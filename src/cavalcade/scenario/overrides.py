@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -11,7 +12,9 @@ from cavalcade.scenario.yaml_text import parse_yaml
 
 Overrides = Sequence[str] | Mapping[str, Any]
 
-_STEP = re.compile(r"([\w-]+)|\[(\d{1,6})\]")
+_STEP = re.compile(r"([\w-]+)|\[(\d{1,6})\]|^\*$|\[\*\]")
+
+_EVERY = "*"
 
 
 def apply_overrides(data: dict[str, Any], overrides: Overrides, file: str | None) -> None:
@@ -20,7 +23,8 @@ def apply_overrides(data: dict[str, Any], overrides: Overrides, file: str | None
     Args:
         data: The file's mapping.
         overrides: `"dotted.path=YAML value"` texts, or dotted paths with plain values. A step
-            into a list is its index: `robots[0].start` or `robots.0.start`.
+            into a list is its index, or `*` for all of them: `robots[0].start`, `robots.0.start`,
+            `robots.*.model`.
         file: Named in errors.
 
     Raises:
@@ -54,7 +58,10 @@ def _steps(key: str) -> list[str | int]:
             )
         for match in found:
             name, index = match.groups()
-            steps.append(int(index) if index else int(name) if name.isdecimal() else name)
+            if index is None and name is None:
+                steps.append(_EVERY)
+            else:
+                steps.append(int(index) if index else int(name) if name.isdecimal() else name)
     return steps
 
 
@@ -62,6 +69,13 @@ def _put(data: Any, steps: list[str | int], value: Any, key: str, file: str | No
     here = data
     for position, step in enumerate(steps):
         last = position == len(steps) - 1
+        if step == _EVERY:
+            if not isinstance(here, list):
+                raise ScenarioError("* stands for the elements of a list", file=file, key=key)
+            for index in range(len(here)):
+                # What is set for several is no part that they share.
+                _put(here, [index, *steps[position + 1 :]], copy.deepcopy(value), key, file)
+            return
         if isinstance(here, dict):
             name = str(step)
             if last:
@@ -75,7 +89,9 @@ def _put(data: Any, steps: list[str | int], value: Any, key: str, file: str | No
             here = here[step]
         elif isinstance(here, list):
             raise ScenarioError(
-                f"expected an index below {len(here)} for a list, got {step}", file=file, key=key
+                f"expected an index below {len(here)} or * for a list, got {step}",
+                file=file,
+                key=key,
             )
         else:
             raise ScenarioError(f"there is nothing below {steps[position - 1]}", file=file, key=key)
