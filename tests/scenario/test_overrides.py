@@ -70,7 +70,7 @@ def test_what_a_star_sets_is_one_value_for_each(data: Data) -> None:
         ("robots.first=3", "robots.first: expected an index below 2 or * for a list, got first"),
         ("world.*=3", "world.*: * stands for the elements of a list"),
         ("*=3", "*: * stands for the elements of a list"),
-        ("robots.*x=3", "robots.*x: expected a dotted path"),
+        ("robots.*x=3", "--set: expected a dotted path"),
         ("robots.*.model.x=3", "robots.*.model.x: there is nothing below model"),
         ("version.x=3", "version.x: there is nothing below version"),
         ("name=[1", "--set name: not valid YAML"),
