@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -212,7 +212,7 @@ class TestVerdict:
             execution = scenario.execution.model_copy(update={} if events else {"events": ()})
             ran = scenario.model_copy(update={"execution": execution})
             nothing: Any = None
-            return judging.judged(ran, nothing, nothing, said)
+            return judging.judged(ran, nothing, cast(Any, SimpleNamespace(physics=None)), said)
 
         return make
 

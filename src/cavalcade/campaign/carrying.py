@@ -90,7 +90,7 @@ def carry_out_into(
         with warnings.catch_warnings():
             # What is said of a map's thresholds has been said to whoever chose the map.
             warnings.simplefilter("ignore", MapWarning)
-            if trial.draw.own_goals:
+            if trial.draw.own_goals and trial.backend != "mujoco":
                 return _planned(known, out, force, quiet)
             return _carried_out(known, out, force, quiet)
     except InputError as error:
@@ -127,17 +127,11 @@ class _Known:
 def _carried_out(known: _Known, out: Path | None, force: bool, quiet: bool) -> tuple[Line, Ran]:
     from cavalcade.campaign.judging import judged, time_ratio
     from cavalcade.running import run
-    from cavalcade.running.team import make_planner
+    from cavalcade.scenario import build_world, resolve_scenario
 
-    ran: list[tuple[Scenario, World]] = []
-
-    def planner(scenario: Scenario, world: World) -> Any:
-        # The one place where a run shows its resolved scenario and the world that it built.
-        ran.append((scenario, world))
-        return make_planner(scenario, world)
-
-    result = run(known.draw(), out, force=force, quiet=quiet, planner=planner)
-    scenario, world = ran[0]
+    scenario = resolve_scenario(known.draw())
+    result = run(scenario, out, force=force, quiet=quiet)
+    world = build_world(scenario)
     verdict = judged(scenario, world, result.recording, result.summary)
     line = known.line(
         verdict.outcome,

@@ -10,19 +10,21 @@ import numpy as np
 from cavalcade.campaign.verdict import (
     COLLISION,
     CONTACT,
+    FALLEN,
     INVALID,
     Verdict,
     count_contacts,
     lines_of,
 )
-from cavalcade.checking.check import judge
+from cavalcade.checking.check import judge, judge_physics
+from cavalcade.checking.physics.record import RobotRecord, Touch
 from cavalcade.checking.report import Report
 from cavalcade.checking.tracks import Track
+from cavalcade.geometry import Array
+from cavalcade.running.arrival import tolerance_of
 from cavalcade.running.frames import Recording
+from cavalcade.running.physics.track import PhysicsTrack
 from cavalcade.scenario import Scenario, World
-
-ARRIVED_WITHIN = 0.10
-"""How far from its slot a robot may end where it arrived, m, as in the contract."""
 
 
 def tracks_of(recording: Recording) -> tuple[Track, ...]:
@@ -30,17 +32,50 @@ def tracks_of(recording: Recording) -> tuple[Track, ...]:
 
     There, times are whole nanoseconds and headings quaternions.
     """
-    from cavalcade.running._cdr import planar_poses, stamps_of
-    from cavalcade.running.recording import nanoseconds
+    from cavalcade.running._cdr import planar_poses
 
-    seconds, rest = stamps_of(nanoseconds(recording.time)).T
-    time = seconds + 1e-9 * rest
+    time = _as_stamped(recording.time)
     poses = planar_poses(recording.poses)
     yaw = np.unwrap(2.0 * np.arctan2(poses[..., 5], poses[..., 6]), axis=0)
     return tuple(
         Track(time, np.column_stack((poses[:, robot, :2], yaw[:, robot])))
         for robot in range(recording.poses.shape[1])
     )
+
+
+def records_of(track: PhysicsTrack) -> tuple[RobotRecord, ...]:
+    """Each robot's bodies, joints and contacts, to the bit as from the recording's file."""
+    time = _as_stamped(track.time)
+    touches = [
+        tuple(
+            Touch(contact.time, contact.part, contact.other)
+            for contact in sorted(track.contacts, key=lambda one: one.time)
+            if contact.robot == robot
+        )
+        for robot in range(track.size)
+    ]
+    return tuple(
+        RobotRecord(
+            robot,
+            time,
+            track.base[:, robot],
+            track.joints[:, robot],
+            track.joint_rates[:, robot],
+            track.torques[:, robot],
+            track.foot_forces[:, robot],
+            touches[robot],
+        )
+        for robot in range(track.size)
+    )
+
+
+def _as_stamped(time: Array) -> Array:
+    """Seconds as they come out of the stamps of messages."""
+    from cavalcade.running._cdr import stamps_of
+    from cavalcade.running.recording import nanoseconds
+
+    seconds, rest = stamps_of(nanoseconds(time)).T
+    return np.asarray(seconds + 1e-9 * rest)
 
 
 def judged(
@@ -54,12 +89,18 @@ def judged(
         recording: What happened.
         summary: What the run says of itself.
     """
-    report = judge(scenario, tracks_of(recording), dict(summary))
+    tracks = tracks_of(recording)
+    if recording.physics is None:
+        report = judge(scenario, tracks, dict(summary))
+    else:
+        report = judge_physics(scenario, tracks, records_of(recording.physics), dict(summary))
     contacts = count_contacts(report)
     other = len(report.violations) - contacts
     avoidable, why = _avoidable(scenario, world, recording, report) if contacts else (0, "")
     outcome = str(summary["reason"])
-    if contacts:
+    if outcome == FALLEN:  # whatever was touched then
+        pass
+    elif contacts:
         outcome = COLLISION
     elif other:
         outcome = INVALID
@@ -112,7 +153,8 @@ def _ended_there(scenario: Scenario, summary: Mapping[str, Any]) -> bool:
         return False
     lost = lost_at_the_end(scenario)
     errors = [e for k, e in enumerate(summary["goal_error_m"]) if k not in lost]
-    return all(error is not None and error <= ARRIVED_WITHIN for error in errors)
+    within = tolerance_of(scenario).position
+    return all(error is not None and error <= within for error in errors)
 
 
 def lost_at_the_end(scenario: Scenario) -> frozenset[int]:

@@ -17,10 +17,11 @@ from cavalcade.campaign.shipped import find_suite, load_suite
 from cavalcade.campaign.suite import MOST_SEEDS, Suite, parse_suite
 from cavalcade.campaign.trial import Trial, check_worlds, trials_of
 from cavalcade.errors import InputError, RecordingError, ScenarioError
+from cavalcade.scenario.backends import BACKENDS
 from cavalcade.scenario.yaml_text import parse_yaml
 
 FILE = "campaign.json"
-_VARIANT, _METHOD = "planner.variant", "planner.method"
+_VARIANT, _METHOD, _BACKEND = "planner.variant", "planner.method", "execution.backend"
 
 
 @dataclass(frozen=True)
@@ -97,7 +98,8 @@ def make_plan(
     Args:
         suite: A shipped suite's name, or a file.
         overrides: `KEY=VALUE` texts over every scenario; `planner.variant` and, for goals of
-            single robots, `planner.method` take the place of the suite's.
+            single robots, `planner.method` take the place of the suite's; so does
+            `execution.backend`.
         seed: The first seed of every group, over the suite's.
         seeds: How many worlds of each group at most, over the suite's.
         data: The folder with the data of other projects.
@@ -108,7 +110,7 @@ def make_plan(
     from cavalcade import __version__
 
     found = _changed(load_suite(suite), seed, seeds)
-    found, rest = _with_variant(found, overrides)
+    found, rest = _with_variant(*_with_backend(found, overrides))
     folder = DataFolder.find(data)
     for index, group in enumerate(found.worlds):
         if group.seeds is None and group.draw.limit(folder) is None:
@@ -209,6 +211,18 @@ def _changed(suite: Suite, seed: int | None, seeds: int | None) -> Suite:
     if seeds is not None:
         suite = replace(suite, worlds=tuple(replace(group, seeds=seeds) for group in suite.worlds))
     return suite if seed is None else replace(suite, seed=seed)
+
+
+def _with_backend(suite: Suite, overrides: Sequence[str]) -> tuple[Suite, tuple[str, ...]]:
+    """The suite with the backend that the overrides name, and the other ones."""
+    rest = []
+    for text in overrides:
+        key, _, value = str(text).partition("=")
+        if key.strip() == _BACKEND and value.strip() in BACKENDS:
+            suite = replace(suite, backend="mujoco" if value.strip() == "mujoco" else "ideal")
+        else:
+            rest.append(str(text))
+    return suite, tuple(rest)
 
 
 def _with_variant(suite: Suite, overrides: Sequence[str]) -> tuple[Suite, tuple[str, ...]]:

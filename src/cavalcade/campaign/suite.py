@@ -14,11 +14,14 @@ from cavalcade.campaign.methods import check_variant, choices, default
 from cavalcade.errors import InputError, ScenarioError
 from cavalcade.scenario.fields import Positive, Section, Seed, expected
 from cavalcade.scenario.messages import did_you_mean, scenario_error, short
-from cavalcade.scenario.settings import Delay, Noise
+from cavalcade.scenario.settings import Delay, Noise, PhysicsSection
 
 LONGEST_NAME = 60
 Name = Annotated[str, Field(pattern=rf"^[A-Za-z0-9][A-Za-z0-9_-]{{0,{LONGEST_NAME - 1}}}$")]
 """Of suites, groups and disturbances: they become parts of trials' IDs, which dots separate."""
+
+Backend = Literal["ideal", "mujoco"]
+"""Who moves robots."""
 
 Variants = Annotated[tuple[str, ...], Field(min_length=1)]
 """Of formation planners, or methods for goals of single robots; see `methods`."""
@@ -34,6 +37,7 @@ class Disturbance(Section):
 
     noise: Noise | None = None
     delay: Delay | None = None
+    physics: PhysicsSection | None = None
 
     def over(self, execution: Mapping[str, Any]) -> dict[str, Any]:
         """The plain data of a scenario's `execution` with these values over its own."""
@@ -48,6 +52,7 @@ class _Head(Section):
     about: Annotated[str, Field(max_length=2000)] = ""
     time_limit: Positive = 120.0
     seed: Seed = 0
+    backend: Backend | None = None
     variants: Variants | None = None
     references: dict[str, str] = Field(default_factory=dict)
     disturbances: dict[Name, Disturbance] = Field(default_factory=dict)
@@ -76,6 +81,16 @@ class _GroupHead(Section):
     @classmethod
     def _once(cls, variants: tuple[str, ...] | None) -> tuple[str, ...] | None:
         return _each_once(variants)
+
+
+def _missing_physics() -> str | None:
+    from cavalcade.fleet.physics.engine import load_mujoco
+
+    try:
+        load_mujoco()
+    except InputError as error:
+        return str(error)
+    return None
 
 
 def _each_once(variants: tuple[str, ...] | None) -> tuple[str, ...] | None:
@@ -117,6 +132,7 @@ class Suite:
         about: One line.
         time_limit: Of wall clock for one trial, s.
         seed: The first seed of every group.
+        backend: Who moves the robots of every world; None leaves it to the worlds.
         variants: All that there are, in the order of the report.
         references: What a variant is compared with; for those that are not in it the first one.
         disturbances: By name; empty where the suite names none.
@@ -127,6 +143,7 @@ class Suite:
     about: str
     time_limit: float
     seed: int
+    backend: Backend | None
     variants: tuple[str, ...]
     references: Mapping[str, str]
     disturbances: Mapping[str, Disturbance]
@@ -138,8 +155,10 @@ class Suite:
         return self.suite
 
     def missing(self, data: DataFolder) -> str | None:
-        """What data are absent, one line; None when all are there."""
-        found = (group.draw.missing(data) for group in self.worlds)
+        """What data or packages are absent, one line; None when all are there."""
+        found = [group.draw.missing(data) for group in self.worlds]
+        if self.backend == "mujoco":
+            found.append(_missing_physics())
         return next((line for line in found if line is not None), None)
 
     def plain(self) -> dict[str, Any]:
@@ -157,6 +176,7 @@ class Suite:
             "about": self.about,
             "time_limit": self.time_limit,
             "seed": self.seed,
+            **({} if self.backend is None else {"backend": self.backend}),
             "variants": list(self.variants),
             "references": dict(self.references),
             "disturbances": {
@@ -193,6 +213,7 @@ def parse_suite(data: Mapping[str, Any], file: str | Path | None = None) -> Suit
         about=head.about,
         time_limit=head.time_limit,
         seed=head.seed,
+        backend=head.backend,
         variants=variants,
         references=dict(head.references),
         disturbances=dict(head.disturbances),

@@ -9,7 +9,7 @@ from typing import Any
 
 from cavalcade.campaign.draws import DataFolder, Draw, Drawn, unplanned
 from cavalcade.campaign.methods import planner_words
-from cavalcade.campaign.suite import UNDISTURBED, Disturbance, Suite
+from cavalcade.campaign.suite import UNDISTURBED, Backend, Disturbance, Suite
 from cavalcade.errors import InputError, ScenarioError
 from cavalcade.scenario import Scenario, parse_scenario
 from cavalcade.scenario.overrides import apply_overrides
@@ -28,6 +28,7 @@ class Trial:
         seed: Of the world, and of the run's noise.
         draw: Where the world comes from.
         disturbed: What the disturbance sets.
+        backend: Who moves the robots; None leaves it to the world.
         overrides: `KEY=VALUE` texts over the scenario.
         data: Where other projects' files are.
     """
@@ -40,6 +41,7 @@ class Trial:
     seed: int
     draw: Draw
     disturbed: Disturbance
+    backend: Backend | None
     overrides: tuple[str, ...]
     data: DataFolder
 
@@ -57,6 +59,8 @@ class Trial:
         words = planner_words(self.variant, self.draw.own_goals)
         data["planner"] = {**data.get("planner", {}), **words}
         data["execution"] = self.disturbed.over({"seed": self.seed, **data.get("execution", {})})
+        if self.backend is not None:
+            data["execution"]["backend"] = self.backend
         apply_overrides(data, self.overrides, None)
         scenario = parse_scenario(data)
         for word, said in words.items():
@@ -87,6 +91,7 @@ def trials_of(suite: Suite, overrides: tuple[str, ...], data: DataFolder) -> Ite
                         seed=seed,
                         draw=group.draw,
                         disturbed=disturbance,
+                        backend=suite.backend,
                         overrides=overrides,
                         data=data,
                     )

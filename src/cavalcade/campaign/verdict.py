@@ -8,7 +8,7 @@ from typing import Any
 
 from cavalcade.checking.report import Report
 
-COLLISION, INVALID = "collision", "invalid"
+COLLISION, INVALID, FALLEN = "collision", "invalid", "fallen"
 
 CONTACT = ("robot-robot", "robot-obstacle", "robot-map", "flight-over-robot")
 """The checker's kinds of violation that are collisions."""
