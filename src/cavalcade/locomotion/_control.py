@@ -1,4 +1,8 @@
-"""One step of the controller for one robot, compiled: from measured state to joint torques."""
+"""One step of the controller for one robot, compiled: from measured state to joint torques.
+
+Below, `robot, gait, state, body` are rows of `ROBOT`, `GAIT`, `STATE` and `BODY`, and `ground,
+frame` a `Ground` and the pose of its grid in the world `(3,)`.
+"""
 
 from __future__ import annotations
 
@@ -8,14 +12,8 @@ import numpy as np
 from numba import njit
 
 from cavalcade.locomotion._horizon import approach, solve_walk, swing_share, wish
-from cavalcade.locomotion._kinematics import (
-    leg_forward,
-    leg_inverse,
-    leg_weight,
-    solve3,
-    turned_back,
-    wrapped,
-)
+from cavalcade.locomotion._joints import bend, carry, go_limp, limit, push, reach
+from cavalcade.locomotion._kinematics import leg_inverse, wrapped
 from cavalcade.locomotion._legs import look
 from cavalcade.locomotion._swing import choose_foothold, swing_point
 from cavalcade.locomotion.records import (
@@ -30,9 +28,6 @@ from cavalcade.locomotion.records import (
 FALL = 1.0
 """A trunk that leans by more has fallen, rad."""
 
-STILL = 0.02
-"""Commands below are none, m/s; twice that in rad/s."""
-
 CALM = 0.15
 """Pushed to more than that a robot begins to step, m/s; three times that in rad/s."""
 
@@ -45,6 +40,18 @@ LOST = 0.1
 SINK = 0.4
 """With that speed, m/s."""
 
+EARLY = 0.6
+"""From this share of a swing on, a foot that touches stands."""
+
+REST = 1.2
+"""A robot without a wish for so many cycles lifts no foot any more: all are below the hips."""
+
+SENSING = 0.1
+"""Time constant of the ground's estimated height and slope, s."""
+
+STEEPEST = 0.6
+"""No slope is taken for steeper, m/m."""
+
 POSTURE = 1.0
 """Rising and sinking take that long, s."""
 
@@ -54,11 +61,11 @@ FOLDED = (0.0, 1.25, -2.7)
 
 @njit(cache=True)
 def control(robot, gait, state, body, ground, frame, time, qpos, qvel, feet, torques):
-    """Torques for one robot.
+    """Torques for one robot that does not leap.
 
     Args:
-        robot, gait, state, body: Rows of `ROBOT`, `GAIT`, `STATE`, `BODY`; the last two change.
-        ground, frame: `Ground`, and the pose of its grid in the world `(3,)`.
+        robot, gait, state, body: What it is and does; the last two change.
+        ground, frame: What it walks on.
         time: Now, s.
         qpos, qvel: `(19,)`, `(18,)` as MuJoCo has them.
         feet: `(4,)` normal forces on the feet, N.
@@ -70,41 +77,35 @@ def control(robot, gait, state, body, ground, frame, time, qpos, qvel, feet, tor
     if max(abs(body.angles[0]), abs(body.angles[1])) > FALL:
         state.mode = FALLEN
     if state.mode == FALLEN or state.mode == LYING:
-        for j in range(12):
-            torques[j] = -1.0 * qvel[6 + j]
+        go_limp(qvel, torques)
         return
     if state.mode == RISING or state.mode == SINKING:
-        posture(robot, gait, state, body, qpos, qvel, torques)
+        posture(robot, gait, state, qpos, qvel, torques)
+        limit(robot, torques)
         if time - state.began >= POSTURE:
             if state.mode == SINKING:
                 state.mode = LYING
             else:
-                stand(robot, state, body)
+                stand(state, body)
+                sense_ground(robot, state, body, 1.0)
         return
     follow(gait, state, body, passed)
     changed = step_gait(robot, gait, state, body, feet, ground, frame)
-    sense_ground(robot, state, body)
+    sense_ground(robot, state, body, min(passed / SENSING, 1.0))
     if changed or time - state.solved >= gait.interval - 1e-9:
         solve_walk(robot, gait, body, state)
         state.solved = time
     for leg in range(4):
         if state.contact[leg] == 1:
-            push(robot, state, body, leg, qpos, qvel, torques)
+            push(robot, body, leg, state.forces[leg], qpos, qvel, torques)
         else:
             swing(robot, gait, state, body, leg, qpos, qvel, torques)
     limit(robot, torques)
 
 
 @njit(cache=True)
-def limit(robot, torques):
-    """Keep torques within the motors' limits."""
-    for j in range(12):
-        torques[j] = min(max(torques[j], -robot.torque[j]), robot.torque[j])
-
-
-@njit(cache=True)
-def stand(robot, state, body):
-    """Begin to stand where the robot is."""
+def stand(state, body):
+    """Begin to stand where the robot is, on all feet."""
     state.mode = STANDING
     state.began = state.time
     state.place[0], state.place[1] = body.centre[0], body.centre[1]
@@ -114,15 +115,18 @@ def stand(robot, state, body):
         state.contact[leg] = 1
         for a in range(3):
             state.stood[leg, a] = body.foot[leg, a]
-    state.solved = -1.0
+    state.solved = -math.inf
 
 
 @njit(cache=True)
 def follow(gait, state, body, passed):
-    """Let the followed velocity approach the commanded one, and carry the reference along."""
+    """Let the followed velocity approach the commanded one, and carry the reference along.
+
+    The reference stays within a leash of the robot: one that is held back does not run after it.
+    """
     vx, vy, wz = wish(gait, state)
     approach(gait, state.velocity, vx, vy, wz, passed)
-    if math.hypot(vx, vy) > STILL or abs(wz) > 2.0 * STILL or disturbed(state, body):
+    if vx != 0.0 or vy != 0.0 or wz != 0.0 or disturbed(state, body):
         state.idle = state.time
     yaw = state.yaw + 0.5 * state.velocity[2] * passed
     c, s = math.cos(yaw), math.sin(yaw)
@@ -155,10 +159,9 @@ def step_gait(robot, gait, state, body, feet, ground, frame):
         state.mode = TROTTING
         state.began = state.time
     clock = state.time - state.began
-    # Without a wish for a whole cycle the feet are below the hips again; no foot lifts then.
-    stopping = state.time - state.idle > 1.2 * gait.period
+    stopping = state.time - state.idle > REST * gait.period
     if stopping and all_stand(state):
-        stand(robot, state, body)
+        stand(state, body)
         return True
     changed = False
     for leg in range(4):
@@ -173,7 +176,7 @@ def step_gait(robot, gait, state, body, feet, ground, frame):
             state.swinging[leg] = 0
             state.late[leg] = state.time
         touches = feet[leg] > gait.touch
-        if state.contact[leg] == 0 and touches and (state.swinging[leg] == 0 or share > 0.6):
+        if state.contact[leg] == 0 and touches and (state.swinging[leg] == 0 or share > EARLY):
             changed = True
             state.contact[leg] = 1
             for a in range(3):
@@ -189,14 +192,16 @@ def all_stand(state):
     """Whether no foot is in the air."""
     standing = 0
     for leg in range(4):
-        if state.contact[leg] == 1 and state.swinging[leg] == 0:
-            standing += 1
+        standing += state.contact[leg] * (1 - state.swinging[leg])
     return standing == 4
 
 
 @njit(cache=True)
-def sense_ground(robot, state, body):
-    """Height and slope of the ground from where the feet stood last."""
+def sense_ground(robot, state, body, share):
+    """Let height and slope of the ground come nearer, by a `share`, to where feet stood last.
+
+    That is the plane with the least squares of vertical distances from the four places.
+    """
     mx = my = mz = 0.0
     for leg in range(4):
         mx += 0.25 * state.stood[leg, 0]
@@ -213,106 +218,48 @@ def sense_ground(robot, state, body):
         yz += dy * dz
     determinant = xx * yy - xy * xy
     if determinant < 1e-5:
-        return
-    slope_x = min(max((yy * xz - xy * yz) / determinant, -0.6), 0.6)
-    slope_y = min(max((xx * yz - xy * xz) / determinant, -0.6), 0.6)
+        return  # m⁴: feet nearly in a line say nothing of the slope across
+    slope_x = min(max((yy * xz - xy * yz) / determinant, -STEEPEST), STEEPEST)
+    slope_y = min(max((xx * yz - xy * xz) / determinant, -STEEPEST), STEEPEST)
     height = mz - robot.foot_radius
     height += slope_x * (body.centre[0] - mx) + slope_y * (body.centre[1] - my)
-    rate = 0.02
-    state.slope[0] += rate * (slope_x - state.slope[0])
-    state.slope[1] += rate * (slope_y - state.slope[1])
-    state.ground += rate * (height - state.ground)
-
-
-@njit(cache=True)
-def push(robot, state, body, leg, qpos, qvel, torques):
-    """Torques of a standing leg: the ground's force, the leg's own weight, the joints' losses."""
-    force, up, weight = np.empty(3), np.empty(3), np.empty(3)
-    turned_back(body.matrix, state.forces[leg], force)
-    for a in range(3):
-        up[a] = body.matrix[2, a]
-    leg_weight(robot, leg, qpos[7:], up, weight)
-    jacobian = body.jacobian[leg]
-    for j in range(3):
-        joint = 3 * leg + j
-        torque = weight[j]
-        for a in range(3):
-            torque -= jacobian[a, j] * force[a]
-        rate = qvel[6 + joint]
-        torque += robot.damping[joint] * rate + robot.friction[joint] * math.tanh(rate / 0.2)
-        torques[joint] = torque
+    state.slope[0] += share * (slope_x - state.slope[0])
+    state.slope[1] += share * (slope_y - state.slope[1])
+    state.ground += share * (height - state.ground)
 
 
 @njit(cache=True)
 def swing(robot, gait, state, body, leg, qpos, qvel, torques):
-    """Torques of a swinging leg: joint angles and rates that bring the foot along its way."""
+    """Torques of a leg in the air: along its way, then down until it meets the ground."""
     place, velocity = np.empty(3), np.empty(3)
     lasts = (1.0 - gait.duty) * gait.period
-    clock = state.time - state.began
-    share = swing_share(gait, clock, leg) if state.swinging[leg] == 1 else 1.0
+    swinging = state.swinging[leg] == 1
+    share = swing_share(gait, state.time - state.began, leg) if swinging else 1.0
     swing_point(
         state.lifted[leg], state.landing[leg], state.apex[leg], share, lasts, place, velocity
     )
-    if state.swinging[leg] == 0:
+    if not swinging:
         down = min(SINK * (state.time - state.late[leg]), LOST)
         place[2] -= down
         velocity[2] = -SINK if down < LOST else 0.0
-    arm, wanted, rate = np.empty(3), np.empty(3), np.empty(3)
-    for a in range(3):
-        arm[a] = place[a] - body.trunk[a]
-        # Against the trunk as it moves: its own motion at the foot, without the joints'.
-        joint_part = 0.0
-        for j in range(3):
-            part = 0.0
-            for b in range(3):
-                part += body.matrix[a, b] * body.jacobian[leg, b, j]
-            joint_part += part * qvel[6 + 3 * leg + j]
-        rate[a] = velocity[a] - (body.foot_velocity[leg, a] - joint_part)
-    turned_back(body.matrix, arm, wanted)
-    hold(robot, gait, leg, body, wanted, rate, qpos, qvel, torques)
+    reach(
+        robot, body, leg, place, velocity, gait.stiffness, gait.joint_damping, qpos, qvel, torques
+    )
+    carry(robot, body, leg, qpos, torques)
 
 
 @njit(cache=True)
-def hold(robot, gait, leg, body, wanted, rate, qpos, qvel, torques):
-    """Torques that bring a foot to a place of the trunk frame with a velocity (world frame)."""
-    joints, back, speeds, up, weight = (
-        np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty(3),
-    )  # fmt: skip
-    jacobian, reached = np.empty((3, 3)), np.empty(3)
-    leg_inverse(robot, leg, wanted, joints)
-    turned_back(body.matrix, rate, back)
-    aimed = np.empty(12)
-    for j in range(3):
-        aimed[3 * leg + j] = joints[j]
-    leg_forward(robot, leg, aimed, reached, jacobian)
-    solve3(jacobian, back, speeds)
-    for a in range(3):
-        up[a] = body.matrix[2, a]
-    leg_weight(robot, leg, qpos[7:], up, weight)
-    for j in range(3):
-        joint = 3 * leg + j
-        speed = min(max(speeds[j], -25.0), 25.0)
-        torques[joint] = (
-            gait.stiffness * (joints[j] - qpos[7 + joint])
-            + gait.joint_damping * (speed - qvel[6 + joint])
-            + weight[j]
-        )
-
-
-@njit(cache=True)
-def posture(robot, gait, state, body, qpos, qvel, torques):
+def posture(robot, gait, state, qpos, qvel, torques):
     """Torques that fold or unfold the legs under a robot that lies down or gets up."""
     share = min((state.time - state.began) / POSTURE, 1.0)
     share = share * share * (3.0 - 2.0 * share)
-    place, joints = np.empty(3), np.empty(3)
+    place, goal = np.empty(3), np.empty(12)
     for leg in range(4):
         place[0] = robot.hip[leg, 0]
         place[1] = robot.hip[leg, 1] + robot.side[leg]
         place[2] = robot.foot_radius - gait.height
-        leg_inverse(robot, leg, place, joints)
-        for j in range(3):
-            joint = 3 * leg + j
-            goal = joints[j] if state.mode == RISING else FOLDED[j]
-            angle = state.fold[joint] + share * (goal - state.fold[joint])
-            torques[joint] = 120.0 * (angle - qpos[7 + joint]) - 3.0 * qvel[6 + joint]
-    limit(robot, torques)
+        leg_inverse(robot, leg, place, goal[3 * leg : 3 * leg + 3])
+        if state.mode == SINKING:
+            for j in range(3):
+                goal[3 * leg + j] = FOLDED[j]
+    bend(goal, state.fold, share, qpos, qvel, torques)

@@ -1,4 +1,9 @@
-"""What predictive control is asked for: reference, contacts and arms over its horizon, compiled."""
+"""What predictive control is asked for: reference, contacts and levers over its horizon, compiled.
+
+The reference is what the command will have been approached to, and levers are about the centre of
+mass where it will be then. World frame, SI; `robot, gait, body, state` are rows of `ROBOT`,
+`GAIT`, `BODY` and `STATE`.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +14,10 @@ from numba import njit
 
 from cavalcade.locomotion._kinematics import wrapped
 from cavalcade.locomotion._mpc import solve_mpc
-from cavalcade.locomotion.records import STEPS, TROTTING
+from cavalcade.locomotion.records import CHANGES, STEPS, TROTTING
+
+STILL = 0.02
+"""Commands below are none, m/s; twice that in rad/s."""
 
 
 @njit(cache=True)
@@ -23,10 +31,15 @@ def swing_share(gait, clock, leg):
 
 @njit(cache=True)
 def wish(gait, state):
-    """The commanded velocity; none after a silence."""
-    if state.time - state.heard > gait.silence:
+    """The commanded velocity, body frame; none after a silence, and none that is next to none.
+
+    A robot that stands would lean after a reference that creeps away.
+    """
+    vx, vy, wz = state.wanted[0], state.wanted[1], state.wanted[2]
+    small = math.hypot(vx, vy) <= STILL and abs(wz) <= 2.0 * STILL
+    if small or state.time - state.heard > gait.silence:
         return 0.0, 0.0, 0.0
-    return state.wanted[0], state.wanted[1], state.wanted[2]
+    return vx, vy, wz
 
 
 @njit(cache=True)
@@ -136,8 +149,8 @@ def solve_walk(robot, gait, body, state):
         gait.force_weight,
         gait.mu,
         gait.max_force,
-        state.warm,
-        gait.iterations,
+        np.empty((STEPS, 4, 3)),
+        CHANGES,
     )
     for leg in range(4):
         for a in range(3):

@@ -1,7 +1,8 @@
 """Where feet are, how joints move them, and which torques hold a leg's own weight, compiled.
 
 One leg is a hip joint about x, a thigh joint about y beside it and a calf joint about y; thigh and
-calf hang downwards at zero. Trunk frame, m, rad. `robot` is a row of `ROBOT` in `records`.
+calf hang downwards at zero. Trunk frame (x ahead, y left, z up), m, rad; a leg's joints are hip,
+thigh, calf. `robot` is a row of `ROBOT` in `records`.
 """
 
 from __future__ import annotations
@@ -12,6 +13,13 @@ import numpy as np
 from numba import njit
 
 GRAVITY = 9.81
+"""m/s²."""
+
+SINGULAR = 2e-4
+"""A Jacobian with a smaller determinant is not inverted but damped, m³."""
+
+STRETCHED = 0.999
+"""Legs are stretched at most to this share of their length."""
 
 
 @njit(cache=True)
@@ -43,11 +51,11 @@ def leg_forward(robot, leg, joints, place, jacobian):
     Args:
         robot: Its figures.
         leg: Which.
-        joints: `(12,)` of the whole robot.
+        joints: `(3,)` of that leg.
         place: `(3,)`, overwritten.
         jacobian: `(3, 3)`, overwritten.
     """
-    q0, q1, q2 = joints[3 * leg], joints[3 * leg + 1], joints[3 * leg + 2]
+    q0, q1, q2 = joints[0], joints[1], joints[2]
     s0, c0, s1, c1 = math.sin(q0), math.cos(q0), math.sin(q1), math.cos(q1)
     s12, c12 = math.sin(q1 + q2), math.cos(q1 + q2)
     side, thigh, calf = robot.side[leg], robot.thigh, robot.calf
@@ -67,15 +75,22 @@ def leg_forward(robot, leg, joints, place, jacobian):
 
 @njit(cache=True)
 def leg_inverse(robot, leg, place, out):
-    """Joint angles `(3,)` that bring a foot to a place, knees backwards; as near as it goes."""
+    """Joint angles `(3,)` that bring a foot to a place, knees backwards; as near as it goes.
+
+    Args:
+        robot: Its figures.
+        leg: Which.
+        place: `(3,)` of the foot's centre. Out of reach, the leg points there as long as it can be.
+        out: Overwritten; within the joints' ranges.
+    """
     x = place[0] - robot.hip[leg, 0]
     y = place[1] - robot.hip[leg, 1]
     z = place[2] - robot.hip[leg, 2]
     side, thigh, calf = robot.side[leg], robot.thigh, robot.calf
     down = -math.sqrt(max(y * y + z * z - side * side, 1e-6))
     turn = math.atan2(z, y) - math.atan2(down, side)
-    out[0] = (turn + math.pi) % (2.0 * math.pi) - math.pi
-    length = min(max(x * x + down * down, (thigh - calf) ** 2), (0.999 * (thigh + calf)) ** 2)
+    out[0] = wrapped(turn)
+    length = min(max(x * x + down * down, (thigh - calf) ** 2), (STRETCHED * (thigh + calf)) ** 2)
     bend = (length - thigh * thigh - calf * calf) / (2.0 * thigh * calf)
     out[2] = -math.acos(min(max(bend, -1.0), 1.0))
     ahead, aside = thigh + calf * math.cos(out[2]), calf * math.sin(out[2])
@@ -86,8 +101,16 @@ def leg_inverse(robot, leg, place, out):
 
 @njit(cache=True)
 def leg_weight(robot, leg, joints, up, out):
-    """Joint torques `(3,)` that hold the leg's links up; `up` is upwards in the trunk frame."""
-    q0, q1, q2 = joints[3 * leg], joints[3 * leg + 1], joints[3 * leg + 2]
+    """Joint torques that hold the leg's links up: derivatives of their potential energy.
+
+    Args:
+        robot: Its figures.
+        leg: Which.
+        joints: `(3,)` of that leg.
+        up: `(3,)` unit vector upwards, trunk frame.
+        out: `(3,)`, overwritten, N m.
+    """
+    q0, q1, q2 = joints[0], joints[1], joints[2]
     s0, c0, s1, c1 = math.sin(q0), math.cos(q0), math.sin(q1), math.cos(q1)
     s12, c12 = math.sin(q1 + q2), math.cos(q1 + q2)
     # Upwards in the frame that has turned with the hip.
@@ -117,12 +140,13 @@ def leg_weight(robot, leg, joints, up, out):
 
 @njit(cache=True)
 def solve3(matrix, right, out):
-    """`out` = matrix⁻¹ right, damped where the matrix is nearly singular."""
+    """`out` = matrix⁻¹ right by Cramer's rule, damped where the matrix is nearly singular."""
     a, b, c = matrix[0, 0], matrix[0, 1], matrix[0, 2]
     d, e, f = matrix[1, 0], matrix[1, 1], matrix[1, 2]
     g, h, i = matrix[2, 0], matrix[2, 1], matrix[2, 2]
     determinant = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
-    scale = 1.0 / determinant if abs(determinant) > 2e-4 else determinant / 4e-8
+    far = abs(determinant) > SINGULAR
+    scale = 1.0 / determinant if far else determinant / (SINGULAR * SINGULAR)
     x, y, z = right[0], right[1], right[2]
     out[0] = scale * ((e * i - f * h) * x + (c * h - b * i) * y + (b * f - c * e) * z)
     out[1] = scale * ((f * g - d * i) * x + (a * i - c * g) * y + (c * d - a * f) * z)

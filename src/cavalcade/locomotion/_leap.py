@@ -8,14 +8,9 @@ import numpy as np
 from numba import njit
 
 from cavalcade.locomotion._centroid import centroid
-from cavalcade.locomotion._control import FALL, limit, push, stand
-from cavalcade.locomotion._kinematics import (
-    GRAVITY,
-    leg_forward,
-    leg_inverse,
-    solve3,
-    turned_back,
-)
+from cavalcade.locomotion._control import FALL, stand
+from cavalcade.locomotion._joints import go_limp, limit, push, reach
+from cavalcade.locomotion._kinematics import GRAVITY
 from cavalcade.locomotion._leap_horizon import solve_leap
 from cavalcade.locomotion._legs import look
 from cavalcade.locomotion._swing import smooth
@@ -54,8 +49,7 @@ def leap_on(robot, state, leap, body, time, qpos, qvel, feet, torques):
     if max(abs(body.angles[0]), abs(body.angles[1])) > FALL:
         state.mode = FALLEN
         leap.failed = 1
-        for j in range(12):
-            torques[j] = -1.0 * qvel[6 + j]
+        go_limp(qvel, torques)
         return
     if leap.began < 0.0:
         leap.began = time
@@ -67,7 +61,7 @@ def leap_on(robot, state, leap, body, time, qpos, qvel, feet, torques):
         state.solved = time
     for leg in range(4):
         if state.contact[leg] == 1:
-            push(robot, state, body, leg, qpos, qvel, torques)
+            push(robot, body, leg, state.forces[leg], qpos, qvel, torques)
         else:
             fly(robot, state, leap, body, centre, velocity, leg, qpos, qvel, torques)
     limit(robot, torques)
@@ -142,7 +136,7 @@ def settle(robot, state, leap, body):
     state.slope[:] = 0.0
     state.velocity[:] = 0.0
     state.idle = state.time
-    stand(robot, state, body)
+    stand(state, body)
 
 
 @njit(cache=True)
@@ -186,29 +180,4 @@ def fly(robot, state, leap, body, centre, velocity, leg, qpos, qvel, torques):
     if leap.phase == LANDING:
         t += leap.lasts[FLIGHT]
     foot_way(leap, centre, velocity, leg, t, place, rate)
-    arm, wanted, back = np.empty(3), np.empty(3), np.empty(3)
-    for a in range(3):
-        arm[a] = place[a] - body.trunk[a]
-        joint_part = 0.0
-        for j in range(3):
-            part = 0.0
-            for b in range(3):
-                part += body.matrix[a, b] * body.jacobian[leg, b, j]
-            joint_part += part * qvel[6 + 3 * leg + j]
-        # Against the trunk as it moves: its own motion at the foot, without the joints'.
-        rate[a] -= body.foot_velocity[leg, a] - joint_part
-    turned_back(body.matrix, arm, wanted)
-    joints, speeds = np.empty(3), np.empty(3)
-    jacobian, reached, aimed = np.empty((3, 3)), np.empty(3), np.empty(12)
-    leg_inverse(robot, leg, wanted, joints)
-    turned_back(body.matrix, rate, back)
-    for j in range(3):
-        aimed[3 * leg + j] = joints[j]
-    leg_forward(robot, leg, aimed, reached, jacobian)
-    solve3(jacobian, back, speeds)
-    for j in range(3):
-        joint = 3 * leg + j
-        speed = min(max(speeds[j], -25.0), 25.0)
-        torques[joint] = leap.stiffness * (joints[j] - qpos[7 + joint]) + leap.joint_damping * (
-            speed - qvel[6 + joint]
-        )
+    reach(robot, body, leg, place, rate, leap.stiffness, leap.joint_damping, qpos, qvel, torques)

@@ -10,7 +10,7 @@ from numba import njit
 from cavalcade.locomotion._kinematics import GRAVITY, wrapped
 from cavalcade.locomotion._mpc import solve_mpc
 from cavalcade.locomotion.leap_records import CROUCH, FLIGHT, LANDING, PUSH
-from cavalcade.locomotion.records import STEPS
+from cavalcade.locomotion.records import CHANGES, STEPS
 
 
 @njit(cache=True)
@@ -137,8 +137,8 @@ def solve_leap(robot, leap, state, body, centre, velocity, spin):
         leap.force_weight,
         leap.mu,
         leap.max_force,
-        state.warm,
-        30,
+        np.empty((STEPS, 4, 3)),
+        CHANGES,
     )
     for leg in range(4):
         for a in range(3):

@@ -1,4 +1,4 @@
-"""The state of a body and its feet as the controller needs it, compiled."""
+"""The state of a body and its feet as the controller needs it, compiled. SI, world z up."""
 
 from __future__ import annotations
 
@@ -10,14 +10,13 @@ from cavalcade.locomotion._kinematics import angles, cross, leg_forward, rotatio
 BODY = np.dtype(
     [
         ("matrix", np.float64, (3, 3)),  # trunk to world
-        ("angles", np.float64, (3,)),  # roll, pitch, yaw
+        ("angles", np.float64, (3,)),  # roll, pitch, yaw, rad
         ("trunk", np.float64, (3,)),  # origin of the trunk frame, m
-        ("centre", np.float64, (3,)),  # of mass, world, m
-        ("velocity", np.float64, (3,)),  # of the centre of mass, world, m/s
+        ("centre", np.float64, (3,)),  # of mass as if the robot stood, world, m
+        ("velocity", np.float64, (3,)),  # of that, world, m/s
         ("spin", np.float64, (3,)),  # angular velocity, world, rad/s
         ("foot", np.float64, (4, 3)),  # feet's centres, world, m
-        ("foot_trunk", np.float64, (4, 3)),  # trunk frame, m
-        ("foot_velocity", np.float64, (4, 3)),  # world, m/s
+        ("carried", np.float64, (4, 3)),  # feet's velocities if joints stood still, world, m/s
         ("jacobian", np.float64, (4, 3, 3)),  # of the feet by the joints, trunk frame
     ],
     align=True,
@@ -40,32 +39,17 @@ def look(robot, qpos, qvel, body):
     roll, pitch, yaw = angles(matrix)
     body.angles[0], body.angles[1], body.angles[2] = roll, pitch, yaw
     turned(matrix, qvel[3:6], spin)
-    arm, moved, rate = np.empty(3), np.empty(3), np.empty(3)
+    arm, moved, place = np.empty(3), np.empty(3), np.empty(3)
     turned(matrix, robot.centre, arm)
     cross(spin, arm, moved)
     for a in range(3):
         body.trunk[a] = qpos[a]
         body.centre[a] = qpos[a] + arm[a]
         body.velocity[a] = qvel[a] + moved[a]
-    joints, rates = qpos[7:], qvel[6:]
     for leg in range(4):
-        place, jacobian = body.foot_trunk[leg], body.jacobian[leg]
-        leg_forward(robot, leg, joints, place, jacobian)
+        leg_forward(robot, leg, qpos[7 + 3 * leg : 10 + 3 * leg], place, body.jacobian[leg])
         turned(matrix, place, arm)
         cross(spin, arm, moved)
         for a in range(3):
-            rate[a] = (
-                jacobian[a, 0] * rates[3 * leg]
-                + jacobian[a, 1] * rates[3 * leg + 1]
-                + jacobian[a, 2] * rates[3 * leg + 2]
-            )
-        # The rate is in the trunk frame.
-        for a in range(3):
             body.foot[leg, a] = qpos[a] + arm[a]
-            body.foot_velocity[leg, a] = (
-                qvel[a]
-                + moved[a]
-                + matrix[a, 0] * rate[0]
-                + matrix[a, 1] * rate[1]
-                + matrix[a, 2] * rate[2]
-            )
+            body.carried[leg, a] = qvel[a] + moved[a]

@@ -7,6 +7,9 @@ import numpy as np
 STEPS = 10
 """Steps of the predictive control's horizon."""
 
+CHANGES = 30
+"""Of the set of held limits for every foot, at most; see `solve_mpc`."""
+
 LYING, RISING, STANDING, TROTTING, LEAPING, SINKING, FALLEN = range(7)
 """What a robot is doing."""
 
@@ -51,7 +54,6 @@ GAIT = np.dtype(
         ("max_force", np.float64),  # N
         ("step", np.float64),  # of the horizon, s
         ("interval", np.float64),  # between solutions, s
-        ("iterations", np.int64),
         ("stiffness", np.float64),  # of swinging legs' joints, N m/rad
         ("joint_damping", np.float64),  # N m s/rad
         ("touch", np.float64),  # force from which a foot stands, N
@@ -83,7 +85,6 @@ STATE = np.dtype(
         ("apex", np.float64, (4,)),  # highest point of the swing, m
         ("late", np.float64, (4,)),  # since when it has missed the ground, s
         ("forces", np.float64, (4, 3)),  # of the ground on the feet, world, N
-        ("warm", np.float64, (STEPS, 4, 3)),
         ("solved", np.float64),  # when forces were computed last, s
         ("fold", np.float64, (12,)),  # joints at the begin of rising or sinking
     ],

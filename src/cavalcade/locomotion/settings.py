@@ -30,7 +30,6 @@ class GaitSettings:
         mu: Friction that is counted on; less than the ground's.
         max_force: On one foot, in body weights.
         step, interval: Of the horizon and between solutions, s.
-        iterations: Of the solver, at most.
         stiffness, joint_damping: Of swinging legs' joints, N m/rad and N m s/rad.
         touch: Force from which a foot is known to stand, N.
         leash, turn_leash: The reference runs ahead of the robot at most so far, m and rad.
@@ -50,7 +49,6 @@ class GaitSettings:
     max_force: float = 1.5
     step: float = 0.04
     interval: float = 0.02
-    iterations: int = 30
     stiffness: float = 40.0
     joint_damping: float = 1.0
     touch: float = 5.0
