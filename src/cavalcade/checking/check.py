@@ -64,7 +64,12 @@ def check(directory: str | Path) -> Report:
     return _report([*run.violations, *planned.violations], run.figures)
 
 
-def judge(scenario: Scenario, tracks: tuple[Track, ...], summary: dict[str, Any]) -> Report:
+def judge(
+    scenario: Scenario,
+    tracks: tuple[Track, ...],
+    summary: dict[str, Any],
+    records: tuple[RobotRecord, ...] | None = None,
+) -> Report:
     """The verdict on recorded motion.
 
     Args:
@@ -72,10 +77,13 @@ def judge(scenario: Scenario, tracks: tuple[Track, ...], summary: dict[str, Any]
         tracks: The true motion of each of its robots.
         summary: What the run says of itself; `success`, `goal_moved_m` and `sim_time_s` are
             looked at.
+        records: Bodies, joints and forces, of robots in physics: then see `judge_physics`.
 
     Raises:
         RecordingError: The map file cannot be read.
     """
+    if records is not None:
+        return judge_physics(scenario, tracks, records, summary)
     place = None
     if (heights := read_heights(scenario)) is not None:
         place = heights.size, heights.origin
@@ -143,11 +151,10 @@ def judge_physics(
 
 
 def _judge_recording(scenario: Scenario, path: Path, summary: dict[str, Any]) -> Report:
-    robots, backend = len(scenario.robots), str(scenario.execution.backend)
+    robots, physics = len(scenario.robots), scenario.execution.backend == "mujoco"
     tracks = read_tracks(path, robots)
-    if backend == "mujoco":
-        return judge_physics(scenario, tracks, read_records(path, robots), summary)
-    return judge(scenario, tracks, summary)
+    records = read_records(path, robots) if physics else None
+    return judge(scenario, tracks, summary, records)
 
 
 def _figures(efforts: list[Effort], duration: float, gap: float) -> Figures:

@@ -85,6 +85,30 @@ def test_records_are_what_was_run(run):
         assert record.forces[5:, :, 2].sum(axis=1).mean() == pytest.approx(128.5, rel=0.02)
 
 
+def test_in_memory_it_is_judged_alike(folder, run):
+    """From the arrays that the run kept, without its file."""
+    import cavalcade as cv
+    from cavalcade.checking.check import judge
+    from cavalcade.checking.physics import Touch, records_from
+
+    scenario, tracks, records, summary = run
+    kept = cv.read_recording(folder).physics
+    touches = [
+        [Touch(c.time, c.part, c.other) for c in kept.contacts if c.robot == robot]
+        for robot in range(2)
+    ]
+    same = records_from(
+        records[0].time,
+        kept.base,
+        kept.joints,
+        kept.joint_rates,
+        kept.torques,
+        kept.foot_forces,
+        touches,
+    )
+    assert judge(scenario, tracks, summary, same) == check(folder)
+
+
 def slide(run, speed):
     """The first robot beside its recording: body and pose drift sideways together."""
     scenario, (track, *others), (record, *rest), summary = run

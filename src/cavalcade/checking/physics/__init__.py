@@ -7,7 +7,7 @@ geometry and the criterion of a leap are its own. What it knows of robots is the
 from cavalcade.checking.physics.floor import Floor, LevelFloor, floor_of
 from cavalcade.checking.physics.judge import Conditions, Push, judge_robots
 from cavalcade.checking.physics.leaps import Leap, LeapVerdict, judge_leap
-from cavalcade.checking.physics.record import RobotRecord, Touch
+from cavalcade.checking.physics.record import RobotRecord, Touch, records_from
 
 __all__ = [
     "Conditions",
@@ -21,4 +21,5 @@ __all__ = [
     "floor_of",
     "judge_leap",
     "judge_robots",
+    "records_from",
 ]

@@ -30,9 +30,12 @@ STABLE = 1.5
 LANDED = 0.02
 """A foot that carries has landed if its bottom is within this of the surface beyond, m."""
 
-TILT, SINKING = 0.5, 0.6
-"""While stable, the trunk is tilted by less, rad, and higher than this part of its standing
-height over the surface beyond."""
+TILT, LOW = 0.5, 0.4
+"""Meanwhile the trunk is tilted by less, rad, and higher than this part of its standing height
+over the surface beyond: legs give way when they land."""
+
+SETTLED, HIGH = 0.5, 0.6
+"""From so long after touch-down, s, it is higher than this part."""
 
 
 @dataclass(frozen=True)
@@ -133,7 +136,8 @@ def judge_leap(
         return verdict("a foot is back before the edge after touch-down")
     height = record.base[after, 2] - leap.beyond
     tilt = np.arccos(np.clip(record.turn[after, 2, 2], -1.0, 1.0))
-    if tilt.max() > TILT or height.min() < SINKING * description.stand_height:
+    least = np.where(record.time[after] < touch_down + SETTLED, LOW, HIGH)
+    if tilt.max() > TILT or (height < least * description.stand_height).any():
         return verdict("it does not stay up after touch-down")
     return verdict("")
 

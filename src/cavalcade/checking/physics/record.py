@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from cavalcade.checking.physics.rotations import matrices
@@ -56,3 +57,34 @@ class RobotRecord:
     def steps(self) -> Array:
         """Durations `(T - 1,)` of the intervals between samples, s."""
         return self.time[1:] - self.time[:-1]
+
+
+def records_from(
+    time: Array,
+    base: Array,
+    joints: Array,
+    rates: Array,
+    torques: Array,
+    forces: Array,
+    touches: Sequence[Sequence[Touch]],
+) -> tuple[RobotRecord, ...]:
+    """The records of a team from arrays of all robots, as they would be read from a file.
+
+    Args:
+        time: `(T,)` s.
+        base, joints, rates, torques, forces: `(T, N, ...)` as of `RobotRecord`.
+        touches: Of each robot.
+    """
+    return tuple(
+        RobotRecord(
+            k,
+            time,
+            base[:, k],
+            joints[:, k],
+            rates[:, k],
+            torques[:, k],
+            forces[:, k],
+            tuple(sorted(own, key=lambda touch: touch.time)),
+        )
+        for k, own in enumerate(touches)
+    )
