@@ -32,16 +32,22 @@ from cavalcade.world import OccupancyMap
 
 
 class LegControl:
-    """Trots and stands by predictive control of the forces on the feet.
+    """Trots, stands and leaps by predictive control of the forces on the feet.
+
+    Standing feet push the ground with forces that a convex programme finds 50 times a second over
+    a horizon of 0.4 s (Di Carlo and others, "Dynamic locomotion in the MIT Cheetah 3 through convex
+    model-predictive control", IROS 2018); feet in the air follow curves to footholds below the hips
+    (Raibert, "Legged robots that balance", 1986).
 
     Args:
         models: One per robot; each with a `description`.
         ground: What feet stand on; None for flat ground without end.
-        origin: Pose x, y, yaw of the ground's grid in the world, m and rad.
+        origin: Pose x, y, yaw of the ground's grid in the world, m and rad; the world's z is up.
         settings: Of the gait.
 
     Raises:
-        InputError: A robot without a description of its legs.
+        InputError: A robot without a description of its legs or with legs of another kind, or an
+            origin that is not three finite numbers.
     """
 
     def __init__(
@@ -65,8 +71,10 @@ class LegControl:
             self._gaits[number] = settings.row(model.description.mass, height)
         self._ground = read_only(ground if ground is not None else _flat())
         self._frame = np.array(origin, dtype=float)
+        if self._frame.shape != (3,) or not np.isfinite(self._frame).all():
+            raise InputError("expected finite x, y, yaw", key="origin")
         self._torques = np.zeros((len(models), 12))
-        self._states["solved"] = -1.0
+        self._shapes = tuple((len(models), count) for count in (19, 18, 4))
 
     @property
     def size(self) -> int:
@@ -83,21 +91,37 @@ class LegControl:
         """`(N,)` what each robot is doing, as in `records`."""
         return np.asarray(self._states["mode"].copy())
 
+    @property
+    def standing(self) -> NDArray[np.bool_]:
+        """`(N,)` which robots stand still, ready to leap."""
+        return np.asarray(self._states["mode"] == STANDING)
+
+    @property
+    def leaping(self) -> NDArray[np.bool_]:
+        """`(N,)` which robots are leaping."""
+        return np.asarray(self._states["mode"] == LEAPING)
+
+    @property
+    def feet(self) -> Array:
+        """`(N, 4, 3)` where the feet's centres stood last, m."""
+        return np.asarray(self._states["stood"])
+
     def begin(self, time: float, qpos: Array, standing: bool = True) -> None:
-        """Take the robots as they are: standing on their feet, or lying.
+        """Take the robots as they are, standing on their feet or lying, and forget all before.
 
         Args:
             time: Now, s.
             qpos: `(N, 19)` as MuJoCo has them.
             standing: Otherwise they lie, and `rise` gets them up.
         """
+        self._states[:] = np.zeros((), STATE)
         self._states["time"] = self._states["began"] = time
         self._states["heard"] = self._states["idle"] = time
         self._states["mode"] = RISING if standing else LYING
         self._states["fold"] = qpos[:, 7:]
         if standing:
-            # Nothing is left to rise: the first step stands.
-            self._states["began"] = time - 10.0
+            # Nothing is left to rise: after the first step they stand.
+            self._states["began"] = -np.inf
 
     def command(self, velocities: ArrayLike, time: float) -> None:
         """Velocities `(N, 3)` to follow from now on, body frame, m/s, m/s, rad/s.
@@ -111,11 +135,19 @@ class LegControl:
         self._states["heard"] = time
 
     def rise(self, robot: int, qpos: Array) -> None:
-        """Let a robot that lies get up."""
+        """Let a robot that lies get up, where its joints `qpos[robot, 7:]` are now; 1 s.
+
+        Raises:
+            InputError: There is no such robot, or it does not lie.
+        """
         self._posture(robot, qpos, RISING)
 
     def lie_down(self, robot: int, qpos: Array) -> None:
-        """Let a robot that stands lie down."""
+        """Let a robot that stands lie down; 1 s. It ignores commands until it has risen.
+
+        Raises:
+            InputError: There is no such robot, or it does not stand.
+        """
         self._posture(robot, qpos, SINKING)
 
     def leap(
@@ -137,7 +169,7 @@ class LegControl:
             float(state["yaw"]),
             settings or LeapSettings(),
         )
-        state["mode"], state["solved"] = LEAPING, -1.0
+        state["mode"], state["solved"] = LEAPING, -np.inf
 
     @property
     def leap_failed(self) -> NDArray[np.bool_]:
@@ -151,7 +183,12 @@ class LegControl:
             time: s.
             qpos, qvel: `(N, 19)`, `(N, 18)` as MuJoCo has them.
             feet: `(N, 4)` normal forces on the feet, N.
+
+        Raises:
+            InputError: Arrays of other shapes.
         """
+        if (qpos.shape, qvel.shape, feet.shape) != self._shapes:
+            raise InputError("expected qpos, qvel, feet of shapes {}, {}, {}".format(*self._shapes))
         move_team(
             self._robots, self._gaits, self._states, self._leaps, self._bodies, self._ground,
             self._frame, time, qpos, qvel, feet, self._torques,
@@ -159,6 +196,8 @@ class LegControl:
         return self._torques
 
     def _posture(self, robot: int, qpos: Array, mode: int) -> None:
+        if not 0 <= robot < self.size:
+            raise InputError(f"expected a robot from 0 to {self.size - 1}", key="robot")
         state = self._states[robot]
         if mode == SINKING and state["mode"] != STANDING:
             raise InputError(f"robot {robot} must stand before it lies down")

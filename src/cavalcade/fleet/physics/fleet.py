@@ -13,11 +13,12 @@ from cavalcade.body.ground import Ground
 from cavalcade.errors import InputError
 from cavalcade.fleet.physics._postures import find_falls, planar_poses, planar_velocities
 from cavalcade.fleet.physics.ground import PhysicsGround
+from cavalcade.fleet.physics.leaping import APPROACH, Leapers
 from cavalcade.fleet.physics.sampling import Sampler, Samples
 from cavalcade.fleet.physics.sensing import Sensing, SensingErrors
 from cavalcade.fleet.physics.settings import PhysicsSettings
 from cavalcade.fleet.physics.simulator import TeamSimulator
-from cavalcade.fleet.protocol import Fall, Observation
+from cavalcade.fleet.protocol import Fall, LeapRequest, Observation
 from cavalcade.fleet.radio import CommandDelay, LocalisationNoise, Radio, start_poses
 from cavalcade.geometry import Array
 from cavalcade.locomotion.control import LegControl
@@ -97,6 +98,10 @@ class MujocoFleet:
         self._heard: Any = np.full(len(models), self._time)
         self._radio = Radio(self.true_poses(), self._time, noise, delay, seed)
         self.control.begin(self._time, self.simulator.qpos)
+        terrain = self.simulator.ground.terrain
+        fronts = [robot.joint_offsets[0, 0, 0] for robot in self.simulator.descriptions]
+        heights = None if terrain is None else terrain.heights_at
+        self._leapers = Leapers(self.control, np.array(fronts), heights)
         self._judge()
 
     @property
@@ -125,6 +130,29 @@ class MujocoFleet:
     def true_velocities(self) -> Array:
         """`(N, 3)` true velocities of the trunks now, map frame: m/s, m/s, rad/s."""
         return planar_velocities(self.simulator.qpos, self.simulator.qvel)
+
+    @property
+    def approach(self) -> float:
+        """How long before a take-off, in planned time, robots are to be handed over, s."""
+        return APPROACH
+
+    @property
+    def leaping(self) -> NDArray[np.bool_]:
+        """`(N,)` which robots were handed over and have not been given back."""
+        return self._leapers.leaping
+
+    @property
+    def leap_failed(self) -> NDArray[np.bool_]:
+        """`(N,)` whose last leap failed."""
+        return self._leapers.failed.copy()
+
+    def leap(self, robot: int, request: LeapRequest) -> None:
+        """Take a robot over: it walks to where it can leap from, leaps, and stands.
+
+        Raises:
+            InputError: No such robot, or one that is leaping.
+        """
+        self._leapers.take(robot, request)
 
     def samples(self) -> Samples:
         """What happened to bodies, joints and feet so far, 50 times a second."""
@@ -159,6 +187,8 @@ class MujocoFleet:
                 state = sensing.measured(state)
             if self._obstacles:
                 self._place_obstacles(self._steps * self._step)
+            if self._leapers.due(now):
+                self._steer(now, state[0])
             simulator.step(control.step(now, *state))
             self._steps += 1
             if sampler.step():
@@ -196,7 +226,12 @@ class MujocoFleet:
         """Hand over what robots `reached` `(N,)` were told; the others' last command ages."""
         if reached.any():
             self._heard[reached] = now
-            self.control.command(self._radio.commands, self._heard)
+            self.control.command(self._leapers.overrule(self._radio.commands), self._heard)
+
+    def _steer(self, now: float, qpos: Array) -> None:
+        """Command those robots that were handed over to leap."""
+        self._heard[self._leapers.steer(now, qpos)] = now
+        self.control.command(self._leapers.overrule(self._radio.commands), self._heard)
 
     def _place_obstacles(self, time: float) -> None:
         """Move those obstacles that are elsewhere, or away, by `time` s."""

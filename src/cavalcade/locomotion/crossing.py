@@ -1,0 +1,112 @@
+"""Where the ground breaks on a robot's way, and how to cross it squarely."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from cavalcade.geometry import Array
+
+Heights = Callable[[Array], Array]
+"""Heights `(N,)` in m of the ground at points `(N, 2)`, map frame."""
+
+LEVEL = 0.02
+"""Ground belongs to a side of the break as far as its height is that of the side within this, m."""
+
+_LINES = (-0.18, -0.12, 0.0, 0.12, 0.18)
+"""Lines along the way on which the ground is looked at, m beside it."""
+
+_SPAN, _AWAY, _GRAIN = 0.3, 0.12, 0.005
+"""Looked at so far from a break, m; a side's own height is that beyond the second; every so many
+m."""
+
+_OBLIQUE = 0.6
+"""Breaks are crossed squarely up to that angle from the planned direction, rad."""
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """A break of the ground as a leap needs it; map frame.
+
+    Attributes:
+        direction: `(2,)` unit vector across it.
+        start: `(2,)` where the way meets the last of the ground before it.
+        gap: From there to the first of the ground behind it, along `direction`, m.
+        before, behind: Heights on both sides, m.
+    """
+
+    direction: Array
+    start: Array
+    gap: float
+    before: float
+    behind: float
+
+    @property
+    def yaw(self) -> float:
+        """Of `direction`, rad."""
+        return math.atan2(self.direction[1], self.direction[0])
+
+    @property
+    def rise(self) -> float:
+        """From one side to the other, m."""
+        return self.behind - self.before
+
+
+def find_crossing(
+    take_off: Array, landed: Array, edges: tuple[float, float], heights: Heights | None
+) -> Crossing:
+    """The break between two poses.
+
+    Args:
+        take_off, landed: `(4,)` x, y, z, yaw of the body.
+        edges: Where the ground breaks, m along the line between them.
+        heights: Of the ground, to find how the break lies and where its sides are level; without
+            it the break is across the line, between the bodies' heights.
+    """
+    way = np.asarray(landed[:2] - take_off[:2], dtype=float)
+    way = way / max(math.hypot(*way), 1e-9)
+    origin = np.asarray(take_off[:2], dtype=float)
+    near, far = edges
+    if heights is None:
+        rise = float(landed[2] - take_off[2])
+        return Crossing(way, origin + near * way, far - near, 0.0, rise)
+    side = np.array([-way[1], way[0]])
+    lines = np.array(_LINES)
+    nears = np.array([_end(heights, origin + u * side, way, near, -1.0) for u in lines])
+    fars = np.array([_end(heights, origin + u * side, way, far, 1.0) for u in lines])
+    slope = 0.5 * (_slope(lines, nears[:, 0]) + _slope(lines, fars[:, 0]))
+    turn = min(max(-math.atan(slope), -_OBLIQUE), _OBLIQUE)
+    across = math.cos(turn) * way + math.sin(turn) * side
+    first = np.array([origin + u * side + s * way for u, s in zip(lines, nears[:, 0], strict=True)])
+    last = np.array([origin + u * side + s * way for u, s in zip(lines, fars[:, 0], strict=True)])
+    begin = float((first @ across).min())
+    middle = first[len(lines) // 2]
+    start = middle + (begin - float(middle @ across)) * across
+    return Crossing(
+        across,
+        start,
+        float((last @ across).max()) - begin,
+        float(np.median(nears[:, 1])),
+        float(np.median(fars[:, 1])),
+    )
+
+
+def _end(
+    heights: Heights, origin: Array, way: Array, edge: float, sign: float
+) -> tuple[float, float]:
+    """Where level ground ends at an edge, m along the way, and its height."""
+    away = np.arange(0.0, _SPAN, _GRAIN)
+    height = heights(origin + np.outer(edge + sign * away, way))
+    own = float(np.median(height[away > _AWAY]))
+    off = np.flatnonzero(np.abs(height - own) > LEVEL)
+    off = off[away[off] <= _AWAY]
+    steps = off[-1] + 1 if len(off) else 0
+    return edge + sign * float(away[steps]), own
+
+
+def _slope(lines: Array, places: Array) -> float:
+    """Of a line through places on parallel lines; that of the middle ones pairs."""
+    return float(np.polyfit(lines, places, 1)[0])
