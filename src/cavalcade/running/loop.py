@@ -90,8 +90,10 @@ def run(
     in_physics = loaded.execution.backend == "mujoco" and fleet is None
     if in_physics:
         from cavalcade.fleet.physics.engine import load_mujoco
+        from cavalcade.running.physics.robots import with_own_robots
 
         load_mujoco()
+        loaded = with_own_robots(loaded)
     with ExitStack() as stack:
         folder = stack.enter_context(OutputFolder(out, force)) if out is not None else None
         reporter = stack.enter_context(Reporter(loaded.name, quiet))

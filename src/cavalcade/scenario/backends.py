@@ -29,8 +29,8 @@ def check_backend(scenario: Scenario) -> None:
     """
     if scenario.execution.backend != "mujoco":
         return
-    for index, model in enumerate(scenario.models):
-        if model.description is None:
+    for index, (robot, model) in enumerate(zip(scenario.robots, scenario.models, strict=True)):
+        if model.description is None and (robot.mjcf is None or model.legs is None):
             raise expected(
                 f"physics has no masses and joints of a {model.name}; expected a robot with them, "
                 "such as with --set 'robots.*.model=go1'",

@@ -93,6 +93,9 @@ def _plain(scenario: Scenario, folder: Path) -> dict[str, Any]:
     robots = [
         _OneLine(robot.model_dump(mode="json", exclude_none=True)) for robot in scenario.robots
     ]
+    for words, robot in zip(robots, scenario.robots, strict=True):
+        if robot.mjcf is not None:
+            words["mjcf"] = _relative(robot.mjcf, folder)
     task, planner = data["task"], data["planner"]
     if scenario.task.individual:
         task = data["task"] = {"goals": INDIVIDUAL}

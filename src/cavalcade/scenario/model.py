@@ -6,6 +6,7 @@ the whole with what must hold between them.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -56,6 +57,7 @@ class Scenario(Section):
     execution: ExecutionSection = ExecutionSection()
 
     _file: Path | None = PrivateAttr(default=None)
+    _models: tuple[RobotModel, ...] | None = PrivateAttr(default=None)
 
     @field_validator("name", "description")
     @classmethod
@@ -118,6 +120,12 @@ class Scenario(Section):
         changed._file = file
         return changed
 
+    def with_models(self, models: Sequence[RobotModel]) -> Self:
+        """The same scenario with these robots in the place of those that it names."""
+        changed = self.model_copy()
+        changed._models = tuple(models)
+        return changed
+
     def __eq__(self, other: object) -> bool:
         """By content, wherever it was read from."""
         if not isinstance(other, Scenario):
@@ -135,7 +143,7 @@ class Scenario(Section):
     @property
     def models(self) -> tuple[RobotModel, ...]:
         """The model of each robot."""
-        return tuple(MODELS[robot.model] for robot in self.robots)
+        return self._models or tuple(MODELS[robot.model] for robot in self.robots)
 
     @property
     def starts(self) -> tuple[tuple[float, float, float], ...]:

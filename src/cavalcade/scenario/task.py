@@ -10,7 +10,16 @@ from pydantic import Field, field_validator, model_validator
 
 from cavalcade.errors import InputError
 from cavalcade.robots import MODELS
-from cavalcade.scenario.fields import Index, Length, NotNegative, Point, Pose, Section, expected
+from cavalcade.scenario.fields import (
+    File,
+    Index,
+    Length,
+    NotNegative,
+    Point,
+    Pose,
+    Section,
+    expected,
+)
 
 SHAPES = ("square", "line", "column", "wedge", "triangle", "circle", "custom")
 _SIZE_KEY = {
@@ -27,11 +36,16 @@ INDIVIDUAL = "individual"
 
 
 class RobotSection(Section):
-    """One robot: the name of its model, its start (x, y, yaw) in the map frame, maybe its goal."""
+    """One robot: the name of its model, its start (x, y, yaw) in the map frame, maybe its goal.
+
+    `mjcf` is a MuJoCo model of one's own that is taken in physics: a robot with footprint and
+    speeds of `model`, and masses, joints and shapes of that file.
+    """
 
     model: str = "go1"
     start: Pose
     goal: Pose | None = None
+    mjcf: File | None = None
 
     @field_validator("model")
     @classmethod

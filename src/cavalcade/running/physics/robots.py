@@ -3,12 +3,35 @@
 from __future__ import annotations
 
 from cavalcade.body.ground import make_ground
+from cavalcade.errors import InputError, ScenarioError
 from cavalcade.fleet import CommandDelay, LocalisationNoise
 from cavalcade.fleet.physics import PhysicsGround, PhysicsSettings
 from cavalcade.fleet.physics.fleet import MujocoFleet
 from cavalcade.fleet.physics.ground import movable_spans
+from cavalcade.fleet.physics.own_robot import own_robot
 from cavalcade.fleet.physics.sensing import SensingErrors
 from cavalcade.scenario import Scenario, World
+
+
+def with_own_robots(scenario: Scenario) -> Scenario:
+    """The scenario with the robots of the MuJoCo models that it names.
+
+    Raises:
+        ScenarioError: Such a file cannot be used.
+    """
+    if all(robot.mjcf is None for robot in scenario.robots):
+        return scenario
+    models = []
+    for index, (robot, model) in enumerate(zip(scenario.robots, scenario.models, strict=True)):
+        if robot.mjcf is not None:
+            try:
+                model = own_robot(robot.mjcf, like=model)
+            except InputError as error:
+                raise ScenarioError(
+                    str(error), file=scenario.file, key=f"robots[{index}].mjcf"
+                ) from None
+        models.append(model)
+    return scenario.with_models(models)
 
 
 def physics_fleet(scenario: Scenario, world: World) -> MujocoFleet:
