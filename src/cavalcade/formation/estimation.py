@@ -39,6 +39,7 @@ class Imperfections:
         delay, jitter: Mean and standard deviation of the time from a command's being sent to its
             taking effect, s.
         drop: Fraction of the messages that are lost.
+        stray: How far a robot may stray from the motion that its model foresees, m.
     """
 
     position: float = 0.0
@@ -46,6 +47,7 @@ class Imperfections:
     delay: float = 0.0
     jitter: float = 0.0
     drop: float = 0.0
+    stray: float = 0.0
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -57,14 +59,14 @@ class Imperfections:
 
     @property
     def none(self) -> bool:
-        """Everything is perfect."""
-        return not any(getattr(self, field.name) for field in fields(self))
+        """Robots are located and reached perfectly."""
+        return not (self.position or self.heading or self.delay or self.jitter or self.drop)
 
     def error(self, period: float, reach: float) -> float:
-        """How far a point of a robot, `reach` from its centre, may be from its estimate, m."""
+        """How far a point of a robot, `reach` from its centre, may be from where it is taken, m."""
         place = self.position * math.sqrt(_gain(self.position, period))
         turn = self.heading * math.sqrt(_gain(self.heading, period))
-        return _SIGMAS * math.hypot(place, reach * turn)
+        return _SIGMAS * math.hypot(place, reach * turn) + self.stray
 
     def held(self, period: float) -> int:
         """Cycles that a command may stay in effect before the next one arrives, at least 1.

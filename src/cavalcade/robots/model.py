@@ -31,6 +31,8 @@ class RobotModel:
         max_acceleration: m/s², of the velocity seen in the map frame; inf for drives without.
         max_yaw_acceleration: rad/s²; likewise.
         source: Where the figures come from.
+        stray: How far a walking robot may be, in physics, from where the motion model of
+            `cavalcade.robots.motion` sees it come to a stop, m; measured, see docs/physics.md.
         drive: How it moves towards a goal of its own.
         round: Whether the footprint is a disc.
         legs: Of a legged robot, for planners.
@@ -47,6 +49,7 @@ class RobotModel:
     max_acceleration: float
     max_yaw_acceleration: float
     source: str
+    stray: float = 0.0
     drive: Drive = "legged"
     round: bool = False
     legs: LegModel | None = None

@@ -35,7 +35,7 @@ Variant = Literal[
     "virtual-structure",
     "behaviour-based",
 ]
-Method = Literal["formation", "sequential", "joint", "cbs", "auto"]
+Method = Literal["formation", "sequential", "joint", "cbs", "auto", "commands"]
 
 TEAM_METHODS = ("sequential", "joint", "cbs", "auto")
 """Planners of individual goals."""
@@ -60,7 +60,7 @@ FORMATION_KEYS = (
 )
 """Keys of `planner` for formations alone."""
 
-TEAM_KEYS = ("constraints", "conflict", "leaps", "improve")
+TEAM_KEYS = ("constraints", "conflict", "leaps", "improve", "margin")
 """Keys of `planner` for individual goals alone."""
 
 
@@ -91,21 +91,27 @@ class Delay(Section):
 
 
 class Expectations(Section):
-    """What the planner is told of localisation and radio; null is what `execution` says."""
+    """What the planner is told of localisation and radio; null is what `execution` says.
+
+    `stray` is how far robots stray from the motion that their limits allow to foresee, m; null is
+    0 for ideal robots and what was measured of their legs in physics.
+    """
 
     noise: Noise | None = None
     delay: Delay | None = None
+    stray: Annotated[Number, Field(ge=0, le=1)] | None = None
 
 
 class PlannerSection(Section):
     """The planner, its variant and the paper's parameters; null is the preset's or the default.
 
-    `method` is `formation` for formations and one of the others, by default `auto`, for
-    individual goals. These have `constraints` (`timed`: bodies of others count while they are
+    `method` is `formation` for formations, `commands` for commands and one of the others, by
+    default `auto`, for individual goals. These have `constraints` (`timed`: bodies of others count while they are
     there; `static`: always), `conflict` (which one is resolved first), `leaps` (whether legged
-    robots may leap) and `improve` (iterations spent on a better plan once there is one); the
-    variant `published` means `static` and `first` unless they are given. What follows `budget`
-    is for formations.
+    robots may leap), `improve` (iterations spent on a better plan once there is one) and `margin`
+    (by which bodies are grown, m: 0 by default for ideal robots, more for walking ones, which
+    sway); the variant `published` means `static` and `first` unless they are given. What follows
+    `budget` is for formations.
 
     Units: lengths m, speeds m/s, `lookahead` and `d_switch` seconds of normalised time; the `w_`
     values are velocities of the map between 0 and 1.
@@ -117,6 +123,7 @@ class PlannerSection(Section):
     conflict: Literal["costly", "earliest", "first"] | None = None
     leaps: Annotated[bool, Strict()] | None = None
     improve: Annotated[int, Strict(), Field(ge=0, le=10**9)] | None = None
+    margin: Annotated[Number, Field(ge=0, le=1)] | None = None
     budget: Budget = Budget()
     preset: Literal["simulation", "laboratory"] | None = None
     lookahead: Annotated[Number, Field(gt=0, le=1e4)] | None = None
