@@ -3,26 +3,36 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from cavalcade.errors import InputError
 from cavalcade.geometry import Array
-from cavalcade.locomotion.records import ROBOT
-from cavalcade.robots.description import QuadrupedDescription
+from cavalcade.locomotion.records import ROBOT, Row
+from cavalcade.robots.description import JOINTS, LEGS, QuadrupedDescription
+from cavalcade.robots.inertial import Inertial, combined
+
+_STRAIGHT = 5e-3  # m
+_AXES = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]])
 
 
-def robot_figures(description: QuadrupedDescription) -> Array:
-    """A row `()` of `ROBOT`."""
+def robot_figures(description: QuadrupedDescription) -> Row:
+    """A row `()` of `ROBOT`.
+
+    Raises:
+        InputError: Legs of another kind than leg control can move: hip about x, beside it the
+            thigh about y, straight below that at zero the calf about y and the foot; links of the
+            same lengths in all legs.
+    """
+    _check_legs(description)
     figures = np.zeros((), ROBOT)
     offsets = description.joint_offsets
-    figures["mass"] = description.mass
-    figures["centre"], figures["inertia"] = composite(description, description.standing)
-    figures["trunk_mass"], figures["trunk_centre"] = (
-        description.trunk.mass,
-        description.trunk.center,
-    )
+    whole = composite(description, description.standing)
+    figures["mass"], figures["centre"], figures["inertia"] = whole.mass, whole.center, whole.matrix
+    trunk = description.trunk
+    figures["trunk_mass"], figures["trunk_centre"] = trunk.mass, trunk.center
     figures["hip"] = offsets[:, 0]
-    figures["side"] = offsets[:, 1, 1]
-    figures["thigh"] = np.linalg.norm(offsets[0, 2])
-    figures["calf"] = np.linalg.norm(offsets[0, 3])
+    figures["side"] = offsets[:, 1:, 1].sum(axis=1)
+    figures["thigh"], figures["calf"] = -offsets[0, 2:, 2]
     figures["foot_radius"] = description.foot_radius
     figures["link_mass"] = [[link.mass for link in leg.links] for leg in description.legs]
     figures["link_centre"] = [[link.center for link in leg.links] for leg in description.legs]
@@ -33,29 +43,34 @@ def robot_figures(description: QuadrupedDescription) -> Array:
     return figures
 
 
-def composite(description: QuadrupedDescription, joints: Array) -> tuple[Array, Array]:
-    """Centre of mass `(3,)` and inertia about it `(3, 3)` of a robot with its joints locked.
-
-    Args:
-        description: The robot.
-        joints: `(12,)` rad.
-    """
-    bodies = [(description.trunk, np.zeros(3), np.eye(3))]
+def composite(description: QuadrupedDescription, joints: ArrayLike) -> Inertial:
+    """All of a robot as one body, trunk frame, its joints locked at angles `(12,)`, rad."""
+    bodies = [description.trunk]
     for leg, angles in zip(description.legs, np.reshape(joints, (4, 3)), strict=True):
         place, turned = np.zeros(3), np.eye(3)
         for joint, link, angle in zip(leg.joints, leg.links, angles, strict=True):
             place = place + turned @ np.array(joint.offset)
             turned = turned @ _about(joint.axis, float(angle))
-            bodies.append((link, place, turned))
-    masses = np.array([body.mass for body, _, _ in bodies])
-    centres = np.array([place + turned @ np.array(body.center) for body, place, turned in bodies])
-    centre = masses @ centres / masses.sum()
-    total = np.zeros((3, 3))
-    for (body, _, turned), mass, at in zip(bodies, masses, centres, strict=True):
-        arm = at - centre
-        total += turned @ body.matrix @ turned.T
-        total += mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
-    return centre, total
+            x, y, z = (float(value) for value in place)
+            bodies.append(link.turned(turned).moved((x, y, z)))
+    return combined(bodies)
+
+
+def _check_legs(description: QuadrupedDescription) -> None:
+    """Refuse legs whose places `_kinematics` would get wrong."""
+    offsets = description.joint_offsets
+    for number, (name, leg) in enumerate(zip(LEGS, description.legs, strict=True)):
+        for joint, axis, part in zip(leg.joints, _AXES, JOINTS, strict=True):
+            if np.abs(np.array(joint.axis) - axis).max() > _STRAIGHT:
+                way = "xy"[int(np.argmax(axis))]
+                raise InputError(f"expected the {part} joint of leg {name} to turn about {way}")
+        thigh, calf, foot = offsets[number, 1:]
+        if np.abs(thigh[[0, 2]]).max() > _STRAIGHT:
+            raise InputError(f"expected the thigh of leg {name} beside its hip, along y")
+        if max(abs(calf[0]), abs(foot[0])) > _STRAIGHT or max(calf[2], foot[2]) >= 0.0:
+            raise InputError(f"expected leg {name} to hang straight down when its angles are zero")
+        if np.abs(offsets[number, 2:, 2] - offsets[0, 2:, 2]).max() > _STRAIGHT:
+            raise InputError(f"expected leg {name} to be as long as {LEGS[0]}")
 
 
 def _about(axis: tuple[float, float, float], angle: float) -> Array:

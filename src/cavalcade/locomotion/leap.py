@@ -10,6 +10,7 @@ import numpy as np
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array, wrap_angle
 from cavalcade.locomotion.leap_records import LEAP
+from cavalcade.locomotion.records import Row
 from cavalcade.locomotion.settings import Weights
 
 GRAVITY = 9.81
@@ -114,12 +115,12 @@ class LeapSettings:
 
 def lay_out(
     manoeuvre: LeapManoeuvre,
-    robot: Array,
+    robot: Row,
     height: float,
     feet: Array,
     yaw: float,
     settings: LeapSettings,
-) -> Array:
+) -> Row:
     """A row `()` of `LEAP` that begins where the robot stands.
 
     Args:

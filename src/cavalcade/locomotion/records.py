@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
+
+Row = NDArray[np.void]
+"""Rows of the arrays below, or one of them `()`."""
 
 STEPS = 10
 """Steps of the predictive control's horizon."""

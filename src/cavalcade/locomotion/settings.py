@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from cavalcade.geometry import Array
-from cavalcade.locomotion.records import GAIT
+from cavalcade.errors import InputError
+from cavalcade.locomotion._kinematics import GRAVITY
+from cavalcade.locomotion.records import GAIT, Row
+
+_POSITIVE = (
+    "period", "acceleration", "turning", "silence", "force_weight", "mu", "max_force", "step",
+    "interval", "touch",
+)  # fmt: skip
+_NOT_NEGATIVE = ("clearance", "capture", "stiffness", "joint_damping", "leash", "turn_leash")
+_OFFSETS = (0.0, 0.5, 0.5, 0.0)  # of a trot: a front leg and the hind leg on the other side
 
 Weights = tuple[float, float, float, float, float, float, float, float, float, float, float, float]
 
@@ -33,6 +42,9 @@ class GaitSettings:
         stiffness, joint_damping: Of swinging legs' joints, N m/rad and N m s/rad.
         touch: Force from which a foot is known to stand, N.
         leash, turn_leash: The reference runs ahead of the robot at most so far, m and rad.
+
+    Raises:
+        InputError: A value that is not finite or out of range; the key is its name.
     """
 
     period: float = 0.36
@@ -55,13 +67,28 @@ class GaitSettings:
     leash: float = 0.06
     turn_leash: float = 0.15
 
-    def row(self, mass: float, stand_height: float) -> Array:
+    def __post_init__(self) -> None:
+        for name in (*_POSITIVE, *_NOT_NEGATIVE):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value >= 0.0):
+                raise InputError("expected a finite number, not negative", key=name)
+            if value == 0.0 and name in _POSITIVE:
+                raise InputError("expected a positive number", key=name)
+        if not 0.0 < self.duty < 1.0:
+            raise InputError("expected a share between 0 and 1", key="duty")
+        if self.height is not None and not (math.isfinite(self.height) and self.height > 0.0):
+            raise InputError("expected positive metres", key="height")
+        weights = np.array(self.weights, dtype=float)
+        if weights.shape != (12,) or not (np.isfinite(weights).all() and (weights >= 0.0).all()):
+            raise InputError("expected 12 numbers, none of them negative", key="weights")
+
+    def row(self, mass: float, stand_height: float) -> Row:
         """A row `()` of `GAIT` for a robot of that mass, kg, and standing height, m."""
         row = np.zeros((), GAIT)
         for name in GAIT.names or ():
             if name not in ("offset", "height", "max_force"):
                 row[name] = getattr(self, name)
-        row["offset"] = (0.0, 0.5, 0.5, 0.0)
+        row["offset"] = _OFFSETS
         row["height"] = stand_height if self.height is None else self.height
-        row["max_force"] = self.max_force * mass * 9.81
+        row["max_force"] = self.max_force * mass * GRAVITY
         return row
