@@ -104,7 +104,7 @@ class LegControl:
     @property
     def feet(self) -> Array:
         """`(N, 4, 3)` where the feet's centres stood last, m."""
-        return np.asarray(self._states["stood"])
+        return np.asarray(self._states["stood"].copy())
 
     def begin(self, time: float, qpos: Array, standing: bool = True) -> None:
         """Take the robots as they are, standing on their feet or lying, and forget all before.
