@@ -21,6 +21,7 @@ from cavalcade.coordination.prioritised import improved
 from cavalcade.coordination.problem import PlanSettings, TeamProblem
 from cavalcade.coordination.published import DISTANCE, PublishedPlanner
 from cavalcade.coordination.result import TeamPlan
+from cavalcade.coordination.room import plan_with_room
 from cavalcade.coordination.sequential import solve_sequential
 from cavalcade.coordination.single import EFFORT, EvenPlanner, RobotPlanner
 from cavalcade.coordination.uneven import UnevenPlanner, walkable
@@ -57,7 +58,12 @@ def plan_team(
         raise InputError("expected 0 or more", key="seed")
     if not problem.models:
         raise InputError("expected at least one robot", key="robots")
-    return _Call(problem, method, settings or PlanSettings(), seed).answer()
+    settings = settings or PlanSettings()
+
+    def plan(problem: TeamProblem, settings: PlanSettings) -> TeamPlan:
+        return _Call(problem, method, settings, seed).answer()
+
+    return plan_with_room(problem, settings, plan) if settings.margin else plan(problem, settings)
 
 
 class _Call:

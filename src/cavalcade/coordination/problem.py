@@ -38,6 +38,7 @@ class PlanSettings:
             `first` in the order of the robots, as in the paper.
         leaps: Whether legged robots may leap.
         improve: Iterations spent on a better plan once there is one.
+        margin: By which bodies are grown, m; by less, or not at all, where that leaves no plan.
         distance: Between centres, m: what counts as a conflict instead of the bodies; of
             `published`.
         iterations: The budget: expansions of searches and trees.
@@ -53,6 +54,7 @@ class PlanSettings:
     conflict: Literal["costly", "earliest", "first"] = "costly"
     leaps: bool = True
     improve: int = 0
+    margin: float = 0.0
     distance: float | None = None
     iterations: int = 2_000_000
     seconds: float | None = None
@@ -64,6 +66,8 @@ class PlanSettings:
                 raise InputError(f"unknown value {said!r}", key=f"planner.{name}", choices=choices)
         if self.improve < 0:
             raise InputError("expected 0 or more", key="planner.improve")
+        if not 0.0 <= self.margin <= 1.0:
+            raise InputError("expected 0 to 1 m", key="planner.margin")
         if self.distance is not None and self.variant != "published":
             raise InputError(
                 "centres are kept apart by the published variant alone", key="distance"

@@ -25,6 +25,7 @@ class TeamPlan:
         history: Iterations and summed cost of the first plan and of each better one, where
             improvement was asked for.
         counts: Further figures of the method, such as nodes of the conflict tree.
+        margins: By how much each robot's body was grown, m; empty where none was.
     """
 
     reason: str
@@ -36,6 +37,7 @@ class TeamPlan:
     planning_time: float
     counts: Mapping[str, int] = field(default_factory=dict)
     history: tuple[tuple[int, float], ...] = ()
+    margins: tuple[float, ...] = ()
 
     @property
     def solved(self) -> bool:

@@ -6,6 +6,9 @@ from cavalcade.coordination import PlanSettings
 from cavalcade.errors import InputError
 from cavalcade.scenario import Scenario
 
+SWAY = 0.05
+"""Robots that walk are planned for as if their bodies were this much wider on all sides, m."""
+
 METHODS = ("sequential", "joint", "cbs", "auto")
 
 
@@ -51,6 +54,14 @@ def settings_of(scenario: Scenario) -> PlanSettings:
         conflict=said.conflict or ("first" if published else default.conflict),
         leaps=default.leaps if said.leaps is None else said.leaps,
         improve=default.improve if said.improve is None else said.improve,
+        margin=_margin(scenario),
         iterations=said.budget.iterations or default.iterations,
         seconds=said.budget.seconds,
     )
+
+
+def _margin(scenario: Scenario) -> float:
+    said = scenario.planner.margin
+    if said is None:
+        return SWAY if scenario.execution.backend == "mujoco" else 0.0
+    return float(said)

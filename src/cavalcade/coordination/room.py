@@ -1,0 +1,69 @@
+"""Plans with room around the bodies, for robots that do not go exactly where they are sent."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from cavalcade.coordination.budget import Budget
+from cavalcade.coordination.problem import PlanSettings, TeamProblem
+from cavalcade.coordination.result import TeamPlan
+from cavalcade.robots import RobotModel
+
+_SMALLEST = 0.2
+"""Room less than this part of what was asked for is none."""
+
+_SHARE = 0.5
+"""Part of what is left of the budget for a search with room, of which there may be another."""
+
+
+def plan_with_room(
+    problem: TeamProblem,
+    settings: PlanSettings,
+    plan: Callable[[TeamProblem, PlanSettings], TeamPlan],
+) -> TeamPlan:
+    """The plan for bodies that are grown by `settings.margin`, or by less where that has none.
+
+    Where start, goal or ground leave a robot no such room, its margin is halved, then given up;
+    where the search finds nothing, those of all robots are.
+
+    Args:
+        problem: The team's, with bodies as they are.
+        settings: Budget and margin.
+        plan: A single search.
+    """
+    margins = [settings.margin] * len(problem.models)
+    budget = Budget(settings.iterations, settings.seconds)
+    searching = 0.0
+    while True:
+        roomy = any(margins)
+        share = budget.share(_SHARE if roomy else 1.0)
+        found = plan(
+            replace(problem, models=tuple(map(grown, problem.models, margins))),
+            replace(settings, iterations=share.iterations, seconds=share.seconds, margin=0.0),
+        )
+        budget.spend(found.iterations)
+        searching += found.planning_time
+        refused = found.reason == "infeasible"
+        tight = [k for k in found.involved if margins[k]] if refused else range(len(margins))
+        if found.solved or not roomy or not tight:
+            return replace(
+                found,
+                iterations=budget.used,
+                planning_time=searching,
+                margins=tuple(margins),
+            )
+        for k in tight:
+            margins[k] = _smaller(margins[k], settings.margin)
+
+
+def grown(model: RobotModel, margin: float) -> RobotModel:
+    """The robot with a footprint that is `margin` m wider on all sides."""
+    if not margin:
+        return model
+    return replace(model, length=model.length + 2.0 * margin, width=model.width + 2.0 * margin)
+
+
+def _smaller(margin: float, first: float) -> float:
+    half = 0.5 * margin
+    return half if half >= _SMALLEST * first else 0.0
