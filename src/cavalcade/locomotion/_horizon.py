@@ -111,31 +111,18 @@ def solve_walk(robot, gait, body, state):
         reference[k, 9], reference[k, 10] = vx, vy
         reference[k, 11] = state.slope[0] * vx + state.slope[1] * vy
         for leg in range(4):
-            foot = state.stood[leg]
-            if k == 0:
-                stands = state.contact[leg] == 1 or state.swinging[leg] == 0
-                contacts[k, leg] = 1 if stands else 0
-            elif not trots:
-                contacts[k, leg] = 1
-            else:
-                share = swing_share(gait, clock + middle, leg)
-                # One that has come down early stays.
-                cycle = math.floor((clock + middle) / gait.period + gait.offset[leg])
-                now = math.floor(clock / gait.period + gait.offset[leg])
-                early = state.contact[leg] == 1 and state.swinging[leg] == 1 and cycle == now
-                contacts[k, leg] = 1 if share >= 1.0 or early else 0
-            left = _until_lift(gait, clock, leg) if trots else 1e9
-            if middle >= left:
+            contacts[k, leg] = _stands(gait, state, clock, k, leg)
+            if trots and middle >= _until_lift(gait, clock, leg):
                 wait = _until_mid_stance(gait, clock + middle, leg)
                 px, py = _below_hip(robot, half_x + wait * vx, half_y + wait * vy, c, s, leg)
-                pz = state.ground + robot.foot_radius
-            elif state.swinging[leg] == 0 or state.contact[leg] == 1:
-                px, py, pz = foot[0], foot[1], foot[2]
+                pz = state.ground
             else:
-                px, py, pz = state.landing[leg, 0], state.landing[leg, 1], state.landing[leg, 2]
+                down = state.swinging[leg] == 0 or state.contact[leg] == 1
+                place = state.stood[leg] if down else state.landing[leg]
+                px, py, pz = place[0], place[1], place[2] - robot.foot_radius
             levers[k, leg, 0] = px - half_x
             levers[k, leg, 1] = py - half_y
-            levers[k, leg, 2] = pz - robot.foot_radius - (height + climb)
+            levers[k, leg, 2] = pz - (height + climb)
     forces = solve_mpc(
         present,
         reference,
@@ -155,6 +142,24 @@ def solve_walk(robot, gait, body, state):
     for leg in range(4):
         for a in range(3):
             state.forces[leg, a] = forces[0, leg, a]
+
+
+@njit(cache=True)
+def _stands(gait, state, clock, k, leg):
+    """Whether a foot stands in step k of the horizon."""
+    if k == 0:
+        return state.contact[leg] == 1 or state.swinging[leg] == 0
+    if state.mode != TROTTING:
+        return True
+    later = clock + (k + 0.5) * gait.step
+    if swing_share(gait, later, leg) >= 1.0:
+        return True
+    # One that has come down early stays for the rest of its swing.
+    early = state.contact[leg] == 1 and state.swinging[leg] == 1
+    offset = gait.offset[leg]
+    return early and math.floor(later / gait.period + offset) == math.floor(
+        clock / gait.period + offset
+    )
 
 
 @njit(cache=True)
