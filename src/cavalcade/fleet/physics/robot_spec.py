@@ -14,6 +14,10 @@ FOOT_SOLREF = (0.01, 1.0)
 FOOT_SOLIMP = (0.9, 0.95, 0.001, 0.5, 2.0)
 """Stiffness of contacts with feet; softer ones let them sink and slide."""
 
+STOP_SOLREF = (0.004, 1.0)
+"""Stiffness of joints' stops, as stiff as steps of 2 ms allow; the usual ones give way by 0.2 rad
+when a robot is pushed."""
+
 FOOT_PRIORITY = 2
 """A foot's friction and stiffness hold against whatever it touches."""
 
@@ -103,6 +107,7 @@ def _from_figures(description: QuadrupedDescription, looks: bool) -> RobotSpec:
                 damping=joint.damping,
                 frictionloss=joint.friction,
                 armature=joint.armature,
+                solref_limit=STOP_SOLREF,
             )
             links.append(body)
             parent = body
