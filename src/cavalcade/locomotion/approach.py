@@ -13,8 +13,12 @@ from cavalcade.locomotion.leap import LeapManoeuvre, LeapSettings
 NEAR, SQUARE = 0.012, 0.03
 """Within these of where it wants to leap from a robot stops, m, rad."""
 
-FAR, ASKEW = 0.03, 0.06
-"""It leaps if its feet are within these of where they should be, m, rad."""
+SHORT, OVER, BESIDE, ASKEW = 0.06, 0.015, 0.06, 0.06
+"""It leaps if its front feet are no more short of, or over, where they should be, and the trunk no
+more beside its line or turned, m, rad."""
+
+LEEWAY = 0.05
+"""The trunk is aimed at most so far from where it should stand, so that the feet stand right, m."""
 
 FAST, ASIDE, TURN = 0.4, 0.2, 0.8
 """Greatest velocities on the way, m/s, m/s, rad/s."""
@@ -106,7 +110,7 @@ class LeapPilot:
         if self._crossing is None:
             return DONE
         off = self._off(self._crossing, pose, feet)
-        if abs(off[0]) <= FAR and abs(off[1]) <= 2.0 * FAR and abs(off[2]) <= ASKEW:
+        if -SHORT <= off[0] <= OVER and abs(off[1]) <= BESIDE and abs(off[2]) <= ASKEW:
             self.manoeuvre = self._leap(self._crossing, pose)
             self.leapt = True
             return LEAP
@@ -126,7 +130,8 @@ class LeapPilot:
     def _before(self, crossing: Crossing) -> float:
         """How far before the edge front feet stand, m."""
         settings = self._settings
-        return settings.before + settings.head * max(crossing.rise, 0.0)
+        more = settings.brink if crossing.rise < -0.5 * settings.brink else 0.0
+        return settings.before + settings.head * max(crossing.rise, 0.0) + more
 
     def _leap(self, crossing: Crossing, pose: Array) -> LeapManoeuvre:
         settings = self._settings
@@ -151,7 +156,9 @@ class LeapPilot:
         """Aim at elsewhere, so that the feet come to where they should be."""
         across = crossing.direction
         shift = off[0] * across + off[1] * np.array([-across[1], across[0]])
-        self._aim[:2] -= np.clip(shift, -0.1, 0.1)
+        self._aim[:2] -= shift
+        # Feet that find no ground further on do not come after a body that goes on.
+        self._aim[:2] = self._goal[:2] + np.clip(self._aim[:2] - self._goal[:2], -LEEWAY, LEEWAY)
 
     def _there(self, pose: Array) -> bool:
         near = math.hypot(*(self._aim[:2] - pose[:2])) <= NEAR

@@ -69,9 +69,11 @@ class LeapSettings:
         flight: Shortest flight, s.
         tuck: In flight feet are drawn up so far below the centre of mass, m.
         margin: A foot's centre lands at least so far beyond an edge, m, and
-        drop: that much further per m that the landing is lower: rear thighs pass the edge.
+        drop: that much further per m that the landing is lower, at most `clear` m: rear knees, which
+            trail behind their hips, pass the edge.
         before: Front feet stand so far before an edge, m, and
-        head: that much further per m that the landing is higher: the head rises past the edge.
+        head: that much further per m that the landing is higher: the head rises past the edge;
+        brink: that much further where it is lower: nobody steps onto a brink.
         boost: Factors on the velocity at lift-off along the leap and upwards.
         pitch: In the squat, at lift-off and at touch-down, rad; noses go up with negative ones.
         weights, land_weights: Of squared errors of the state, as in `GaitSettings`.
@@ -96,9 +98,11 @@ class LeapSettings:
     flight: float = 0.30
     tuck: float = 0.16
     margin: float = 0.05
-    drop: float = 1.2
+    drop: float = 2.2
+    clear: float = 0.26
     before: float = 0.04
     head: float = 0.5
+    brink: float = 0.05
     boost: tuple[float, float] = (1.0, 1.0)
     pitch: tuple[float, float, float] = (0.0, 0.0, 0.0)
     weights: Weights = (5.0, 10.0, 5.0, 20.0, 20.0, 50.0, 0.1, 0.2, 0.2, 2.0, 2.0, 2.0)
@@ -146,7 +150,8 @@ def lay_out(
     bound = -math.inf
     if manoeuvre.edges is not None:
         bound = float(np.dot(manoeuvre.take_off[:2], way)) + manoeuvre.edges[1]
-        bound += settings.margin + settings.drop * max(start[2] - manoeuvre.landing[2], 0.0)
+        lower = max(float(start[2]) - manoeuvre.landing[2], 0.0)
+        bound += settings.margin + min(settings.drop * lower, settings.clear)
         short = bound - float((holds[:, :2] @ way).min())
         if short > 0.0:
             holds[:, :2] += short * way
