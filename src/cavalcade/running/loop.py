@@ -178,9 +178,12 @@ def _preparing(scenario: Scenario) -> str:
     from cavalcade.running.warm import kernels_are_cached
 
     what = f"{scenario.name}: {len(scenario.robots)} robots"
-    if kernels_are_cached():
+    duration = "" if kernels_are_cached() else "about 20 s"
+    if scenario.execution.backend == "mujoco" and not kernels_are_cached("locomotion", "_team.*"):
+        duration = "about a minute"
+    if not duration:
         return what
-    return f"{what}; compiling the numerical kernels, once after installation (about 20 s) ..."
+    return f"{what}; compiling the numerical kernels, once after installation ({duration}) ..."
 
 
 def _default_planner(scenario: Scenario, world: World) -> Planner:

@@ -103,6 +103,7 @@ class MujocoFleet:
         heights = None if terrain is None else terrain.heights_at
         self._leapers = Leapers(self.control, np.array(fronts), heights)
         self._judge()
+        self._compile(LegControl(models, footing, origin))
 
     @property
     def size(self) -> int:
@@ -195,6 +196,10 @@ class MujocoFleet:
                 self._judge()
         radio.report(self.true_poses(), self._time)
 
+    def push(self, robot: int, force: ArrayLike, duration: float) -> None:
+        """Push a trunk with the force `(3,)`, map frame, N, for so many seconds from now on."""
+        self.simulator.push(robot, force, duration)
+
     def silence(self, robot: int) -> None:
         """The robot stops answering: no more reports; it stops and stands."""
         self._radio.silence(robot)
@@ -216,6 +221,12 @@ class MujocoFleet:
     def state_bytes(self) -> bytes:
         """The state of physics to the last bit, to compare runs."""
         return self.simulator.state_bytes()
+
+    def _compile(self, control: LegControl) -> None:
+        """Let kernels be compiled before anybody's clock runs; `control` is used up."""
+        simulator = self.simulator
+        control.begin(self._time, simulator.qpos)
+        control.step(self._time, simulator.qpos, simulator.qvel, simulator.foot_forces)
 
     def _stop(self, robot: int) -> None:
         reached = np.zeros(self.size, dtype=bool)
