@@ -37,6 +37,14 @@ class Inertial:
         x, y, z = (float(a + b) for a, b in zip(self.center, offset, strict=True))
         return Inertial(self.mass, (x, y, z), self.inertia)
 
+    def turned(self, rotation: Array) -> Inertial:
+        """The same body seen in a frame with the same origin, which `rotation` `(3, 3)` leads to.
+
+        A point p of this frame is at rotation p in that one.
+        """
+        x, y, z = (float(value) for value in rotation @ np.array(self.center))
+        return Inertial(self.mass, (x, y, z), _moments(rotation @ self.matrix @ rotation.T))
+
     def mirrored(self, x: bool = False, y: bool = False) -> Inertial:
         """The mirror image with x or y (or both) the other way round."""
         sx, sy = (-1.0 if x else 1.0), (-1.0 if y else 1.0)
@@ -55,6 +63,11 @@ def combined(bodies: Iterable[Inertial]) -> Inertial:
         arm = np.array(part.center) - center
         total += part.matrix + part.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
     x, y, z = (float(value) for value in center)
-    moments = (total[0, 0], total[1, 1], total[2, 2], total[0, 1], total[0, 2], total[1, 2])
-    xx, yy, zz, xy, xz, yz = (float(value) for value in moments)
-    return Inertial(float(mass), (x, y, z), (xx, yy, zz, xy, xz, yz))
+    return Inertial(float(mass), (x, y, z), _moments(total))
+
+
+def _moments(matrix: Array) -> tuple[float, float, float, float, float, float]:
+    """xx, yy, zz, xy, xz, yz of a symmetric matrix `(3, 3)`."""
+    rows, columns = (0, 1, 2, 0, 0, 1), (0, 1, 2, 1, 2, 2)
+    xx, yy, zz, xy, xz, yz = (float(value) for value in matrix[rows, columns])
+    return xx, yy, zz, xy, xz, yz
