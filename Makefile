@@ -1,4 +1,4 @@
-# make demo   the main job: four robots in a square cross the paper's arena
+# make demo   the main job: four Go1s in a square walk through the paper's arena, in physics
 # make test   the whole suite, in the same environment
 # make venv   only the environment
 # make lint   ruff, mypy and the layers contract
@@ -46,8 +46,8 @@ $(VENV)/.stamp-test: $(VENV)/.stamp
 
 venv: $(VENV)/.stamp
 
-demo: $(VENV)/.stamp
-	@$(BIN)/cavalcade run square-clutter --out $(RUNS)/demo --force
+demo: $(VENV)/.stamp-physics
+	@$(BIN)/cavalcade run square-clutter --backend mujoco --out $(RUNS)/demo --force
 
 # One short run first: the tests' processes then find the compiled kernels instead of each
 # compiling its own.
