@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from cavalcade.checking.arrival import PHYSICS, check_arrival
+from cavalcade.checking.commands import check_commands
 from cavalcade.checking.contact import find_contacts
 from cavalcade.checking.limits import TOLERANCE, Effort, exceeded, measure
 from cavalcade.checking.motion import bodies, common_clock
@@ -104,7 +105,9 @@ def judge(
         violations += exceeded(effort, model, robot, speeding)
     violations += misplaced(tracks, scenario.starts)
     violations += incomplete(tracks, scenario.execution.rate, _number(summary, "sim_time_s"))
-    if summary.get("success") and scenario.task.individual:
+    if summary.get("success") and scenario.task.commands is not None:
+        violations += check_commands(scenario, tracks)
+    elif summary.get("success") and scenario.task.individual:
         violations += check_own_arrival(scenario, tracks)
     elif summary.get("success"):
         violations += check_arrival(scenario, tracks, _number(summary, "goal_moved_m") or 0.0)
@@ -139,7 +142,9 @@ def judge_physics(
     violations, gap, physics = judge_motion(scenario, tracks, records, summary, scene, heights)
     violations += misplaced(tracks, scenario.starts)
     violations += incomplete(tracks, scenario.execution.rate, _number(summary, "sim_time_s"))
-    if summary.get("success") and scenario.task.individual:
+    if summary.get("success") and scenario.task.commands is not None:
+        violations += check_commands(scenario, tracks)
+    elif summary.get("success") and scenario.task.individual:
         violations += check_own_arrival(scenario, tracks, PHYSICS)
     elif summary.get("success"):
         moved = _number(summary, "goal_moved_m") or 0.0

@@ -109,6 +109,11 @@ class EventRunner:
             _set_lost(self._control.fleet, event.rejoin, False)
             self._control.rejoin(event.rejoin)
             text = f"robot {event.rejoin} back"
+        elif event.push is not None:
+            push = event.push
+            x, y = (part / push.duration for part in push.impulse)
+            _push(self._control.fleet, push.robot, (x, y, 0.0), push.duration)
+            text = f"robot {push.robot} pushed"
         elif event.add is not None:
             text = "obstacle added"
         elif event.remove is not None:
@@ -207,6 +212,13 @@ def _track(span: ObstacleSpan) -> ObstacleTrack:
         time=np.array(span.time),
         offset=np.array(span.offset).reshape(-1, 2),
     )
+
+
+def _push(fleet: Fleet, robot: int, force: tuple[float, float, float], duration: float) -> None:
+    """Push a simulated robot; a real one is pushed by hand."""
+    push = getattr(fleet, "push", None)
+    if push is not None:
+        push(robot, force, duration)
 
 
 def _set_lost(fleet: Fleet, robot: int, lost: bool) -> None:

@@ -154,7 +154,9 @@ def result_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
         ("closest to each other", _with(summary["min_robot_distance_m"], "m (centres)")),
         ("smallest footprint gap", _with(summary["min_footprint_gap_m"], "m")),
     ]
-    if summary["leader_changes"] is None:  # robots with goals of their own, planned ahead
+    if summary.get("commanded") is not None:
+        rows += _commanded_rows(summary["commanded"])
+    elif summary["leader_changes"] is None:  # robots with goals of their own, planned ahead
         rows.append(("planning time", _with(summary["planning_time_s"], "s", 3)))
     else:
         rows += [
@@ -171,6 +173,16 @@ def result_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
         ]
     rows.append(("wall time", _with(summary["wall_time_s"], "s", 1)))
     return [row for row in rows if row[1]]
+
+
+def _commanded_rows(figures: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """How well commands were followed; nothing where no velocity stood long enough."""
+    speed, turn, spread = (figures[key] for key in ("speed_error", "yaw_rate_error", "rms_m_s"))
+    return [
+        ("error of mean speed", "" if speed is None else f"{100.0 * speed:.1f} %"),
+        ("error of mean yaw rate", "" if turn is None else f"{100.0 * turn:.1f} %"),
+        ("spread of speed", "" if spread is None else f"{spread:.3f} m/s (root mean square)"),
+    ]
 
 
 def _with(value: float | None, unit: str, digits: int = 2) -> str:

@@ -161,6 +161,8 @@ class _Judge:
         arrived = self._arrival.update(time, poses, velocities, status, last)
         if arrived and not self._events.task_pending:
             return "arrived", "", ()
+        if status.state == "done":
+            return "done", "", ()
         if status.state in ("stuck", "infeasible") and not self._events.change_pending(time):
             return status.state, status.message, status.involved
         if time >= self._execution.timeout - 1e-9:

@@ -30,7 +30,8 @@ class Outcome:
     """How a run ended.
 
     Attributes:
-        reason: `arrived`, `timeout`, `stuck`, `fallen`, `infeasible`, `budget` or `stopped`.
+        reason: `arrived`, `done`, `timeout`, `stuck`, `fallen`, `infeasible`, `budget` or
+            `stopped`.
         detail: One line about it, empty where there is nothing to add.
         involved: The robots it is about.
         last_waypoint: Index of the last goal.
@@ -53,8 +54,9 @@ def summarise(
 
     Beyond the contract's keys there are `detail`, one line or null, and `involved`, the robots
     that the reason is about; of runs in physics, `real_time_factor` and `physics` (see
-    `cavalcade.running.physics.summary`). There collisions are those of footprints or those of
-    bodies, whichever are more.
+    `cavalcade.running.physics.summary`), of commands, `commanded` (see
+    `cavalcade.running.commands.figures`). In physics collisions are those of footprints or those
+    of bodies, whichever are more.
     """
     near = clearance(world, recording, scenario.models)
     collisions = {"robot_robot": near.robot_robot, "robot_obstacle": near.robot_obstacle}
@@ -69,6 +71,11 @@ def summarise(
     arrived = outcome.reason == "arrived"
     ends = _ends(recording)
     durations = _durations(recording, ends, tolerance_of(scenario))
+    commanded = None
+    if scenario.task.commands is not None:
+        from cavalcade.running.commands.figures import summarise_commands
+
+        commanded = summarise_commands(recording)
     cycles = outcome.planning * 1e3
     return {
         "name": scenario.name,
@@ -78,7 +85,7 @@ def summarise(
         "variant": scenario.planner.variant,
         "backend": scenario.execution.backend,
         "robots": len(scenario.robots),
-        "success": reason == "arrived",
+        "success": reason in ("arrived", "done"),
         "reason": reason,
         "detail": outcome.detail or None,
         "involved": list(outcome.involved),
@@ -106,6 +113,7 @@ def summarise(
         "goal_moved_m": _goal_moved(recording),
         "real_time_factor": _real_time_factor(recording, outcome),
         "physics": physics,
+        "commanded": commanded,
         "versions": versions(() if track is None else ("mujoco",)),
     }
 

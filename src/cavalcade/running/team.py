@@ -17,6 +17,7 @@ from cavalcade.formation import (
 )
 from cavalcade.formation.settings import PRESETS, SIMULATION_SPRINGS, SpringLaw, Springs
 from cavalcade.formation.variants import default_settings
+from cavalcade.running.control import Planner
 from cavalcade.scenario import FormationSection, PlannerSection, Scenario, World
 from cavalcade.scenario.task import ConnectionSection
 
@@ -35,12 +36,16 @@ _SETTINGS = (
 """The planner section's keys that are fields of `FormationSettings` of the same name."""
 
 
-def make_planner(scenario: Scenario, world: World) -> FormationPlanner:
-    """The planner that the scenario asks for, with its goals set.
+def make_planner(scenario: Scenario, world: World) -> Planner:
+    """What says where the team goes: the planner with its goals set, or what plays its commands.
 
     Raises:
         ScenarioError: The planner refuses the scenario's values.
     """
+    if scenario.task.commands is not None:
+        from cavalcade.running.commands.player import CommandPlayer
+
+        return CommandPlayer(scenario)
     section = scenario.planner
     try:
         planner = FormationPlanner(

@@ -27,6 +27,7 @@ def check_backend(scenario: Scenario) -> None:
     Raises:
         PydanticCustomError: One line with the key and what was expected.
     """
+    _check_pushes(scenario)
     if scenario.execution.backend != "mujoco":
         return
     for index, (robot, model) in enumerate(zip(scenario.robots, scenario.models, strict=True)):
@@ -42,6 +43,18 @@ def check_backend(scenario: Scenario) -> None:
             f"expected {SLOWEST:g} to {FASTEST:g} in physics: robots stop 0.5 s after a command",
             key="execution.rate",
         )
+
+
+def _check_pushes(scenario: Scenario) -> None:
+    for index, event in enumerate(scenario.execution.events):
+        if event.push is None:
+            continue
+        key, last = f"execution.events[{index}].push", len(scenario.robots) - 1
+        if scenario.execution.backend != "mujoco":
+            raise expected("ideal robots cannot be pushed; expected backend mujoco", key=key)
+        if event.push.robot > last:
+            text = f"there is no robot {event.push.robot}; expected 0 to {last}"
+            raise expected(text, key=f"{key}.robot")
 
 
 def with_backend(scenario: Scenario, backend: str) -> Scenario:

@@ -97,11 +97,15 @@ def _plain(scenario: Scenario, folder: Path) -> dict[str, Any]:
         if robot.mjcf is not None:
             words["mjcf"] = _relative(robot.mjcf, folder)
     task, planner = data["task"], data["planner"]
-    if scenario.task.individual:
+    if scenario.task.commands is not None:
+        data["task"] = _commands(task)
+    elif scenario.task.individual:
         task = data["task"] = {"goals": INDIVIDUAL}
     else:
-        task["formation"] = _formation(task["formation"])
-    others = FORMATION_KEYS if scenario.task.individual else TEAM_KEYS
+        data["task"] = {"formation": _formation(task["formation"]), "goals": task["goals"]}
+    others: tuple[str, ...] = FORMATION_KEYS if scenario.task.individual else TEAM_KEYS
+    if scenario.task.commands is not None:
+        others = (*FORMATION_KEYS, *TEAM_KEYS)
     data["planner"] = {key: value for key, value in planner.items() if key not in others}
     execution = data["execution"]
     execution["events"] = [_event(event) for event in execution["events"]]
@@ -110,6 +114,14 @@ def _plain(scenario: Scenario, folder: Path) -> dict[str, Any]:
 
 
 _TAIL = ("task", "planner", "execution")
+
+
+def _commands(task: dict[str, Any]) -> dict[str, Any]:
+    said = [
+        _OneLine({key: value for key, value in command.items() if value is not None})
+        for command in task["commands"]
+    ]
+    return {"commands": said, "duration": task["duration"]}
 
 
 def _formation(formation: dict[str, Any]) -> dict[str, Any]:

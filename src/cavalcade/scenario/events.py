@@ -6,12 +6,24 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from cavalcade.scenario.fields import Index, Point, Pose, Seconds, Section, Speed, expected
+from cavalcade.scenario.fields import (
+    Index,
+    Number,
+    Point,
+    Pose,
+    Positive,
+    Seconds,
+    Section,
+    Speed,
+    expected,
+)
 from cavalcade.scenario.obstacles import Obstacle
 from cavalcade.scenario.task import FormationSection
 
-EventKind = Literal["add", "remove", "move", "goals", "formation", "lose", "rejoin"]
-KINDS: tuple[EventKind, ...] = ("add", "remove", "move", "goals", "formation", "lose", "rejoin")
+EventKind = Literal["add", "remove", "move", "goals", "formation", "lose", "rejoin", "push"]
+KINDS: tuple[EventKind, ...] = (
+    *("add", "remove", "move", "goals", "formation", "lose", "rejoin", "push"),
+)
 
 
 class Move(Obstacle):
@@ -30,11 +42,25 @@ class Move(Obstacle):
         return Obstacle.model_construct(box=self.box, circle=self.circle, polygon=self.polygon)
 
 
+Impulse = Annotated[Number, Field(ge=-1e4, le=1e4)]
+
+
+class Push(Section):
+    """A push on the trunk of a robot in physics: `impulse` x, y in N s, map frame, over `duration`.
+
+    It begins with the planner's cycle.
+    """
+
+    robot: Index
+    impulse: tuple[Impulse, Impulse]
+    duration: Annotated[Positive, Field(le=10)] = 0.1
+
+
 class Event(Section):
     """One thing that happens `at` seconds of simulated time.
 
     `add` and `remove` an obstacle, `move` one, replace the `goals` or the `formation`, `lose` the
-    robot of that index (from 0) or let it `rejoin`.
+    robot of that index (from 0) or let it `rejoin`, `push` a robot in physics.
     """
 
     at: Seconds
@@ -45,6 +71,7 @@ class Event(Section):
     formation: FormationSection | None = None
     lose: Index | None = None
     rejoin: Index | None = None
+    push: Push | None = None
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
@@ -59,5 +86,5 @@ class Event(Section):
 
     @property
     def value(self) -> Any:
-        """What the event's key says: an `Obstacle`, a `Move`, poses, a formation or an index."""
+        """What its key says: an `Obstacle`, a `Move`, poses, a formation, an index, a `Push`."""
         return getattr(self, self.kind)

@@ -35,6 +35,7 @@ KIND_OPTIONS: Mapping[str, tuple[str, ...]] = MappingProxyType(
 
 TERRAIN_OPTIONS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
+        "blocks": ("height", "side", "zone"),
         "gap": ("width", "depth", "at"),
         "rough": ("height", "spacing", "zone"),
         "slope": ("angle", "length", "at"),
@@ -81,6 +82,7 @@ class GenerateSource(Section):
         "slope",
         "rough",
         "stepping-stones",
+        "blocks",
     ]
     size: Size
     seed: Seed | None = None
@@ -104,6 +106,7 @@ class GenerateSource(Section):
     length: Length | None = None
     tread: Length | None = None
     stone: Length | None = None
+    side: Length | None = None
     steps: Count | None = None
     at: Coordinate | None = None
 

@@ -1,10 +1,11 @@
-"""The two kinds of task, a formation or individual goals: what each needs and excludes."""
+"""The kinds of task, a formation, individual goals or commands: what each needs and excludes."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
 from cavalcade.robots import MODELS
+from cavalcade.scenario.commands import METHOD, VARIANT, check_commands
 from cavalcade.scenario.fields import expected
 from cavalcade.scenario.settings import (
     FORMATION_KEYS,
@@ -26,6 +27,8 @@ def with_planner_defaults(data: Any) -> Any:
     if not isinstance(data, dict) or not isinstance(data.get("task"), dict):
         return data
     planner = data.get("planner", {})
+    if data["task"].get("commands") is not None and isinstance(planner, dict):
+        return {**data, "planner": {"method": METHOD, **planner}}
     if data["task"].get("goals") != INDIVIDUAL or not isinstance(planner, dict):
         return data
     published = planner.get("variant") == "published"
@@ -46,7 +49,9 @@ def check_kind(scenario: Scenario) -> None:
     Raises:
         PydanticCustomError: One line with the key and what was expected.
     """
-    if scenario.task.individual:
+    if scenario.task.commands is not None:
+        _check_commanded(scenario)
+    elif scenario.task.individual:
         _check_individual(scenario)
     else:
         _check_formation(scenario)
@@ -90,6 +95,34 @@ def _check_individual(scenario: Scenario) -> None:
                 f"expected no {key}",
                 key=f"execution.{key}",
             )
+
+
+def _check_commanded(scenario: Scenario) -> None:
+    for index, (robot, model) in enumerate(zip(scenario.robots, scenario.models, strict=True)):
+        if robot.goal is not None:
+            raise expected("commands say where it goes", key=f"robots[{index}].goal")
+        if scenario.world.has_heights and model.legs is None:
+            raise expected(
+                f"a {model.name} needs level ground; expected a robot with legs on terrain",
+                key=f"robots[{index}].model",
+                choices=_legged(),
+            )
+    planner = scenario.planner
+    for key, said, known in (
+        ("method", planner.method, METHOD),
+        ("variant", planner.variant, VARIANT),
+    ):
+        if said != known:
+            raise expected(f"{said} follows no commands; expected {known}", key=f"planner.{key}")
+    _refuse(planner, (*FORMATION_KEYS, *TEAM_KEYS), "is for planners; the task has commands")
+    for index, event in enumerate(scenario.execution.events):
+        if event.kind in _FOR_FORMATIONS:
+            raise expected("is for formations", key=f"execution.events[{index}].{event.kind}")
+    check_commands(scenario)
+
+
+_FOR_FORMATIONS = ("goals", "formation", "lose", "rejoin")
+"""Events that mean something to a planner."""
 
 
 def _check_formation(scenario: Scenario) -> None:

@@ -76,7 +76,7 @@ class Scenario(Section):
     def _consistent(self) -> Self:
         check_kind(self)
         check_backend(self)
-        if not self.task.individual:
+        if self.task.formation is not None:
             self._check_formations()
         return self
 

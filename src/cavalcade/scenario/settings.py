@@ -106,12 +106,12 @@ class PlannerSection(Section):
     """The planner, its variant and the paper's parameters; null is the preset's or the default.
 
     `method` is `formation` for formations, `commands` for commands and one of the others, by
-    default `auto`, for individual goals. These have `constraints` (`timed`: bodies of others count while they are
-    there; `static`: always), `conflict` (which one is resolved first), `leaps` (whether legged
-    robots may leap), `improve` (iterations spent on a better plan once there is one) and `margin`
-    (by which bodies are grown, m: 0 by default for ideal robots, more for walking ones, which
-    sway); the variant `published` means `static` and `first` unless they are given. What follows
-    `budget` is for formations.
+    default `auto`, for individual goals. These have `constraints` (`timed`: bodies of others
+    count while they are there; `static`: always), `conflict` (which one is resolved first),
+    `leaps` (whether legged robots may leap), `improve` (iterations spent on a better plan once
+    there is one) and `margin` (by which bodies are grown, m: 0 by default for ideal robots, more
+    for walking ones, which sway); the variant `published` means `static` and `first` unless they
+    are given. What follows `budget` is for formations.
 
     Units: lengths m, speeds m/s, `lookahead` and `d_switch` seconds of normalised time; the `w_`
     values are velocities of the map between 0 and 1.

@@ -6,10 +6,11 @@ import math
 from itertools import combinations
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import ConfigDict, Field, field_validator, model_validator
 
 from cavalcade.errors import InputError
 from cavalcade.robots import MODELS
+from cavalcade.scenario.commands import WAIT, Commands
 from cavalcade.scenario.fields import (
     File,
     Index,
@@ -17,6 +18,7 @@ from cavalcade.scenario.fields import (
     NotNegative,
     Point,
     Pose,
+    Positive,
     Section,
     expected,
 )
@@ -145,14 +147,36 @@ def _goals_schema(schema: dict[str, Any]) -> None:
     schema["anyOf"] = [{**kept, "minItems": 1}, {"const": INDIVIDUAL, "type": "string"}]
 
 
+def _task_schema(schema: dict[str, Any]) -> None:
+    """Goals, or commands."""
+    schema.pop("required", None)
+    schema["anyOf"] = [{"required": ["goals"]}, {"required": ["commands"]}]
+
+
 class TaskSection(Section):
     """A formation and the poses of its centre to visit, in order; or `goals: individual`.
 
     With individual goals each robot has a `goal`, there is no formation, and `goals` is empty.
+    In the place of both there may be `commands` that the robots follow without a planner, for
+    `duration` s and until all stand where they were sent; by default it ends 2 s after the last.
     """
+
+    model_config = ConfigDict(json_schema_extra=_task_schema)
 
     formation: FormationSection | None = None
     goals: Annotated[tuple[Pose, ...], Field(max_length=1000, json_schema_extra=_goals_schema)]
+    commands: Commands | None = None
+    duration: Positive | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _no_goals(cls, data: Any) -> Any:
+        if not isinstance(data, dict) or data.get("commands") is None:
+            return data
+        for key in ("goals", "formation"):
+            if data.get(key):
+                raise expected("commands take the place of goals and formation", key=key)
+        return {**data, "goals": ()}
 
     @field_validator("goals", mode="before")
     @classmethod
@@ -165,8 +189,17 @@ class TaskSection(Section):
             raise expected("expected at least 1, got 0")
         return value
 
+    @field_validator("commands")
+    @classmethod
+    def _in_time(cls, commands: Commands | None) -> Commands | None:
+        return None if commands is None else tuple(sorted(commands, key=lambda one: one.at))
+
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
+        if self.commands is not None:
+            return self
+        if self.duration is not None:
+            raise expected("is for commands", key="duration")
         if self.individual and self.formation is not None:
             raise expected("individual goals take no formation", key="formation")
         if not self.individual and self.formation is None:
@@ -177,7 +210,14 @@ class TaskSection(Section):
     @property
     def individual(self) -> bool:
         """Whether each robot has its own goal."""
-        return not self.goals
+        return not self.goals and self.commands is None
+
+    @property
+    def length(self) -> float:
+        """How long commands take at least, s; 0 without."""
+        if self.duration is not None or not self.commands:
+            return self.duration or 0.0
+        return self.commands[-1].at + WAIT
 
     @property
     def the_formation(self) -> FormationSection:

@@ -17,6 +17,7 @@ from cavalcade.campaign.draws.pairs import PairsDraw
 from cavalcade.campaign.draws.passing import PassingDraw
 from cavalcade.campaign.draws.shipped import ShippedDraw
 from cavalcade.campaign.draws.terrain import TerrainDraw
+from cavalcade.campaign.draws.walk import WalkDraw
 
 DrawSection = Annotated[
     GeneratedDraw
@@ -29,7 +30,8 @@ DrawSection = Annotated[
     | PassingDraw
     | BoxesDraw
     | TerrainDraw
-    | HopelessDraw,
+    | HopelessDraw
+    | WalkDraw,
     Field(discriminator="draw"),
 ]
 """What a group of a suite says of its worlds; `draw` tells which it is."""

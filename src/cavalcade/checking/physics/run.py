@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -13,7 +14,7 @@ from cavalcade.checking.physics.claims import check_counts, check_distances, che
 from cavalcade.checking.physics.distances import obstacle_distance, pair_distance
 from cavalcade.checking.physics.figures import measured
 from cavalcade.checking.physics.floor import floor_of
-from cavalcade.checking.physics.judge import Conditions, judge_robots
+from cavalcade.checking.physics.judge import Conditions, Push, judge_robots
 from cavalcade.checking.physics.record import RobotRecord
 from cavalcade.checking.plans.heights import Heights
 from cavalcade.checking.report import PhysicsFigures, Violation
@@ -56,7 +57,9 @@ def judge_motion(
     floor = floor_of(heights, places)
     descriptions = _descriptions(scenario)
     said = scenario.execution.physics
-    conditions = Conditions(said.friction * (1.0 + said.variation), said.variation)
+    conditions = Conditions(
+        said.friction * (1.0 + said.variation), said.variation, _pushes(scenario)
+    )
     result = judge_robots(records, descriptions, floor, scene, conditions)
     result += _sparse(records)
     for record, track in zip(records, tracks, strict=True):
@@ -78,6 +81,18 @@ def judge_motion(
     }
     result += check_distances(summary, distances, end, robots)
     return result, gap, measured(records, descriptions, floor)
+
+
+def _pushes(scenario: Scenario) -> tuple[Push, ...]:
+    """Those of the scenario's events; they begin with the cycle that follows."""
+    period, result = 1.0 / scenario.execution.rate, []
+    for event in scenario.execution.events:
+        if event.push is not None:
+            said = event.push
+            begin = math.ceil(event.at / period - 1e-6) * period
+            x, y = (part / said.duration for part in said.impulse)
+            result.append(Push(said.robot, begin, begin + said.duration, (x, y, 0.0)))
+    return tuple(result)
 
 
 def _descriptions(scenario: Scenario) -> list[QuadrupedDescription]:

@@ -53,7 +53,7 @@ def draw_overview(scenario: Scenario, world: World, path: Path) -> Path:
             draw_terrain(axes, world.terrain)
         if scenario.task.individual:
             _draw_own_goals(axes, scenario)
-        else:
+        elif scenario.task.formation is not None:
             goals = np.array(scenario.task.goals, dtype=float).reshape(-1, 3)
             _draw_goals(axes, goals, _slots(scenario))
         _draw_events(axes, scenario.execution.events)
@@ -80,6 +80,8 @@ def draw_overview(scenario: Scenario, world: World, path: Path) -> Path:
 
 def _asked(scenario: Scenario) -> str:
     task = scenario.task
+    if task.commands is not None:
+        return "commanded"
     return "individual goals" if task.formation is None else task.formation.shape
 
 

@@ -157,6 +157,33 @@ def rough(
     return height * ground * _smooth(np.clip(edge / spacing, 0.0, 1.0))
 
 
+def blocks(
+    x: Array,
+    y: Array,
+    size: Size,
+    rng: np.random.Generator,
+    *,
+    height: float = 0.05,
+    side: float = 0.25,
+    zone: float = 1.0,
+) -> Array:
+    """Square blocks of random heights, side by side.
+
+    Args:
+        x, y, size, rng: See `Heights`.
+        height: Of the highest at most, m.
+        side: Of each block, m.
+        zone: Level ground at the left and the right edge, m.
+    """
+    height, side = number("height", height, 0.0, 10.0), number("side", side, 0.05)
+    zone = number("zone", zone, 0.0, size[0] / 2.0)
+    rows, cols = math.ceil(size[1] / side) + 1, math.ceil(size[0] / side) + 1
+    check_terrain_size(max(rows, 2), max(cols, 2), "side")
+    lift = rng.uniform(0.0, height, (rows, cols))
+    i, j = (np.floor(along / side + _EDGE).astype(int) for along in (y, x))
+    return np.where((x < zone) | (x >= size[0] - zone - _EDGE), 0.0, lift[i, j])
+
+
 def stepping_stones(
     x: Array,
     y: Array,
@@ -200,6 +227,7 @@ def stepping_stones(
 
 TERRAINS: Mapping[str, Heights] = MappingProxyType(
     {
+        "blocks": blocks,
         "gap": gap,
         "rough": rough,
         "slope": slope,
@@ -217,9 +245,9 @@ def generate_terrain(
     """Draw a terrain; the same arguments give the same terrain.
 
     Args:
-        kind: `gap`, `rough`, `slope`, `stairs`, `step` or `stepping-stones`.
+        kind: `blocks`, `gap`, `rough`, `slope`, `stairs`, `step` or `stepping-stones`.
         size: Width (x) and height (y), m; the lower left corner is (0, 0).
-        seed: Not negative; only `rough` and `stepping-stones` depend on it.
+        seed: Not negative; only `blocks`, `rough` and `stepping-stones` depend on it.
         resolution: Side of its cells, m.
         options: Of the kind; see its function.
 

@@ -1,0 +1,1 @@
+"""Runs whose robots follow commands instead of a planner."""

@@ -1,0 +1,95 @@
+"""Tasks that tell robots what to do: velocities over time, or points to walk to."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Self
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from cavalcade.scenario.fields import Index, Number, Point, Seconds, Section, Speed, expected
+
+if TYPE_CHECKING:
+    from cavalcade.scenario.model import Scenario
+
+KINDS = ("velocity", "to")
+
+SPEED = 0.4
+"""On the way to a point where nothing else is said, m/s."""
+
+WAIT = 2.0
+"""A task ends so long after its last command where nothing else is said, s."""
+
+METHOD, VARIANT = "commands", "cavalcade"
+"""What `planner` says of such a task."""
+
+
+def _velocity(value: object) -> object:
+    if not isinstance(value, list | tuple) or len(value) != 3:
+        raise expected("expected [x, y, yaw rate]: m/s, m/s and rad/s, body frame")
+    return value
+
+
+_Component = Annotated[Number, Field(ge=-100, le=100)]
+Velocity = Annotated[tuple[_Component, _Component, _Component], BeforeValidator(_velocity)]
+
+
+class CommandSection(Section):
+    """What a robot, or all, are told `at` so many seconds; it holds until they are told otherwise.
+
+    Either a `velocity` in the body frame: forwards and to the left in m/s, yaw rate in rad/s. Or
+    to walk straight `to` a point of the map, looking there, at `speed` m/s, and to stand there.
+    Before the first command robots stand. Of several at once the last counts.
+    """
+
+    at: Seconds
+    robot: Index | None = None
+    velocity: Velocity | None = None
+    to: Point | None = None
+    speed: Speed | None = None
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Self:
+        if (self.velocity is None) == (self.to is None):
+            raise expected("expected `at` and either of", choices=KINDS)
+        if self.to is None and self.speed is not None:
+            raise expected("is for `to`; a velocity has its own", key="speed")
+        return self
+
+    @property
+    def pace(self) -> float:
+        """The speed on the way to a point, m/s."""
+        return SPEED if self.speed is None else self.speed
+
+
+Commands = Annotated[tuple[CommandSection, ...], Field(min_length=1, max_length=100_000)]
+
+
+def last_destinations(
+    commands: tuple[CommandSection, ...], robots: int
+) -> tuple[tuple[float, float] | None, ...]:
+    """The point that each robot is to stand at in the end; None for one that is not sent to any."""
+    found: list[tuple[float, float] | None] = [None] * robots
+    for command in commands:
+        for robot in range(robots) if command.robot is None else (command.robot,):
+            found[robot] = command.to
+    return tuple(found)
+
+
+def check_commands(scenario: Scenario) -> None:
+    """Refuse commands for robots that are not there and tasks that outlast the run.
+
+    Raises:
+        PydanticCustomError: One line with the key and what was expected.
+    """
+    task, robots = scenario.task, len(scenario.robots)
+    for index, command in enumerate(task.commands or ()):
+        if command.robot is not None and command.robot >= robots:
+            raise expected(
+                f"there is no robot {command.robot}; expected 0 to {robots - 1}, or none for all",
+                key=f"task.commands[{index}].robot",
+            )
+    if task.length > scenario.execution.timeout:
+        raise expected(
+            f"the task lasts {task.length:g} s; expected at least as much",
+            key="execution.timeout",
+        )
