@@ -22,6 +22,7 @@ from cavalcade.fleet.protocol import Fall, LeapRequest, Observation
 from cavalcade.fleet.radio import CommandDelay, LocalisationNoise, Radio, start_poses
 from cavalcade.geometry import Array
 from cavalcade.locomotion.control import LegControl
+from cavalcade.locomotion.settings import GaitSettings
 from cavalcade.robots.model import RobotModel
 from cavalcade.scenario import ObstacleSpan
 
@@ -51,6 +52,7 @@ class MujocoFleet:
         noise: Errors of the reported poses.
         delay: Delay and loss of messages.
         sensing: Errors of the state that leg control works with.
+        gait: How they walk.
         seed: Of the noise, the jitter and the losses.
         time: The clock at the start, s.
 
@@ -75,12 +77,13 @@ class MujocoFleet:
         noise: LocalisationNoise | None = None,
         delay: CommandDelay | None = None,
         sensing: SensingErrors | None = None,
+        gait: GaitSettings | None = None,
         seed: int = 0,
         time: float = 0.0,
     ) -> None:
         start = start_poses(poses, len(models))
         self.simulator = TeamSimulator(models, start, ground, physics)
-        self.control = LegControl(models, footing, origin)
+        self.control = LegControl(models, footing, origin, gait)
         self._step = self.simulator.settings.step
         errors = sensing or SensingErrors()
         self._sensing = None if errors.none else Sensing(errors, self._step, seed)
@@ -103,7 +106,7 @@ class MujocoFleet:
         heights = None if terrain is None else terrain.heights_at
         self._leapers = Leapers(self.control, np.array(fronts), heights)
         self._judge()
-        self._compile(LegControl(models, footing, origin))
+        self._compile(LegControl(models, footing, origin, gait))
 
     @property
     def size(self) -> int:

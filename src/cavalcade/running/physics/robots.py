@@ -10,7 +10,12 @@ from cavalcade.fleet.physics.fleet import MujocoFleet
 from cavalcade.fleet.physics.ground import movable_spans
 from cavalcade.fleet.physics.own_robot import own_robot
 from cavalcade.fleet.physics.sensing import SensingErrors
+from cavalcade.locomotion.settings import GaitSettings
 from cavalcade.scenario import Scenario, World
+
+AGILE = 4.0
+"""Change of the yaw rate on the way to goals of their own, rad/s²: plans turn from one bend into
+the next at once, and on the spot with this."""
 
 
 def with_own_robots(scenario: Scenario) -> Scenario:
@@ -57,6 +62,7 @@ def physics_fleet(scenario: Scenario, world: World) -> MujocoFleet:
         ),
         noise=LocalisationNoise(execution.noise.position, execution.noise.heading),
         delay=CommandDelay(execution.delay.mean, execution.delay.jitter, execution.delay.drop),
+        gait=GaitSettings(turning=AGILE) if scenario.task.individual else None,
         sensing=SensingErrors(**said.state_noise.model_dump(), delay=said.state_delay),
         seed=scenario.seed,
     )

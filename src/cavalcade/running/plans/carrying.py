@@ -17,7 +17,7 @@ from cavalcade.running.loop import RunResult
 from cavalcade.running.output import FIGURES, PLAN, RECORDING, REPLAY, OutputFolder
 from cavalcade.running.physics.drawing import add_figures, replay_in_physics
 from cavalcade.running.plans.follower import PlanFollower
-from cavalcade.running.plans.pacing import EXACT, FollowSettings
+from cavalcade.running.plans.pacing import EXACT, WALKING
 from cavalcade.running.plans.planfile import write_plan
 from cavalcade.running.plans.planning import PlanResult, make_plan
 from cavalcade.running.plans.progress import PlanReporter
@@ -94,7 +94,7 @@ def _simulated(
         scenario.goals,
         scenario.execution.rate,
         refusal,
-        EXACT if isinstance(robots, IdealFleet) else FollowSettings(),
+        EXACT if isinstance(robots, IdealFleet) else WALKING,
         robots if isinstance(robots, LeapingFleet) else None,
         world.terrain,
     )

@@ -14,6 +14,7 @@ from cavalcade.fleet import LeapingFleet
 from cavalcade.formation.status import PlannerStatus
 from cavalcade.geometry import Array, wrap_angle
 from cavalcade.robots import RobotModel
+from cavalcade.running.plans.easing import rounded_headings
 from cavalcade.running.plans.leaping import Leaps
 from cavalcade.running.plans.pacing import EXACT, FollowSettings, Pace
 from cavalcade.world import Terrain
@@ -71,6 +72,9 @@ class PlanFollower:
             _standing(start) if path is None or refusal is not None else path
             for path, start in zip(paths, starts, strict=True)
         ]
+        if settings.limits is not None:
+            window = settings.limits.window
+            self._paths = [rounded_headings(path, window) for path in self._paths]
         self._unicycle = np.array([model.drive.startswith("unicycle") for model in models])
         self._period = 1.0 / rate
         self._refusal = refusal

@@ -11,6 +11,7 @@ import numpy as np
 from cavalcade.body.trajectory import FLIGHT, Trajectory
 from cavalcade.geometry import Array, wrap_angle
 from cavalcade.robots import RobotModel
+from cavalcade.running.plans.easing import GRAIN, LegLimits, pace_profile
 from cavalcade.running.plans.precedence import MARGIN, Precedence, reach_of
 
 ON_TRACK = 0.05
@@ -48,6 +49,7 @@ class FollowSettings:
         quiet: Where a robot is to stand, nothing is corrected once it is within the first of
             these distances until it is beyond the second, m; so that legs may stand still.
         quiet_heading: The same of the heading, rad.
+        limits: Of legs; None for robots that go as planned.
     """
 
     in_order: bool = True
@@ -59,10 +61,14 @@ class FollowSettings:
     correction_turn: float = 0.6
     quiet: tuple[float, float] = (0.01, 0.03)
     quiet_heading: tuple[float, float] = (0.0175, 0.05)
+    limits: LegLimits | None = None
 
 
 EXACT = FollowSettings(trust=True, quiet=(0.0, 0.0), quiet_heading=(0.0, 0.0))
 """For robots that do what they are told, and have nothing against small corrections."""
+
+WALKING = FollowSettings(limits=LegLimits())
+"""For robots on legs."""
 
 
 class Pace:
@@ -100,8 +106,13 @@ class Pace:
         self._stop = 2.0 * period + 0.5 / self._brake
         self._bare: Precedence | None = None
         size = len(paths)
+        limits = settings.limits
+        self._profiles = [
+            np.ones(1) if limits is None else pace_profile(path, limits, self._brake)
+            for path in paths
+        ]
         self.delay = np.zeros(size)
-        self.rates = np.ones(size)
+        self.rates = np.array([profile[0] for profile in self._profiles])
         self.sure = np.zeros(size)
         self.caps = np.full(size, math.inf)
         self.held = np.zeros(size, dtype=bool)
@@ -160,6 +171,7 @@ class Pace:
         behind = self._behind(errors, poses)
         turned = _ramp(np.abs(errors[:, 2]), self._settings.lag_heading)
         wanted = np.minimum(_ramp(behind, self._settings.lag), turned)
+        wanted = np.minimum(wanted, self._eased(progress))
         change = self._brake * self.period
         wanted = np.clip(wanted, np.maximum(self.rates - change, 0.0), self.rates + change)
         wanted[self.held] = 0.0
@@ -204,6 +216,15 @@ class Pace:
         here, there = self._paths[robot].poses_at(marks)
         moved = math.hypot(*(there - here)[:2]) + self._reach[robot] * abs(there[2] - here[2])
         return bool(moved <= _SLOW * self.period)
+
+    def _eased(self, progress: Array) -> Array:
+        """`(N,)` the rates of the robots' profiles there."""
+        return np.array(
+            [
+                profile[min(max(int(at / GRAIN), 0), len(profile) - 1)]
+                for profile, at in zip(self._profiles, progress, strict=True)
+            ]
+        )
 
     def _skip_rests(self, now: float) -> None:
         late = (self.delay > _STILL) & ~self.held
