@@ -262,14 +262,15 @@ def test_obstacles_come_move_and_go() -> None:
 
 
 def test_a_contact_is_told_again_while_it_lasts() -> None:
-    """Two robots are set against each other: no break between two samples is longer than 0.1 s."""
+    """Two robots that push against each other touch in most intervals between samples."""
     fleet = fleet_of((0.0, 0.0, 0.0), (0.8, 0.0, np.pi))
     drive(fleet, (0.3, 0.0, 0.0), 3.0)
     contacts = [c for c in fleet.samples().contacts if c.other.startswith("robot")]
     assert {(c.robot, c.other) for c in contacts} == {(0, "robot 1"), (1, "robot 0")}
     times = [contact.time for contact in contacts]
     assert times == sorted(times)
-    assert len(times) > 20
+    intervals = {int(time / 0.02 - 1e-6) for time in times}
+    assert len(intervals) > 0.5 * (3.0 - times[0]) / 0.02
 
 
 @pytest.mark.parametrize("poses", [[(0.0, 0.0)], [], [(0.0, 0.0, np.nan)], [(0.0, 0.0, 0.0)] * 2])
