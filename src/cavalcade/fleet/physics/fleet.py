@@ -89,8 +89,8 @@ class MujocoFleet:
         self._sensing = None if errors.none else Sensing(errors, self._step, seed)
         self._start = self._time = float(time)
         self._steps = 0
-        heights = [robot.stand_height for robot in self.simulator.descriptions]
-        self._lowest = LEAST_HEIGHT * np.array(heights)
+        standing = [robot.stand_height for robot in self.simulator.descriptions]
+        self._lowest = LEAST_HEIGHT * np.array(standing)
         self._obstacles = tuple(obstacles)
         self._places: list[tuple[float, float] | None] = [None] * len(self._obstacles)
         self._place_obstacles(0.0)
