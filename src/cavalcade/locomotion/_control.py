@@ -91,6 +91,8 @@ def control(robot, gait, state, body, ground, frame, time, qpos, qvel, feet, tor
         return
     follow(gait, state, body, passed)
     changed = step_gait(robot, gait, state, body, feet, ground, frame)
+    # On a slope the ground below changes with every step; the estimate would lag behind.
+    state.ground += passed * (state.slope[0] * body.velocity[0] + state.slope[1] * body.velocity[1])
     sense_ground(robot, state, body, min(passed / SENSING, 1.0))
     if changed or time - state.solved >= gait.interval - 1e-9:
         solve_walk(robot, gait, body, state)

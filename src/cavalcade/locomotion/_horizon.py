@@ -115,7 +115,8 @@ def solve_walk(robot, gait, body, state):
             if trots and middle >= _until_lift(gait, clock, leg):
                 wait = _until_mid_stance(gait, clock + middle, leg)
                 px, py = _below_hip(robot, half_x + wait * vx, half_y + wait * vy, c, s, leg)
-                pz = state.ground
+                rise_x, rise_y = px - body.centre[0], py - body.centre[1]
+                pz = state.ground + state.slope[0] * rise_x + state.slope[1] * rise_y
             else:
                 down = state.swinging[leg] == 0 or state.contact[leg] == 1
                 place = state.stood[leg] if down else state.landing[leg]
