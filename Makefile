@@ -13,7 +13,8 @@ WORKERS ?= 2
 PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --constraint constraints.txt
 INPUTS := pyproject.toml constraints.txt
 CAMPAIGNS ?= clutter forest rooms corridors barn real-maps sizes disturbed events ablation \
-             table1 swaps corridor crowd terrain infeasible
+             table1 swaps corridor crowd terrain infeasible \
+             physics-walk physics-formation physics-plans physics-leaps
 
 # Nothing is kept outside the checkout: an empty or missing home directory is fine.
 export MPLCONFIGDIR ?= $(abspath $(VENV))/matplotlib
@@ -69,7 +70,7 @@ bench: $(VENV)/.stamp-bench
 	@$(BIN)/python benchmarks/bench_startup.py
 
 # A campaign that is there is gone on with; after a change of the code, remove $(RUNS)/evidence first.
-# Exit code 1 of a campaign: its data are not there.
+# Exit code 1 of a campaign: its data are not there, or MuJoCo is not installed.
 evidence: $(VENV)/.stamp
 	@failed=; absent=; \
 	$(BIN)/python benchmarks/paper_scenarios.py || failed=" paper_scenarios"; \
@@ -83,7 +84,7 @@ evidence: $(VENV)/.stamp
 		esac; \
 	done; \
 	$(BIN)/python benchmarks/results_table.py $$(dirname $(RUNS)/evidence/*/trials.parquet); \
-	test -z "$$absent" || echo "Left out, their data are not there:$$absent"; \
+	test -z "$$absent" || echo "Left out, their data or MuJoCo are not there:$$absent"; \
 	test -z "$$failed" || { echo "Failed:$$failed"; exit 1; }
 
 clean:

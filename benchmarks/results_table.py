@@ -1,4 +1,4 @@
-"""The tables of docs/results.md from finished campaigns: of formations, and of plans.
+"""The tables of the results from finished campaigns: of formations, of plans, of physics.
 
 Run as `python benchmarks/results_table.py runs/evidence/*/`; `make evidence` ends with it.
 """
@@ -26,7 +26,7 @@ QUERY = """
            min(min_footprint_gap_m),
            median("cycle_ms.p50"), median("cycle_ms.p99")
     from read_parquet(?, file_row_number = true)
-    where not list_contains(?, variant)
+    where not list_contains(?, variant) and coalesce(method, '') <> 'commands'
     group by suite, variant, disturbance
     order by disturbance <> 'none', min(file_row_number)
 """
@@ -60,12 +60,35 @@ PLAN_HEAD = (
 )  # fmt: skip
 
 
+PHYSICS_QUERY = """
+    select suite, scenario, variant, disturbance, count(*),
+           count(*) filter (feasible), count(*) filter (feasible and success),
+           count(*) filter (falls > 0), count(*) filter (contacts > 0),
+           max("commanded.speed_error"), max("commanded.yaw_rate_error"),
+           max("commanded.rms_m_s"),
+           min(min_obstacle_distance_m), min(min_robot_distance_m), min(min_footprint_gap_m),
+           max("physics.max_tilt_rad"), max("physics.max_torque_share"), median(real_time_factor)
+    from read_parquet(?, file_row_number = true)
+    where backend = 'mujoco' and ? is not null
+    group by suite, scenario, variant, disturbance
+    having max("physics.max_tilt_rad") is not null
+    order by min(file_row_number)
+"""
+PHYSICS_HEAD = (
+    "suite", "scenario", "variant", "disturbance", "trials", "success", "95 %", "with a fall",
+    "with contact", "speed error", "yaw rate error", "spread, m/s", "least to obstacles, m",
+    "between centres, m", "gap of footprints, m", "largest tilt, rad", "torque", "real-time factor",
+)  # fmt: skip
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("campaign", type=Path, nargs="+", help="folder of a finished campaign")
     folders = parser.parse_args().campaign
     print_table(HEAD, [cells(*row) for row in rows(QUERY, folders)])
     print_table(PLAN_HEAD, [plan_cells(*row) for row in rows(PLAN_QUERY, folders)])
+    walked = [folder for folder in folders if has_column(folder, "commanded.speed_error")]
+    print_table(PHYSICS_HEAD, [physics_cells(*row) for row in rows(PHYSICS_QUERY, walked)])
 
 
 def rows(query: str, folders: list[Path]) -> list[Any]:
@@ -73,6 +96,13 @@ def rows(query: str, folders: list[Path]) -> list[Any]:
     plans = list(METHOD_VARIANTS)
     files = [str(folder / "trials.parquet") for folder in folders]
     return [row for file in files for row in duckdb.execute(query, [file, plans]).fetchall()]
+
+
+def has_column(folder: Path, name: str) -> bool:
+    """Whether a campaign's table has it; those of older versions may not."""
+    file = str(folder / "trials.parquet")
+    columns = duckdb.execute("describe select * from read_parquet(?)", [file]).fetchall()
+    return any(column[0] == name for column in columns)
 
 
 def print_table(head: tuple[str, ...], lines: list[list[str]]) -> None:
@@ -111,6 +141,23 @@ def plan_cells(*row: Any) -> list[str]:
         text(length, 2), text(ratio, 3), text(makespan, 2),
         text(mean, 4), text(p50, 4), text(p99, 4), text(most, 4), text(single, 2),
     ]  # fmt: skip
+
+
+def physics_cells(*row: Any) -> list[str]:
+    (suite, scenario, variant, level, trials, feasible, good, fell, hit) = row[:9]
+    (speed, turn, spread, obstacle, between, gap, tilt, torque, factor) = row[9:]
+    low, high = wilson(good, feasible) if feasible else (0.0, 1.0)
+    return [
+        f"`{suite}`", f"`{scenario}`", f"`{variant}`", level, str(trials),
+        f"{100.0 * good / feasible:.1f} %" if feasible else "–",
+        f"{100.0 * low:.1f}–{100.0 * high:.1f}", str(fell), str(hit),
+        percent(speed), percent(turn), text(spread, 3), text(obstacle, 3), text(between, 3),
+        text(gap, 3), text(tilt, 2), text(torque, 2), text(factor, 1),
+    ]  # fmt: skip
+
+
+def percent(value: float | None) -> str:
+    return "–" if value is None else f"{100.0 * value:.1f} %"
 
 
 def text(value: float | None, digits: int) -> str:

@@ -74,6 +74,13 @@ _SUMMARY = {
     "versions.scipy": "VARCHAR",
 }
 _BACK = {
+    "real_time_factor": "DOUBLE",
+    "physics.max_tilt_rad": "DOUBLE",
+    "physics.max_torque_share": "DOUBLE",
+    "commanded.speed_error": "DOUBLE",
+    "commanded.yaw_rate_error": "DOUBLE",
+    "commanded.drift_m_s": "DOUBLE",
+    "commanded.rms_m_s": "DOUBLE",
     "measured.time_ratio": "DOUBLE",
     "measured.length_ratio": "DOUBLE",
     "measured.makespan_ratio": "DOUBLE",

@@ -10,6 +10,7 @@ from pydantic import PrivateAttr, ValidationInfo, field_validator, model_validat
 from cavalcade.campaign.draws.data import DataFolder
 from cavalcade.campaign.draws.feasibility import DiscRegions
 from cavalcade.campaign.draws.model import Drawn
+from cavalcade.campaign.draws.own_goals import Legged
 from cavalcade.geometry import transform_points
 from cavalcade.scenario.fields import Section, expected
 from cavalcade.scenario.model import Scenario
@@ -24,12 +25,13 @@ class ShippedDraw(Section):
     `scenario` is a shipped one's name or a file. Feasible means that every goal in turn can be
     reached from the one before with what stands at the start; events are not looked at. Of goals
     of single robots each one has to be reached by its robot alone. `budget` is set over the
-    scenario's.
+    scenario's, `model` takes the places of its robots.
     """
 
     draw: Literal["shipped"]
     scenario: str
     budget: Budget = Budget()
+    model: Legged | None = None
 
     _own_goals: bool = PrivateAttr(default=False)
 
@@ -91,7 +93,8 @@ class ShippedDraw(Section):
     def _loaded(self, seed: int) -> Scenario:
         from cavalcade.scenario import load_scenario
 
-        return load_scenario(self.scenario, seed=seed)
+        over = {} if self.model is None else {"robots.*.model": self.model}
+        return load_scenario(self.scenario, over, seed=seed)
 
 
 def _without_defaults(planner: dict[str, Any]) -> None:

@@ -18,6 +18,7 @@ from cavalcade.campaign.report.comparisons import (
 from cavalcade.campaign.report.curve_chart import FEW_CURVES, draw_curves
 from cavalcade.campaign.report.curves import curves_of
 from cavalcade.campaign.report.methods import PAPER_NOTE, notes_of
+from cavalcade.campaign.report.physics_tables import commanded_table, physics_table
 from cavalcade.campaign.report.plan_tables import paper_table, plan_measure_table
 from cavalcade.campaign.report.repeating import Replay, pictures_of
 from cavalcade.campaign.report.trials import Order, Trial
@@ -89,7 +90,7 @@ def compose(
     if any(cell.run for cell in cells):
         caption = "Median (mark), quartiles (bar) and 5 % to 95 % (line) over single trials."
         for planned in (False, True):
-            alike = [cell for cell in cells if cell.planned == planned]
+            alike = [c for c in cells if c.planned == planned and not c.commanded]
             name = "spread-plans" if planned and len(alike) < len(cells) else "spread"
             blocks += artist.charts(caption, charts.draw_spreads, alike, name)
         blocks += [
@@ -115,7 +116,9 @@ def compose(
 def _measures(cells: Sequence[Cell], order: Order) -> list[Block]:
     """What was measured, of each kind of task that there is."""
     planned = [cell for cell in cells if cell.planned]
-    driven = [cell for cell in cells if not cell.planned]
+    driven = [cell for cell in cells if not cell.planned and not cell.commanded]
+    commanded = [cell for cell in cells if cell.commanded]
+    walked = [cell for cell in cells if cell.in_physics]
     blocks: list[Block] = []
     paper = paper_table(planned)
     if paper is not None:
@@ -125,6 +128,10 @@ def _measures(cells: Sequence[Cell], order: Order) -> list[Block]:
         blocks += [heading, tables.measure_table(driven, order)]
     if planned:
         blocks += [Heading("Length, time, planning"), plan_measure_table(planned, order)]
+    if commanded:
+        blocks += [Heading("As they were told"), commanded_table(commanded, order)]
+    if walked:
+        blocks += [Heading("Legs and bodies"), physics_table(walked, order)]
     return blocks
 
 

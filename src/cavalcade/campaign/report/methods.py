@@ -73,6 +73,25 @@ PLAN_NOTES = (
 )
 """The same, of plans for goals of single robots."""
 
+COMMAND_NOTES = (
+    "Robots under commands have no planner. A trial is a **success** if the task's time passed, "
+    "every robot has been where it was sent, and the independent checker found nothing.",
+    "**Errors of mean speed and yaw rate** are those of the means in the direction of the command "
+    "from 2 s after it was given until the next one, where that is 1 s at least; the largest of "
+    "all robots and trials. **Spread**: root mean square of that speed less the command over the "
+    "same time, with the sway of each step.",
+)
+"""The same, of robots under commands."""
+
+PHYSICS_NOTES = (
+    "**In physics** collisions are of bodies, footprints may overlap; contacts, falls, torques "
+    "and forces are judged from the recorded bodies and joints by the checker's own account of "
+    "them. **Bound**: 95 % upper bound of the share of trials with a fall. **Tilt** is the largest "
+    "angle of a trunk from upright; **torque** is in shares of the joint's limit. Simulated over "
+    "wall time depends on the machine and on what else it did.",
+)
+"""The same, of robots in physics."""
+
 PAPER_NOTE = (
     "The paper's: Table I of its section IV, two Spirit robots on flat ground with random goals; "
     "its machine, its goals and what it counts as a success are not ours."
@@ -82,9 +101,17 @@ PAPER_NOTE = (
 def notes_of(trials: Sequence[Trial], order: Order) -> tuple[str, ...]:
     """What there is to know of these trials."""
     planned = [trial.planned for trial in trials]
+    commanded = [trial.commanded for trial in trials]
     notes: tuple[str, ...] = ()
-    if not all(planned) or not planned:
+    driven = not all(one or other for one, other in zip(planned, commanded, strict=True))
+    if driven or not trials:
         notes += NOTES
     if any(planned):
-        notes += PLAN_NOTES + (_SHARES if all(planned) else ())
+        notes += PLAN_NOTES
+    if any(commanded):
+        notes += COMMAND_NOTES
+    if trials and not driven:
+        notes += _SHARES
+    if any(trial.in_physics for trial in trials):
+        notes += PHYSICS_NOTES
     return (*notes, DISTURBED) if len(order.disturbances) > 1 else notes

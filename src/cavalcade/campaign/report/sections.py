@@ -102,6 +102,8 @@ def _sentence(cell: Cell, order: Order) -> str:
     name = ", ".join(cell_names(cell, order))
     feasible, done = len(cell.feasible), cell.feasible_successes
     what = "feasible problems solved" if cell.planned else "feasible worlds crossed"
+    if cell.commanded:
+        what = "tasks done"
     if feasible:
         text = (
             f"{count(done)} of {count(feasible)} {what}: "

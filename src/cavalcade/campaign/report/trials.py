@@ -78,6 +78,16 @@ class Trial:
         return known(value)
 
     @property
+    def commanded(self) -> bool:
+        """Whether the robots were told how to walk, without a planner."""
+        return self.summary.get("method") == "commands"
+
+    @property
+    def in_physics(self) -> bool:
+        """Whether the robots had legs and dynamics."""
+        return self.number("physics.max_tilt_rad") is not None
+
+    @property
     def hopeless(self) -> bool:
         """Whether there is no plan by construction, so that refusing is the success."""
         return self.expected in EXPECTED

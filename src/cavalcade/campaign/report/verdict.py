@@ -12,6 +12,7 @@ from cavalcade.campaign.statistics import quantile, upper_bound, wilson
 
 OUTCOMES = (
     "arrived",
+    "done",
     "solved",
     "timeout",
     "stuck",
@@ -69,6 +70,16 @@ class Cell:
     def planned(self) -> bool:
         """Whether the robots have goals of their own."""
         return any(trial.planned for trial in self.trials)
+
+    @property
+    def commanded(self) -> bool:
+        """Whether the robots were told how to walk, without a planner."""
+        return any(trial.commanded for trial in self.trials)
+
+    @property
+    def in_physics(self) -> bool:
+        """Whether the robots have legs and dynamics."""
+        return any(trial.in_physics for trial in self.trials)
 
     @property
     def run(self) -> tuple[Trial, ...]:
