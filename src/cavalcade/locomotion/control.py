@@ -123,10 +123,11 @@ class LegControl:
             # Nothing is left to rise: after the first step they stand.
             self._states["began"] = -np.inf
 
-    def command(self, velocities: ArrayLike, time: float) -> None:
+    def command(self, velocities: ArrayLike, time: ArrayLike) -> None:
         """Velocities `(N, 3)` to follow from now on, body frame, m/s, m/s, rad/s.
 
-        They fall silent after `GaitSettings.silence` s; send them again before.
+        They fall silent `GaitSettings.silence` s after `time` (s; one, or one per robot); send them
+        again before.
         """
         wanted = np.asarray(velocities, dtype=float)
         if wanted.shape != (self.size, 3) or not np.isfinite(wanted).all():

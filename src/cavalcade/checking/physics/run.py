@@ -97,7 +97,12 @@ def _pushes(scenario: Scenario) -> tuple[Push, ...]:
 
 def _descriptions(scenario: Scenario) -> list[QuadrupedDescription]:
     result = []
-    for number, model in enumerate(scenario.models):
+    for number, (model, robot) in enumerate(zip(scenario.models, scenario.robots, strict=True)):
+        if robot.mjcf is not None:
+            raise RecordingError(
+                "a robot out of a file of one's own cannot be judged: its masses are unknown",
+                key=f"robots[{number}].mjcf",
+            )
         if model.description is None:
             raise RecordingError(
                 f"there is no description of {model.name} to judge physics by",

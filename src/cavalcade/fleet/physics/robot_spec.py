@@ -24,7 +24,8 @@ FOOT_PRIORITY = 2
 BODY_PRIORITY = 1
 """Likewise the rest of a robot against ground and obstacles."""
 
-_SENSORS = tuple(f"{leg}_touch" for leg in LEGS)
+_SENSORS = tuple(f"cavalcade_touch_{leg}" for leg in LEGS)
+"""Of names that no model of one's own is likely to have."""
 
 
 @dataclass(frozen=True)
@@ -145,7 +146,7 @@ def _add_motors(spec: Any, description: QuadrupedDescription, joints: tuple[str,
 def _add_touch_sensor(spec: Any, body: Any, leg: str, place: Any, radius: float) -> None:
     """A sensor of normal forces on the ball of a foot; its site is a little larger than that."""
     mujoco = load_mujoco()
-    name = f"{leg}_touch"
+    name = _SENSORS[LEGS.index(leg)]
     body.add_site(name=name, pos=place, size=(1.3 * radius, 0.0, 0.0))
     spec.add_sensor(
         name=name,

@@ -22,7 +22,7 @@ _TAILS: dict[str, tuple[int, ...]] = {
 
 @dataclass(frozen=True)
 class ContactEvent:
-    """The begin of a contact that is not a foot on the ground.
+    """A contact that is not a foot on the ground; said anew every 20 ms while it lasts.
 
     Attributes:
         time: s.
