@@ -1,0 +1,192 @@
+"""Swings and footholds: smooth, clear of the ground, on places that carry."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cavalcade.body.ground import Ground, make_ground, read_only
+from cavalcade.locomotion._legs import BODY, look
+from cavalcade.locomotion._swing import (
+    LEAST,
+    SEARCH,
+    choose_foothold,
+    place_foot,
+    smooth,
+    swing_point,
+    to_ground,
+)
+from cavalcade.locomotion.figures import robot_figures
+from cavalcade.locomotion.records import STATE
+from cavalcade.locomotion.settings import GaitSettings
+from cavalcade.robots import robot_model
+from cavalcade.world import OccupancyMap
+
+GO1 = robot_model("go1").description
+FIGURES = robot_figures(GO1)[()]
+CELL = 0.05
+FLAT = read_only(make_ground(OccupancyMap(np.zeros((1, 1), dtype=bool), 1.0)))
+NOWHERE = np.zeros(3)
+
+metres = st.floats(-0.5, 0.5)
+places = st.tuples(metres, metres, st.floats(-0.2, 0.2)).map(np.array)
+
+
+def gait(**values):
+    return GaitSettings(**values).row(GO1.mass, GO1.stand_height)[()]
+
+
+def standing(pose=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, 0.0)):
+    """Body and state of a robot that stands or moves over flat ground; velocity in the world."""
+    x, y, yaw = pose
+    qpos = np.concatenate(
+        [[x, y, GO1.stand_height, np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)], GO1.standing]
+    )
+    body, state = np.zeros(1, BODY)[0], np.zeros(1, STATE)[0]
+    look(FIGURES, qpos, np.concatenate([velocity[:2], [0, 0, 0, velocity[2]], np.zeros(12)]), body)
+    state["lifted"] = body["foot"]
+    return body, state
+
+
+def field(seed, rows=40, cols=60):
+    """Ground of random heights of which a third carries nothing."""
+    rng = np.random.default_rng(seed)
+    shape = (rows, cols)
+    zero = np.zeros(shape)
+    bad = rng.random(shape) < 0.33
+    share = np.where(bad, rng.uniform(0.0, LEAST - 1e-6, shape), rng.uniform(LEAST, 1.0, shape))
+    height = rng.uniform(0.0, 0.1, shape)
+    return Ground(CELL, rng.random(shape) < 0.05, zero, False, height, height, zero, zero, share)
+
+
+def point(lifted, landing, apex, share, lasts=0.2):
+    place, velocity = np.empty(3), np.empty(3)
+    swing_point(lifted, landing, apex, share, lasts, place, velocity)
+    return place, velocity
+
+
+@given(places, places, st.floats(0.0, 0.3))
+@settings(deadline=None)
+def test_swings_begin_end_and_turn_at_rest_where_they_should(lifted, landing, over):
+    apex = max(lifted[2], landing[2]) + over
+    for share, height, still in ((0.0, lifted[2], 3), (0.5, apex, 0), (1.0, landing[2], 3)):
+        place, velocity = point(lifted, landing, apex, share)
+        assert place[2] == pytest.approx(height, abs=1e-12)
+        assert velocity[2] == pytest.approx(0.0, abs=1e-12)
+        np.testing.assert_allclose(velocity[:still], 0.0, atol=1e-12)
+    np.testing.assert_allclose(point(lifted, landing, apex, 0.0)[0], lifted, atol=1e-12)
+    np.testing.assert_allclose(point(lifted, landing, apex, 1.0)[0], landing, atol=1e-12)
+
+
+@given(places, places, st.floats(0.01, 0.99))
+@settings(deadline=None)
+def test_a_swings_velocity_is_its_derivative(lifted, landing, share):
+    step, lasts = 1e-6, 0.2
+    ahead, behind = (point(lifted, landing, 0.3, share + s * step)[0] for s in (1.0, -1.0))
+    found = point(lifted, landing, 0.3, share, lasts)[1]
+    np.testing.assert_allclose(found, (ahead - behind) / (2.0 * step * lasts), atol=1e-6)
+
+
+def test_the_smooth_share_rises_from_0_to_1():
+    values = np.array([smooth(t) for t in np.linspace(0.0, 1.0, 101)])
+    assert (np.diff(values[:, 0]) > 0.0).all()
+    assert values[0].tolist() == [0.0, 0.0]
+    assert values[-1] == pytest.approx([1.0, 0.0])
+
+
+@pytest.mark.parametrize("leg", range(4))
+@pytest.mark.parametrize("pose", [(0.0, 0.0, 0.0), (3.0, -2.0, 2.5)])
+def test_a_robot_that_stands_puts_its_feet_back_where_they_are(leg, pose):
+    body, state = standing(pose)
+    choose_foothold(FIGURES, gait(), body, state, leg, 0.1, FLAT, NOWHERE)
+    np.testing.assert_allclose(state["landing"][leg], body["foot"][leg], atol=1e-9)
+    radius, clearance = GO1.foot_radius, gait()["clearance"]
+    assert state["apex"][leg] == pytest.approx(radius + clearance, abs=1e-9)
+
+
+@pytest.mark.parametrize("yaw", [0.0, 1.1])
+def test_footholds_lead_by_the_way_until_the_middle_of_the_stance(yaw):
+    """Raibert: so far ahead that the hip is above the foot in the middle of its stance."""
+    speed, left, values = np.array([0.6, -0.2]), 0.07, gait()
+    c, s = np.cos(yaw), np.sin(yaw)
+    body, state = standing((1.0, 2.0, yaw), (*(np.array([[c, -s], [s, c]]) @ speed), 0.0))
+    state["velocity"] = *speed, 0.0
+    choose_foothold(FIGURES, values, body, state, 1, left, FLAT, NOWHERE)
+    lead = (state["landing"][1] - body["foot"][1])[:2]
+    until = left + 0.5 * values["duty"] * values["period"]
+    np.testing.assert_allclose(lead @ [[c, -s], [s, c]], until * speed, atol=1e-9)
+
+
+def test_footholds_catch_a_body_that_is_faster_than_wanted():
+    leads = []
+    for capture in (0.0, 0.1):
+        body, state = standing(velocity=(0.5, 0.3, 0.0))
+        state["velocity"] = 0.2, 0.0, 0.0
+        choose_foothold(FIGURES, gait(capture=capture), body, state, 0, 0.1, FLAT, NOWHERE)
+        leads.append(state["landing"][0].copy())
+    np.testing.assert_allclose(leads[1] - leads[0], [0.03, 0.03, 0.0], atol=1e-9)
+
+
+def test_footholds_turn_with_the_commanded_turn():
+    """On the spot, each foot lands on the circle of the hips, turned on by what is to come."""
+    values, left, rate = gait(), 0.1, 1.0
+    body, state = standing()
+    state["velocity"] = 0.0, 0.0, rate
+    turn = rate * (left + 0.5 * values["duty"] * values["period"])
+    c, s = np.cos(turn), np.sin(turn)
+    for leg in range(4):
+        choose_foothold(FIGURES, values, body, state, leg, left, FLAT, NOWHERE)
+        wanted = np.array([[c, -s], [s, c]]) @ body["foot"][leg, :2]
+        np.testing.assert_allclose(state["landing"][leg, :2], wanted, atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("frame", [(0.0, 0.0, 0.0), (5.0, -3.0, 0.8)])
+def test_feet_land_on_the_nearest_ground_that_carries_and_swing_clear(seed, frame):
+    ground, frame, values = field(seed), np.array(frame), gait()
+    c, s = np.cos(frame[2]), np.sin(frame[2])
+    rng = np.random.default_rng(seed)
+    moved = 0
+    for _ in range(100):
+        u, v = rng.uniform([0.3, 0.3], [2.7, 1.7])
+        x, y = frame[0] + c * u - s * v, frame[1] + s * u + c * v
+        _, state = standing()
+        start = rng.normal(0.0, 0.1, 2)
+        state["lifted"][0] = x + start[0], y + start[1], 0.1
+        place_foot(FIGURES, values, state, 0, x, y, ground, frame)
+        a, b = to_ground(frame, *state["landing"][0, :2])
+        row, col = int(b / CELL), int(a / CELL)
+        middles = np.argwhere(~ground.solid & (ground.traversability >= LEAST))[:, ::-1]
+        away = np.hypot(*((middles + 0.5) * CELL - (u, v)).T).min()
+        assert away < SEARCH, "a field on which every foot finds a place"
+        assert not ground.solid[row, col]
+        assert ground.traversability[row, col] >= LEAST
+        shift = np.hypot(a - u, b - v)
+        assert shift < 1e-9 or shift == pytest.approx(away, abs=1e-9)
+        moved += shift > 1e-9
+        assert state["apex"][0] >= max(0.1, state["landing"][0, 2]) + values["clearance"] - 1e-12
+    assert 10 < moved < 90
+
+
+def test_a_foot_with_no_good_place_near_goes_where_it_was_wanted():
+    ground = field(0)
+    ground = ground._replace(traversability=np.zeros_like(ground.traversability))
+    _, state = standing()
+    place_foot(FIGURES, gait(), state, 2, 1.013, 0.987, ground, NOWHERE)
+    np.testing.assert_array_equal(state["landing"][2, :2], [1.013, 0.987])
+
+
+def test_a_swing_goes_over_what_stands_between():
+    ground = field(0)
+    height = np.zeros_like(ground.height)
+    height[:, 20:24] = 0.15
+    ground = ground._replace(height=height, solid=np.zeros_like(ground.solid),
+                             traversability=np.ones_like(height))  # fmt: skip
+    _, state = standing()
+    state["lifted"][0] = 0.8, 1.0, GO1.foot_radius
+    place_foot(FIGURES, gait(), state, 0, 1.4, 1.0, ground, NOWHERE)
+    wanted = 0.15 + GO1.foot_radius + gait()["clearance"]
+    assert state["apex"][0] == pytest.approx(wanted)
+    assert state["landing"][0, 2] == pytest.approx(GO1.foot_radius)
