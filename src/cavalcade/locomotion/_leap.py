@@ -10,7 +10,7 @@ from numba import njit
 from cavalcade.locomotion._centroid import centroid
 from cavalcade.locomotion._control import FALL, stand
 from cavalcade.locomotion._joints import go_limp, limit, push, reach
-from cavalcade.locomotion._kinematics import GRAVITY
+from cavalcade.locomotion._kinematics import GRAVITY, turned, turned_back
 from cavalcade.locomotion._leap_horizon import solve_leap
 from cavalcade.locomotion._legs import look
 from cavalcade.locomotion._swing import smooth
@@ -22,6 +22,9 @@ FORWARD = (0.1, 0.75)
 
 UP, DOWN = 0.3, (0.6, 0.9)
 """They are drawn up until then and reach down in that part."""
+
+BELOW, BESIDE = 0.11, 0.12
+"""Feet stay at least so far below their hips, and at most so far beside their shoulders, m."""
 
 SINK = 0.5
 """A foot that meets no ground goes down with that speed, m/s."""
@@ -173,6 +176,25 @@ def foot_way(leap, centre, velocity, leg, t, place, rate):
 
 
 @njit(cache=True)
+def keep_clear(robot, body, leg, place):
+    """Move a foot's goal `(3,)` to where its leg can be whichever way the trunk is turned.
+
+    Near the hip's own axis a small motion of the foot asks for a large one of the joints.
+    """
+    arm, local = np.empty(3), np.empty(3)
+    for a in range(3):
+        arm[a] = place[a] - body.trunk[a]
+    turned_back(body.matrix, arm, local)
+    hip = robot.hip[leg]
+    aside = hip[1] + robot.side[leg]
+    local[1] = min(max(local[1], aside - BESIDE), aside + BESIDE)
+    local[2] = min(local[2], hip[2] - BELOW)
+    turned(body.matrix, local, arm)
+    for a in range(3):
+        place[a] = body.trunk[a] + arm[a]
+
+
+@njit(cache=True)
 def fly(robot, state, leap, body, centre, velocity, leg, qpos, qvel, torques):
     """Torques of a leg in the air."""
     place, rate = np.empty(3), np.empty(3)
@@ -180,4 +202,5 @@ def fly(robot, state, leap, body, centre, velocity, leg, qpos, qvel, torques):
     if leap.phase == LANDING:
         t += leap.lasts[FLIGHT]
     foot_way(leap, centre, velocity, leg, t, place, rate)
+    keep_clear(robot, body, leg, place)
     reach(robot, body, leg, place, rate, leap.stiffness, leap.joint_damping, qpos, qvel, torques)

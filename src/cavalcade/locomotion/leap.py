@@ -69,8 +69,8 @@ class LeapSettings:
         flight: Shortest flight, s.
         tuck: In flight feet are drawn up so far below the centre of mass, m.
         margin: A foot's centre lands at least so far beyond an edge, m, and
-        drop: that much further per m that the landing is lower, at most `clear` m: rear knees, which
-            trail behind their hips, pass the edge.
+        drop: that much further per m that the landing is lower, at most `clear` m: rear knees,
+            which trail behind their hips, pass the edge.
         before: Front feet stand so far before an edge, m, and
         head: that much further per m that the landing is higher: the head rises past the edge;
         brink: that much further where it is lower: nobody steps onto a brink.
