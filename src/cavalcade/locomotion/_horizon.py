@@ -84,8 +84,9 @@ def solve_walk(robot, gait, body, state):
     for k in range(STEPS):
         # The middle of the step, then its end: commands are foreseen to be approached.
         middle = (k + 0.5) * gait.step
+        rate = velocity[2]
         approach(gait, velocity, wish_x, wish_y, wish_turn, half)
-        yaw += velocity[2] * half
+        yaw += 0.5 * (rate + velocity[2]) * half
         c, s = math.cos(yaw), math.sin(yaw)
         vx, vy = c * velocity[0] - s * velocity[1], s * velocity[0] + c * velocity[1]
         yaws[k] = measured_yaw + yaw - state.yaw
@@ -96,8 +97,9 @@ def solve_walk(robot, gait, body, state):
             at_x + gait.step * vx,
             at_y + gait.step * vy,
         )
+        rate = velocity[2]
         approach(gait, velocity, wish_x, wish_y, wish_turn, half)
-        yaw += velocity[2] * half
+        yaw += 0.5 * (rate + velocity[2]) * half
         c, s = math.cos(yaw), math.sin(yaw)
         vx, vy = c * velocity[0] - s * velocity[1], s * velocity[0] + c * velocity[1]
         moved_x, moved_y = at_x - body.centre[0], at_y - body.centre[1]
@@ -180,5 +182,6 @@ def _until_mid_stance(gait, clock, leg):
 @njit(cache=True)
 def _below_hip(robot, x, y, c, s, leg):
     """Where a foot stands under its hip when the centre of mass is at (x, y)."""
-    ahead, aside = robot.hip[leg, 0] - robot.centre[0], robot.hip[leg, 1] + robot.side[leg]
+    ahead = robot.hip[leg, 0] - robot.centre[0]
+    aside = robot.hip[leg, 1] + robot.side[leg] - robot.centre[1]
     return x + c * ahead - s * aside, y + s * ahead + c * aside
