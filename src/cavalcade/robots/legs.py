@@ -76,9 +76,8 @@ GO1 = replace(
     hip_x=0.1881,
     hip_y=0.04675,
     mass=12.0,
-    gait_period=0.5,
     source="Unitree's description of Go1: hips; Quad-SDK's parameters for Go1: nominal height, "
-    "mass; gait from our locomotion study; the rest as for Spirit",
+    "mass; the rest as for Spirit, the gait too: it is the one that leg control walks with",
 )
 GO2 = replace(
     SPIRIT,
@@ -86,7 +85,6 @@ GO2 = replace(
     hip_x=0.1934,
     hip_y=0.0465,
     mass=15.0,
-    gait_period=0.5,
     source="Unitree's description and data sheet of Go2: hips, mass; Quad-SDK's parameters for "
-    "Go2: nominal height; gait from our locomotion study; the rest as for Spirit",
+    "Go2: nominal height; the rest as for Spirit, the gait too",
 )
