@@ -91,6 +91,7 @@ def summarise_plan(
         "footholds": _footholds(scenario, stretches),
         "real_time_factor": None,
         "physics": None,
+        "commanded": None,
         "versions": versions(),
     }
 
