@@ -22,7 +22,7 @@ def test_the_same_seed_gives_the_same_terrain(kind: str) -> None:
     assert one.size == pytest.approx(SIZE)
     assert one.origin == (0.0, 0.0, 0.0)
     differs = generate_terrain(kind, SIZE, 4) != one
-    assert differs == (kind in ("rough", "stepping-stones"))
+    assert differs == (kind in ("blocks", "rough", "stepping-stones"))
 
 
 @pytest.mark.parametrize("kind", TERRAINS)
@@ -84,6 +84,17 @@ def test_rough_ground_has_its_height() -> None:
     assert (terrain.traversability > 0.0).all()
 
 
+def test_blocks_are_level_and_side_by_side() -> None:
+    terrain = generate_terrain("blocks", (6.0, 2.0), 1, 0.05, height=0.05, side=0.25, zone=1.0)
+    inside = terrain.height[:, 20:-20].reshape(8, 5, 16, 5)
+    assert (inside == inside[:, :1, :, :1]).all()
+    blocks = inside[:, 0, :, 0]
+    assert len(np.unique(blocks)) == blocks.size
+    assert 0.0 <= blocks.min() < 0.01 < 0.04 < blocks.max() <= 0.05
+    assert (terrain.height[:, :20] == 0.0).all()
+    assert (terrain.height[:, -20:] == 0.0).all()
+
+
 def test_stones_are_islands() -> None:
     terrain = generate_terrain("stepping-stones", SIZE, 2)
     islands, count = label(terrain.traversability > 0.0)
@@ -96,7 +107,7 @@ def test_stones_are_islands() -> None:
 @pytest.mark.parametrize(
     ("kind", "size", "options", "message"),
     [
-        ("hills", SIZE, {}, "kind: unknown kind 'hills' (one of: gap, rough"),
+        ("hills", SIZE, {}, "kind: unknown kind 'hills' (one of: blocks, gap, rough"),
         ("gap", SIZE, {"height": 1.0}, "height: gap has no such option (one of: width, depth, at)"),
         ("gap", SIZE, {"width": -0.1}, "width: expected a number of at least 0"),
         ("gap", SIZE, {"at": 20.0}, "at: expected a number of at least 0.2 and at most 8.8"),

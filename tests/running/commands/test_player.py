@@ -1,0 +1,128 @@
+"""Commands as they are played, with perfect robots and the loop around them."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cavalcade.errors import InputError
+from cavalcade.running import run
+from cavalcade.running.commands.player import REACHED, CommandPlayer
+from cavalcade.scenario import parse_scenario
+
+
+def scenario(commands: list[dict[str, Any]], robots: int = 1, **task: Any) -> Any:
+    return parse_scenario(
+        {
+            "version": 1,
+            "name": "walk",
+            "world": {"empty": {"size": [12, 8]}, "resolution": 0.1},
+            "robots": [{"start": [6.0, 2.0 + 2.0 * k, 0.5]} for k in range(robots)],
+            "task": {"commands": commands, **task},
+        }
+    )
+
+
+def played(player: CommandPlayer, times: list[float], poses: Any) -> list[list[list[float]]]:
+    array = np.array(poses, dtype=float)
+    return [player.step(array, t, np.full(len(array), t)).tolist() for t in times]
+
+
+def test_a_velocity_holds_until_the_next() -> None:
+    player = CommandPlayer(
+        scenario(
+            [
+                {"at": 1, "velocity": [0.3, 0.1, -0.2]},
+                {"at": 2, "robot": 1, "velocity": [0, 0, 1]},
+                {"at": 2, "robot": 1, "velocity": [0.1, 0, 0]},
+            ],
+            robots=2,
+        )
+    )
+    poses = [[6, 2, 0.5], [6, 4, 0.5]]
+    still, first, last = [0.0] * 3, [0.3, 0.1, -0.2], [0.1, 0.0, 0.0]
+    # The clock of the fleet may begin anywhere.
+    assert played(player, [10.0, 10.95, 11.0, 11.95, 12.0, 13.9], poses) == [
+        [still, still],
+        [still, still],
+        [first, first],
+        [first, first],
+        [first, last],
+        [first, last],
+    ]
+    assert player.status.state == "final"
+    played(player, [14.0], poses)
+    assert player.status.state == "done"
+
+
+def test_it_is_not_done_before_all_have_been_where_they_were_sent() -> None:
+    player = CommandPlayer(scenario([{"at": 0, "to": [8, 2]}], duration=1))
+    played(player, [0.0, 5.0], [[6, 2, 0]])
+    assert player.status.state == "final"
+    assert player.status.goals.tolist() == [[8.0, 2.0]]
+    assert played(player, [6.0], [[8.0 - REACHED + 1e-6, 2, 0]]) == [[[0.0] * 3]]
+    assert player.status.state == "done"
+    # It stays so, wherever the robot is pushed.
+    assert played(player, [7.0], [[7, 2, 0]]) == [[[0.0] * 3]]
+
+
+@settings(max_examples=15, deadline=None)
+@given(
+    angle=st.floats(-math.pi, math.pi),
+    distance=st.floats(0.5, 1.5),
+    speed=st.floats(0.1, 0.5),
+)
+def test_robots_come_to_any_point(angle: float, distance: float, speed: float) -> None:
+    """From any side, along a straight line, not faster than they are told to."""
+    point = [6.0 + distance * math.cos(angle), 2.0 + distance * math.sin(angle)]
+    result = run(scenario([{"at": 0, "to": point, "speed": speed}], duration=0.1))
+    assert result.reason == "done"
+    end = result.recording.poses[-1, 0, :2]
+    assert math.dist(end, point) <= REACHED + 0.02
+    along = np.array([math.cos(angle), math.sin(angle)])
+    off = result.recording.poses[:, 0, :2] - (6.0, 2.0)
+    assert np.abs(off @ (-along[1], along[0])).max() < 0.02
+    assert np.hypot(*result.recording.commands[:, 0, :2].T).max() <= speed + 0.11
+
+
+def test_ideal_robots_do_what_they_are_told() -> None:
+    result = run(
+        scenario(
+            [
+                {"at": 0, "velocity": [0.4, 0, 0]},
+                {"at": 5, "velocity": [0, 0, 0.5]},
+                {"at": 9, "velocity": [0, 0, 0]},
+            ],
+            robots=2,
+        )
+    )
+    assert (result.reason, result.success) == ("done", True)
+    assert result.summary["sim_time_s"] == 11.0
+    assert result.summary["method"] == "commands"
+    assert result.summary["commanded"] == pytest.approx(
+        {"speed_error": 0.0, "yaw_rate_error": 0.0, "drift_m_s": 0.0, "rms_m_s": 0.0}, abs=1e-6
+    )
+    assert result.summary["makespan_s"] is None
+
+
+def test_who_runs_into_a_wall_fails() -> None:
+    result = run(scenario([{"at": 0, "velocity": [0.5, 0, 0]}], duration=15.0))
+    assert not result.success
+    assert result.summary["collisions"]["robot_obstacle"] > 0
+
+
+def test_what_is_for_other_planners_is_refused() -> None:
+    player = CommandPlayer(scenario([{"at": 0, "to": [8, 2]}]))
+    for call in (
+        lambda: player.set_goals([[0, 0, 0]]),
+        lambda: player.set_formation(None),
+        lambda: player.lose(0),
+        lambda: player.rejoin(0),
+    ):
+        with pytest.raises(InputError, match="the task has commands"):
+            call()
