@@ -23,6 +23,7 @@ if TYPE_CHECKING:
         RecordingError,
         ScenarioError,
     )
+    from cavalcade.fleet.physics import MujocoFleet
     from cavalcade.formation import (
         Connection,
         Formation,
@@ -67,6 +68,7 @@ _HOME = {
     "InputError": "errors",
     "MapError": "errors",
     "MovingObstacle": "formation",
+    "MujocoFleet": "fleet.physics",
     "OccupancyMap": "world",
     "OutputError": "errors",
     "PlanResult": "running.plans",
@@ -111,6 +113,7 @@ __all__ = [
     "InputError",
     "MapError",
     "MovingObstacle",
+    "MujocoFleet",
     "OccupancyMap",
     "OutputError",
     "PlanResult",

@@ -4,6 +4,7 @@ Importing this package does not load MuJoCo; making a simulator does.
 """
 
 from cavalcade.fleet.physics.contacts import Contact, ContactRecorder
+from cavalcade.fleet.physics.fleet import MujocoFleet
 from cavalcade.fleet.physics.ground import PhysicsGround
 from cavalcade.fleet.physics.own_robot import own_robot
 from cavalcade.fleet.physics.settings import PhysicsSettings
@@ -12,6 +13,7 @@ from cavalcade.fleet.physics.simulator import TeamSimulator
 __all__ = [
     "Contact",
     "ContactRecorder",
+    "MujocoFleet",
     "PhysicsGround",
     "PhysicsSettings",
     "TeamSimulator",
