@@ -52,8 +52,8 @@ class BoxesDraw(TeamDraw):
         areas = [(0.0, 0.0, *self.size)] * count
         for _ in range(_ATTEMPTS):
             boxes = [self._box(rng) for _ in range(self.boxes)]
-            starts = draw_team(rng, models, areas, self.gap, boxes)
-            goals = draw_team(rng, models, areas, self.gap, boxes)
+            starts = draw_team(rng, models, areas, self.gap, boxes, border=self.border)
+            goals = draw_team(rng, models, areas, self.gap, boxes, border=self.border)
             if starts is None or goals is None:
                 continue
             robots = [Robot(*row) for row in zip(models, starts, goals, strict=True)]

@@ -71,10 +71,14 @@ class OwnGoalsDraw(Section):
 
 
 class TeamDraw(OwnGoalsDraw):
-    """With teams that are set down at random; footprints keep `gap` m from each other."""
+    """With teams that are set down at random; footprints keep `gap` m from each other.
+
+    From the border they keep `border` m, however they are turned.
+    """
 
     models: Models = ("spirit",)
     gap: NotNegative = 0.05
+    border: NotNegative = 0.01
 
     def models_of(self, seed: int, robots: int) -> list[str]:
         """The models in turn, by the seed and by the robot."""
@@ -130,6 +134,7 @@ def draw_team(
     solids: Sequence[Shape] = (),
     yaws: Sequence[float] | None = None,
     tries: int = 300,
+    border: float = 0.01,
 ) -> list[Pose] | None:
     """A pose for each robot with the whole body in its area; None where none is found.
 
@@ -141,10 +146,11 @@ def draw_team(
         solids: What stands.
         yaws: The robots' yaws, rad; None draws them.
         tries: For each robot.
+        border: Kept free between the body at any yaw and the border of its area, m.
     """
     found: list[tuple[str, Pose]] = []
     for k, (name, area) in enumerate(zip(models, areas, strict=True)):
-        reach = math.hypot(MODELS[name].length, MODELS[name].width) / 2.0 + 0.01
+        reach = math.hypot(MODELS[name].length, MODELS[name].width) / 2.0 + border
         for _ in range(tries):
             x = rng.uniform(area[0] + reach, max(area[2] - reach, area[0] + reach))
             y = rng.uniform(area[1] + reach, max(area[3] - reach, area[1] + reach))

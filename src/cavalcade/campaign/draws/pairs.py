@@ -56,11 +56,11 @@ class PairsDraw(TeamDraw):
         models = self.models_of(seed, 2)
         areas = [(0.0, 0.0, *self.size)] * 2
         if self.starts == "random":
-            starts = draw_team(rng, models, areas, self.gap)
+            starts = draw_team(rng, models, areas, self.gap, border=self.border)
         else:
             x, y = self.size[0] / 2.0, self.size[1] / 2.0
             starts = [(x, y - self.apart / 2.0, 0.0), (x, y + self.apart / 2.0, 0.0)]
-        goals = draw_team(rng, models, areas, self.gap)
+        goals = draw_team(rng, models, areas, self.gap, border=self.border)
         if starts is None or goals is None:
             return None
         return [Robot(*row) for row in zip(models, starts, goals, strict=True)]

@@ -56,8 +56,10 @@ class TerrainDraw(TeamDraw):
         right: Area = (self.size[0] - self.zone, 0.0, *self.size)
         back = [self.against and k % 3 == 2 for k in range(self.robots)]
         for _ in range(_ATTEMPTS):
-            starts = draw_team(rng, models, [right if b else left for b in back], self.gap)
-            goals = draw_team(rng, models, [left if b else right for b in back], self.gap)
+            there = [right if b else left for b in back]
+            starts = draw_team(rng, models, there, self.gap, border=self.border)
+            there = [left if b else right for b in back]
+            goals = draw_team(rng, models, there, self.gap, border=self.border)
             if starts is None or goals is None:
                 continue
             robots = [Robot(*row) for row in zip(models, starts, goals, strict=True)]
