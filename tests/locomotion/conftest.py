@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from cavalcade.body.trajectory import FLIGHT, LANDING, TAKE_OFF, WALK, Trajectory
+from cavalcade.robots import robot_model
 
 STEP = 0.03
 PIECES = ((WALK, None), (TAKE_OFF, 0.18), (FLIGHT, 0.3), (LANDING, 0.15), (WALK, None))
@@ -64,3 +65,67 @@ def leap() -> Callable[..., Trajectory]:
         return Trajectory(time, position, velocity, np.zeros(len(time)), phase)
 
     return make
+
+
+class Walkers:
+    """Robots under leg control in physics.
+
+    Args:
+        names: Of the robots' models.
+        poses: `(N, 3)` where they start; 1.5 m beside each other by default.
+        ground: What physics has, and
+        footing: what leg control knows of it.
+        settings: Of the gait.
+        physics: Further settings of physics.
+    """
+
+    def __init__(self, *names, poses=None, ground=None, footing=None, settings=None, physics=None):
+        from cavalcade.fleet.physics import TeamSimulator
+        from cavalcade.locomotion.control import LegControl
+
+        models = [robot_model(name) for name in names or ("go1",)]
+        if poses is None:
+            poses = [[0.0, 1.5 * k, 0.0] for k in range(len(models))]
+        self.simulator = TeamSimulator(models, poses, ground, physics)
+        self.control = LegControl(models, footing, settings=settings)
+        self.control.begin(0.0, self.simulator.qpos)
+        self.torques = np.zeros((len(models), 12))
+
+    def step(self) -> None:
+        """One physics step."""
+        s = self.simulator
+        self.torques = self.control.step(s.time, s.qpos, s.qvel, s.foot_forces).copy()
+        s.step(self.torques)
+
+    def drive(self, command, seconds, after=None) -> None:
+        """Command `(3,)` or `(N, 3)` 20 times a second, None for silence."""
+        for k in range(round(seconds / self.simulator.settings.step)):
+            if command is not None and k % 25 == 0:
+                wanted = np.broadcast_to(np.array(command, dtype=float), (self.control.size, 3))
+                self.control.command(wanted, self.simulator.time)
+            self.step()
+            if after is not None:
+                after()
+
+    def motion(self, command, seconds, robot=0):
+        """Pose `(T, 3)` and body velocity `(T, 3)`, seen from above, while commanded so."""
+        states = []
+        simulator = self.simulator
+
+        def note():
+            states.append(np.append(simulator.qpos[robot, :7], simulator.qvel[robot, :6]))
+
+        self.drive(command, seconds, note)
+        states = np.array(states)
+        w, x, y, z = states[:, 3:7].T
+        yaw = np.unwrap(np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
+        c, s, (vx, vy) = np.cos(yaw), np.sin(yaw), states[:, 7:9].T
+        pose = np.column_stack([states[:, :2], yaw])
+        return pose, np.column_stack([c * vx + s * vy, c * vy - s * vx, states[:, 12]])
+
+
+@pytest.fixture(scope="session")
+def walkers() -> type[Walkers]:
+    """Makes robots under leg control in physics; skips the test without MuJoCo."""
+    pytest.importorskip("mujoco")
+    return Walkers
