@@ -63,6 +63,8 @@ class LeapSettings:
         push: Shortest and longest push, s.
         squat: Lowest height in the crouch, m.
         lift, down: Heights at lift-off and touch-down, m.
+        duck: At touch-down it is that much lower per m that the landing is higher: there is less to
+            fall, and less to rise.
         lean: At lift-off the body is so far ahead of the feet's middle, and
         reach: at touch-down behind it, at a leap of `far` m or more; m.
         far: m.
@@ -92,6 +94,7 @@ class LeapSettings:
     squat: float = 0.19
     lift: float = 0.33
     down: float = 0.28
+    duck: float = 0.25
     lean: float = 0.10
     reach: float = 0.10
     far: float = 0.7
@@ -160,6 +163,7 @@ def lay_out(
     share = min(max(far / settings.far, 0.0), 1.0)
     lift = np.append(start[:2] + share * settings.lean * way, start[2] + settings.lift + above)
     down = np.append(end[:2] - share * settings.reach * way, end[2] + settings.down + above)
+    down[2] -= settings.duck * max(float(end[2] - start[2]), 0.0)
     flown = down - lift
     # The least speed that gets there leaves for this time; less would not clear an edge.
     flight = max(math.sqrt(2.0 * float(np.linalg.norm(flown)) / GRAVITY), settings.flight)
@@ -167,7 +171,8 @@ def lay_out(
     velocity[2] += 0.5 * GRAVITY * flight
     velocity *= (settings.boost[0], settings.boost[0], settings.boost[1])
     stroke = settings.lift - settings.squat
-    push = min(max(2.0 * stroke / max(velocity[2], 0.1), settings.push[0]), settings.push[1])
+    push = 2.0 * stroke / max(velocity[2], 0.1)
+    push = min(max(push, settings.push[0]), settings.push[1])
     leap["lasts"] = (settings.crouch, push, flight, settings.landing)
     leap["began"] = -1.0
     leap["lift"], leap["down"] = lift, down
