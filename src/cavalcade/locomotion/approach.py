@@ -23,13 +23,16 @@ LEEWAY = 0.05
 FAST, ASIDE, TURN = 0.4, 0.2, 0.8
 """Greatest velocities on the way, m/s, m/s, rad/s."""
 
-SLOW = 0.05
+GAIN = 2.0
+"""Speed per distance on the way, 1/s."""
+
+SLOW = 0.08
 """Least speed of a robot that is not there yet, m/s."""
 
 RUN_UP = 0.2
 """A robot that is askew or beside its line comes no nearer than this, m."""
 
-PAUSE, AFTER = 0.3, 0.4
+PAUSE, AFTER = 0.2, 0.3
 """It stands so long before it looks where its feet are, and after its landing, s."""
 
 TRIES, PATIENCE = 8, 30.0
@@ -172,8 +175,8 @@ class LeapPilot:
         along, aside = c * way[0] + s * way[1], c * way[1] - s * way[0]
         if abs(aside) > 0.05 or abs(yaw) > 0.15:
             along -= RUN_UP
-        along = min(max(1.5 * along, -FAST), FAST)
-        aside = min(max(1.5 * aside, -ASIDE), ASIDE)
+        along = min(max(GAIN * along, -FAST), FAST)
+        aside = min(max(GAIN * aside, -ASIDE), ASIDE)
         speed = math.hypot(along, aside)
         if speed < SLOW and math.hypot(*way) > NEAR:
             along, aside = along * SLOW / max(speed, 1e-9), aside * SLOW / max(speed, 1e-9)
