@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from cavalcade.robots.inertial import Inertial, combined
 
@@ -54,6 +55,15 @@ def test_a_moved_frame_moves_the_centre_alone(x, y, z):
     masses, points = random.random(4), random.standard_normal((4, 3))
     moved = of_points(masses, points).moved((x, y, z))
     assert_same(moved, of_points(masses, points + (x, y, z)))
+
+
+@given(st.integers(0, 2**31))
+def test_a_turned_body_is_the_body_of_turned_points(seed):
+    random = np.random.default_rng(seed)
+    masses, points = random.random(4) + 0.1, random.standard_normal((4, 3))
+    turn = Rotation.from_rotvec(3.0 * random.standard_normal(3))
+    assert_same(of_points(masses, points).turned(turn.as_matrix()),
+                of_points(masses, turn.apply(points)))  # fmt: skip
 
 
 def test_the_matrix_is_symmetric_and_in_the_order_said():
