@@ -118,8 +118,8 @@ def steady(name: str, seconds: float) -> None:
         rms = np.sqrt(((motion.velocity - wanted) ** 2).mean(axis=0))
         along, across, yaw = sway(motion)
         print(
-            f"| {text(command)} | {mean[0]:z.3f}, {mean[1]:z.3f}, {mean[2]:z.3f} | {100 * error:.1f} %"
-            f" | {rms[0]:.3f}, {rms[1]:.3f}, {rms[2]:.3f}"
+            f"| {text(command)} | {mean[0]:z.3f}, {mean[1]:z.3f}, {mean[2]:z.3f}"
+            f" | {100 * error:.1f} % | {rms[0]:.3f}, {rms[1]:.3f}, {rms[2]:.3f}"
             f" | {1e3 * along:.0f}, {1e3 * across:.0f}, {yaw:.3f}"
             f" | {motion.height.mean():.3f}{' fallen' if motion.fallen else ''} |",
             flush=True,
