@@ -50,8 +50,8 @@ class HopelessDraw(TeamDraw):
         width, height = _SIZE
         left, right = (0.0, 0.0, 4.5, height), (width - 4.5, 0.0, width, height)
         for _ in range(_ATTEMPTS):
-            starts = draw_team(rng, models, [left] * 3, 0.3)
-            goals = draw_team(rng, models, [right] * 3, 0.3)
+            starts = draw_team(rng, models, [left] * 3, 0.3, border=self.border)
+            goals = draw_team(rng, models, [right] * 3, 0.3, border=self.border)
             if starts is None or goals is None:
                 continue
             first, second = (int(k) for k in rng.permutation(3)[:2])

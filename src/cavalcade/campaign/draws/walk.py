@@ -1,4 +1,4 @@
-"""Robots that are told how to walk, without a planner: steadily, at random, pushed, on terrain."""
+"""Robots that are told how to walk and leap, without a planner, pushed or on terrain."""
 
 from __future__ import annotations
 
@@ -16,12 +16,14 @@ from cavalcade.campaign.draws.own_goals import Models
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array
 from cavalcade.scenario.commands import Velocity
-from cavalcade.scenario.fields import Coordinate, Positive, Section, Speed
+from cavalcade.scenario.fields import Coordinate, Length, Positive, Section, Speed
 
-Kind = Literal["steady", "random", "push", "rough", "blocks", "stairs"]
+Kind = Literal["steady", "random", "push", "rough", "blocks", "stairs", "gap", "step"]
 
 _TAG = 12
-_TERRAINS: Mapping[str, float] = MappingProxyType({"rough": 0.05, "blocks": 0.05, "stairs": 0.08})
+_TERRAINS: Mapping[str, float] = MappingProxyType(
+    {"rough": 0.05, "blocks": 0.05, "stairs": 0.08, "gap": 0.0, "step": 0.2}
+)
 """Kinds on terrain and the height of their features, m."""
 
 _DURATIONS: Mapping[str, float] = MappingProxyType({"steady": 10.0, "random": 20.0, "push": 7.0})
@@ -35,6 +37,9 @@ _GROUND = (6.0, 2.4)
 _STAIRS = (7.0, 2.4)
 _ENDS = 0.7
 """Terrain: its size, and how far from its ends robots start and stop, m."""
+
+_BEFORE, _BEYOND = (0.8, 1.2), 0.6
+"""Robots that leap start so far before the break and are sent so far beyond it, m."""
 
 _FIRST = 0.3
 """Nothing is commanded before, s."""
@@ -59,7 +64,8 @@ class WalkDraw(Section):
     rad/s), towards a random side; `random` velocities up to these, each for 0.3 to 2 s; `push` by
     `impulse`, N s within 0.1 s, to a random side, every fourth robot while it stands, the others
     at a random velocity; straight across `rough` ground, `blocks` or `stairs` with features of
-    `height`, m (stairs down if negative), at `speed`, m/s.
+    `height`, m (stairs down if negative), at `speed`, m/s; in one leap over a `gap` of `width`, m,
+    or up or down a `step` of `height`.
 
     Several robots walk at random out of each other's ways.
     """
@@ -69,6 +75,7 @@ class WalkDraw(Section):
     velocity: Velocity = (0.5, 0.2, 1.0)
     speed: Speed = 0.4
     height: Coordinate | None = None
+    width: Length = 0.3
     impulse: Positive = 25.0
     duration: Positive | None = None
     robots: Annotated[int, Strict(), Field(ge=1, le=16)] = 1
@@ -156,6 +163,8 @@ class WalkDraw(Section):
         size = _STAIRS if self.kind == "stairs" else _GROUND
         if self.robots > 1:
             raise InputError("one robot at a time walks there", key="robots")
+        if self.kind in ("gap", "step"):
+            return self._leaping(rng, seed, height)
         source: dict[str, Any] = {"kind": self.kind, "size": list(size), "height": height}
         if self.kind == "stairs":
             source |= {"steps": 5, "tread": 0.35}
@@ -170,6 +179,24 @@ class WalkDraw(Section):
         said = self._scenario(seed, world, start, [to], None, [])
         said["execution"]["timeout"] = round(1.6 * way / self.speed + 5.0, 3)
         return said
+
+    def _leaping(self, rng: np.random.Generator, seed: int, height: float) -> dict[str, Any]:
+        """One leap in the middle; robots start askew and at different distances."""
+        gap = self.kind == "gap"
+        half = self.width / 2.0 if gap else 0.0
+        source = {"kind": self.kind, "size": list(_GROUND)}
+        source |= {"width": self.width} if gap else {"height": height}
+        middle, across = (float(side) / 2.0 for side in _GROUND)
+        place = [
+            middle - half - float(rng.uniform(*_BEFORE)),
+            across + float(rng.uniform(-0.2, 0.2)),
+        ]
+        start = np.array(
+            [[*(round(v, 4) for v in place), round(float(rng.uniform(-0.15, 0.15)), 4)]]
+        )
+        leap = {"at": _FIRST, "leap": [round(middle + half + _BEYOND, 4), float(start[0, 1])]}
+        world = {"generate": source, "resolution": _TERRAIN_CELL}
+        return self._scenario(seed, world, start, [leap], None, [])
 
     def _scenario(
         self,
