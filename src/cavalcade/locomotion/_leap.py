@@ -1,4 +1,4 @@
-"""One step of a leap, compiled: phases, flying legs and touch-down."""
+"""One step of a leap, compiled: its phases, from the crouch to standing again. World frame, SI."""
 
 from __future__ import annotations
 
@@ -9,25 +9,17 @@ from numba import njit
 
 from cavalcade.locomotion._centroid import centroid
 from cavalcade.locomotion._control import FALL, stand
-from cavalcade.locomotion._joints import go_limp, limit, push, reach
-from cavalcade.locomotion._kinematics import GRAVITY, turned, turned_back
-from cavalcade.locomotion._leap_horizon import solve_leap
+from cavalcade.locomotion._joints import go_limp, limit, push
+from cavalcade.locomotion._kinematics import GRAVITY, turned_back
+from cavalcade.locomotion._leap_horizon import foothold, solve_leap
+from cavalcade.locomotion._leap_legs import fly
 from cavalcade.locomotion._legs import look
-from cavalcade.locomotion._swing import smooth
-from cavalcade.locomotion.leap_records import FLIGHT, LANDING
+from cavalcade.locomotion.leap_records import FLIGHT, LANDING, PUSH
 from cavalcade.locomotion.records import FALLEN
 
-FORWARD = (0.1, 0.75)
-"""Feet go forward in this part of the flight."""
-
-UP, DOWN = 0.3, (0.6, 0.9)
-"""They are drawn up until then and reach down in that part."""
-
-BELOW, BESIDE = 0.11, 0.12
-"""Feet stay at least so far below their hips, and at most so far beside their shoulders, m."""
-
-SINK = 0.5
-"""A foot that meets no ground goes down with that speed, m/s."""
+SHORT, STRETCH = 0.02, 0.92
+"""A push goes on while it would end so far short, m, and legs are shorter than that share of their
+length."""
 
 LOST = 0.35
 """A flight that lasts so much longer than planned has failed, s."""
@@ -75,6 +67,11 @@ def advance(robot, state, leap, body, centre, velocity, feet):
     """Go on to the next phase where its time has come; whether contacts changed."""
     t = state.time - leap.began
     if leap.phase < FLIGHT and t >= leap.lasts[leap.phase] - 1e-9:
+        if leap.phase == PUSH and falls_short(robot, leap, body, centre, velocity):
+            leap.lasts[PUSH] += leap.interval
+            for a in range(3):
+                leap.lift[a] += leap.interval * leap.lift_velocity[a]
+            return True
         leap.began = state.time
         leap.phase += 1
         if leap.phase == FLIGHT:
@@ -88,6 +85,7 @@ def advance(robot, state, leap, body, centre, velocity, feet):
         foresee(leap, state, centre, velocity)
         if t > leap.lasts[FLIGHT] + LOST:
             leap.failed = 1
+            state.mode = FALLEN
     if leap.phase >= FLIGHT:
         changed = False
         for leg in range(4):
@@ -101,13 +99,42 @@ def advance(robot, state, leap, body, centre, velocity, feet):
             leap.phase, leap.began = LANDING, state.time
             for a in range(3):
                 leap.down[a], leap.down_velocity[a] = centre[a], velocity[a]
-                if a < 2:
-                    leap.rest[a] += leap.shift[a]
+            # It comes to rest over its feet.
+            for a in range(2):
+                leap.rest[a] = 0.0
+            for leg in range(4):
+                x, y = foothold(leap, leg)
+                leap.rest[0] += 0.25 * x
+                leap.rest[1] += 0.25 * y
             leap.pitches[2] = body.angles[1]
         if leap.phase == LANDING and state.time - leap.began > leap.lasts[LANDING]:
             settle(robot, state, leap, body)
         return changed
     return False
+
+
+@njit(cache=True)
+def falls_short(robot, leap, body, centre, velocity):
+    """Whether a flight from now would end too early, and legs are not stretched yet."""
+    root = velocity[2] * velocity[2] + 2.0 * GRAVITY * (centre[2] - leap.down[2])
+    flight = (velocity[2] + math.sqrt(max(root, 0.0))) / GRAVITY
+    short = 0.0
+    for a in range(2):
+        short += leap.along[a] * (leap.down[a] - centre[a] - velocity[a] * flight)
+    if short < SHORT:
+        return False
+    most = STRETCH * (robot.thigh + robot.calf)
+    arm, local = np.empty(3), np.empty(3)
+    for leg in range(4):
+        for a in range(3):
+            arm[a] = body.foot[leg, a] - body.trunk[a]
+        turned_back(body.matrix, arm, local)
+        x = local[0] - robot.hip[leg, 0]
+        y = local[1] - robot.hip[leg, 1] - robot.side[leg]
+        z = local[2] - robot.hip[leg, 2]
+        if x * x + y * y + z * z > most * most:
+            return False
+    return True
 
 
 @njit(cache=True)
@@ -140,67 +167,3 @@ def settle(robot, state, leap, body):
     state.velocity[:] = 0.0
     state.idle = state.time
     stand(state, body)
-
-
-@njit(cache=True)
-def foot_way(leap, centre, velocity, leg, t, place, rate):
-    """Where a flying foot is to be at `t` s of the flight, world, and how fast it moves there.
-
-    It is drawn up first, then goes forward, then down.
-    """
-    lasts = leap.lasts[FLIGHT]
-    goal, start = leap.foothold[leg], leap.left[leg]
-    # The body comes down elsewhere: footholds come along, but not back over the edge.
-    x, y = goal[0] + leap.shift[0], goal[1] + leap.shift[1]
-    short = max(leap.bound - (x * leap.along[0] + y * leap.along[1]), 0.0)
-    x, y = x + short * leap.along[0], y + short * leap.along[1]
-    begin, end = FORWARD[0] * lasts, FORWARD[1] * lasts
-    share, speed = smooth(min(max((t - begin) / (end - begin), 0.0), 1.0))
-    speed /= end - begin
-    place[0], place[1] = start[0] + share * (x - start[0]), start[1] + share * (y - start[1])
-    rate[0], rate[1] = speed * (x - start[0]), speed * (y - start[1])
-    # Heights are from the centre of mass.
-    high, down, end = UP * lasts, DOWN[0] * lasts, DOWN[1] * lasts
-    low = start[2] - leap.lift[2]
-    landed = goal[2] - leap.down[2] - SINK * max(t - lasts, 0.0)
-    if t < high:
-        share, speed = smooth(t / high)
-        place[2] = low - share * (leap.tuck + low)
-        rate[2] = -speed / high * (leap.tuck + low)
-    else:
-        share, speed = smooth(min(max((t - down) / (end - down), 0.0), 1.0))
-        place[2] = -leap.tuck + share * (landed + leap.tuck)
-        rate[2] = speed / (end - down) * (landed + leap.tuck)
-    place[2] += centre[2]
-    rate[2] += velocity[2]
-
-
-@njit(cache=True)
-def keep_clear(robot, body, leg, place):
-    """Move a foot's goal `(3,)` to where its leg can be whichever way the trunk is turned.
-
-    Near the hip's own axis a small motion of the foot asks for a large one of the joints.
-    """
-    arm, local = np.empty(3), np.empty(3)
-    for a in range(3):
-        arm[a] = place[a] - body.trunk[a]
-    turned_back(body.matrix, arm, local)
-    hip = robot.hip[leg]
-    aside = hip[1] + robot.side[leg]
-    local[1] = min(max(local[1], aside - BESIDE), aside + BESIDE)
-    local[2] = min(local[2], hip[2] - BELOW)
-    turned(body.matrix, local, arm)
-    for a in range(3):
-        place[a] = body.trunk[a] + arm[a]
-
-
-@njit(cache=True)
-def fly(robot, state, leap, body, centre, velocity, leg, qpos, qvel, torques):
-    """Torques of a leg in the air."""
-    place, rate = np.empty(3), np.empty(3)
-    t = state.time - leap.began
-    if leap.phase == LANDING:
-        t += leap.lasts[FLIGHT]
-    foot_way(leap, centre, velocity, leg, t, place, rate)
-    keep_clear(robot, body, leg, place)
-    reach(robot, body, leg, place, rate, leap.stiffness, leap.joint_damping, qpos, qvel, torques)

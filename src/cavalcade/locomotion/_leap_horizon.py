@@ -75,6 +75,15 @@ def way(leap, phase, t, out):
 
 
 @njit(cache=True)
+def foothold(leap, leg):
+    """Where a foot is to land: where the body comes down, but not back over the edge."""
+    x = leap.foothold[leg, 0] + leap.shift[0]
+    y = leap.foothold[leg, 1] + leap.shift[1]
+    short = max(leap.bound - (x * leap.along[0] + y * leap.along[1]), 0.0)
+    return x + short * leap.along[0], y + short * leap.along[1]
+
+
+@njit(cache=True)
 def solve_leap(robot, leap, state, body, centre, velocity, spin):
     """Compute `state.forces` for a robot that leaps: one programme over push, flight, landing.
 
@@ -85,6 +94,7 @@ def solve_leap(robot, leap, state, body, centre, velocity, spin):
     levers = np.zeros((STEPS, 4, 3))
     yaws, dts = np.empty(STEPS), np.empty(STEPS)
     present, middle, now = np.empty(12), np.empty(12), np.empty(12)
+    place = np.empty(3)
     for a in range(3):
         present[a] = body.angles[a]
         present[3 + a] = centre[a]
@@ -115,13 +125,13 @@ def solve_leap(robot, leap, state, body, centre, velocity, spin):
             contacts[k, leg] = 1 if stands else 0
             landed = phase == LANDING and not (leap.phase == LANDING and state.contact[leg] == 1)
             for a in range(3):
-                foot = state.stood[leg, a]
-                if landed:
-                    foot = leap.foothold[leg, a]
-                    if a < 2:
-                        foot += leap.shift[a]
-                # Where the centre of mass will be, from where it is.
-                levers[k, leg, a] = foot - (centre[a] + middle[3 + a] - now[3 + a])
+                place[a] = state.stood[leg, a]
+            if landed:
+                place[0], place[1] = foothold(leap, leg)
+                place[2] = leap.foothold[leg, 2]
+            for a in range(3):
+                # From where the centre of mass will be, seen from where it is.
+                levers[k, leg, a] = place[a] - (centre[a] + middle[3 + a] - now[3 + a])
             levers[k, leg, 2] -= robot.foot_radius
     weights = leap.land_weights if leap.phase == LANDING else leap.weights
     forces = solve_mpc(
