@@ -64,6 +64,7 @@ PHYSICS_QUERY = """
     select suite, scenario, variant, disturbance, count(*),
            count(*) filter (feasible), count(*) filter (feasible and success),
            count(*) filter (falls > 0), count(*) filter (contacts > 0),
+           sum("measured.strict_crossings"), sum("measured.crossings"),
            max("commanded.speed_error"), max("commanded.yaw_rate_error"),
            max("commanded.rms_m_s"),
            min(min_obstacle_distance_m), min(min_robot_distance_m), min(min_footprint_gap_m),
@@ -76,7 +77,8 @@ PHYSICS_QUERY = """
 """
 PHYSICS_HEAD = (
     "suite", "scenario", "variant", "disturbance", "trials", "success", "95 %", "with a fall",
-    "with contact", "speed error", "yaw rate error", "spread, m/s", "least to obstacles, m",
+    "with contact", "leapt strictly", "speed error", "yaw rate error", "spread, m/s",
+    "least to obstacles, m",
     "between centres, m", "gap of footprints, m", "largest tilt, rad", "torque", "real-time factor",
 )  # fmt: skip
 
@@ -87,7 +89,7 @@ def main() -> None:
     folders = parser.parse_args().campaign
     print_table(HEAD, [cells(*row) for row in rows(QUERY, folders)])
     print_table(PLAN_HEAD, [plan_cells(*row) for row in rows(PLAN_QUERY, folders)])
-    walked = [folder for folder in folders if has_column(folder, "commanded.speed_error")]
+    walked = [folder for folder in folders if has_column(folder, "measured.crossings")]
     print_table(PHYSICS_HEAD, [physics_cells(*row) for row in rows(PHYSICS_QUERY, walked)])
 
 
@@ -145,14 +147,15 @@ def plan_cells(*row: Any) -> list[str]:
 
 def physics_cells(*row: Any) -> list[str]:
     (suite, scenario, variant, level, trials, feasible, good, fell, hit) = row[:9]
-    (speed, turn, spread, obstacle, between, gap, tilt, torque, factor) = row[9:]
+    (strict, crossed, speed, turn, spread, obstacle, between, gap, tilt, torque, factor) = row[9:]
     low, high = wilson(good, feasible) if feasible else (0.0, 1.0)
     return [
         f"`{suite}`", f"`{scenario}`", f"`{variant}`", level, str(trials),
         f"{100.0 * good / feasible:.1f} %" if feasible else "–",
         f"{100.0 * low:.1f}–{100.0 * high:.1f}", str(fell), str(hit),
-        percent(speed), percent(turn), text(spread, 3), text(obstacle, 3), text(between, 3),
-        text(gap, 3), text(tilt, 2), text(torque, 2), text(factor, 1),
+        f"{strict}/{crossed}" if crossed else "–", percent(speed), percent(turn),
+        text(spread, 3), text(obstacle, 3), text(between, 3), text(gap, 3), text(tilt, 2),
+        text(torque, 2), text(factor, 1),
     ]  # fmt: skip
 
 

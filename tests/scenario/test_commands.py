@@ -68,11 +68,11 @@ def test_what_is_written_is_read_back(walk: Data, tmp_path: Path) -> None:
     ("change", "key", "said"),
     [
         ({"task": {"commands": []}}, "task.commands", "at least 1"),
-        ({"task": {"commands": [{"at": 1}]}}, "task.commands[0]", "velocity, to"),
+        ({"task": {"commands": [{"at": 1}]}}, "task.commands[0]", "velocity, to, leap"),
         (
             {"task": {"commands": [{"at": 1, "to": [1, 1], "velocity": [0, 0, 0]}]}},
             "task.commands[0]",
-            "either of",
+            "exactly one of",
         ),
         (
             {"task": {"commands": [{"at": 1, "velocity": [0.1, 0]}]}},
@@ -82,7 +82,7 @@ def test_what_is_written_is_read_back(walk: Data, tmp_path: Path) -> None:
         (
             {"task": {"commands": [{"at": 1, "velocity": [0, 0, 0], "speed": 1}]}},
             "task.commands[0].speed",
-            "is for `to`",
+            "is for `to` alone",
         ),
         (
             {"task": {"commands": [{"at": 1, "to": [1, 1], "robot": 2}]}},

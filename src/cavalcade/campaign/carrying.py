@@ -125,6 +125,7 @@ class _Known:
 
 
 def _carried_out(known: _Known, out: Path | None, force: bool, quiet: bool) -> tuple[Line, Ran]:
+    from cavalcade.campaign.crossings import crossings
     from cavalcade.campaign.judging import judged, time_ratio
     from cavalcade.running import run
     from cavalcade.scenario import build_world, resolve_scenario
@@ -140,7 +141,10 @@ def _carried_out(known: _Known, out: Path | None, force: bool, quiet: bool) -> t
         contacts=verdict.contacts,
         avoidable=verdict.avoidable,
         violations=list(verdict.violations),
-        measured={"time_ratio": time_ratio(scenario, result.summary)},
+        measured={
+            "time_ratio": time_ratio(scenario, result.summary),
+            **crossings(scenario, result.recording),
+        },
         summary=result.summary,
     )
     return line, Ran(scenario, world, result)

@@ -75,6 +75,8 @@ _SUMMARY = {
 }
 _BACK = {
     "real_time_factor": "DOUBLE",
+    "measured.crossings": "BIGINT",
+    "measured.strict_crossings": "BIGINT",
     "physics.max_tilt_rad": "DOUBLE",
     "physics.max_torque_share": "DOUBLE",
     "commanded.speed_error": "DOUBLE",

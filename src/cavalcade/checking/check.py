@@ -14,6 +14,7 @@ from cavalcade.checking.contact import find_contacts
 from cavalcade.checking.limits import TOLERANCE, Effort, exceeded, measure
 from cavalcade.checking.motion import bodies, common_clock
 from cavalcade.checking.own_goals import check_own_arrival, with_own_limits
+from cavalcade.checking.physics.crossings import check_leaps
 from cavalcade.checking.physics.reading import read_records
 from cavalcade.checking.physics.record import RobotRecord
 from cavalcade.checking.physics.run import judge_motion
@@ -144,6 +145,7 @@ def judge_physics(
     violations += incomplete(tracks, scenario.execution.rate, _number(summary, "sim_time_s"))
     if summary.get("success") and scenario.task.commands is not None:
         violations += check_commands(scenario, tracks)
+        violations += check_leaps(scenario, records, heights)
     elif summary.get("success") and scenario.task.individual:
         violations += check_own_arrival(scenario, tracks, PHYSICS)
     elif summary.get("success"):

@@ -39,6 +39,7 @@ Kind = Literal[
     "contact",
     "fall",
     "pose",
+    "leap",
 ]
 """`robot-map` is contact with an occupied cell of the map or with its border. Those from `plan`
 to `flight-over-robot` are about plans only; `plan` is an array that is missing or malformed.

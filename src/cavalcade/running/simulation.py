@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cavalcade.fleet import Fall, FallingFleet, Fleet
+from cavalcade.fleet import Fall, FallingFleet, Fleet, LeapingFleet
 from cavalcade.formation.status import PlannerStatus
 from cavalcade.running.arrival import ArrivalMonitor, tolerance_of
+from cavalcade.running.commands.player import CommandPlayer
 from cavalcade.running.control import ControlLoop, Cycle, Planner
 from cavalcade.running.events import EventRunner
 from cavalcade.running.frames import Recording
@@ -78,6 +79,8 @@ def simulate(
         recorder.note(moment, text)
         notes.append(text)
 
+    if isinstance(planner, CommandPlayer) and isinstance(fleet, LeapingFleet):
+        planner.leaper = fleet
     with ControlLoop(planner, fleet, watchdog) as control:
         events = EventRunner(scenario, world, control, recorder.map, note)
         judge = _Judge(scenario, events, fleet, note)

@@ -45,7 +45,7 @@ def make_planner(scenario: Scenario, world: World) -> Planner:
     if scenario.task.commands is not None:
         from cavalcade.running.commands.player import CommandPlayer
 
-        return CommandPlayer(scenario)
+        return CommandPlayer(scenario, world.terrain)
     section = scenario.planner
     try:
         planner = FormationPlanner(

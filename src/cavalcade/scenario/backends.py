@@ -27,6 +27,7 @@ def check_backend(scenario: Scenario) -> None:
     Raises:
         PydanticCustomError: One line with the key and what was expected.
     """
+    _check_ideal(scenario)
     _check_pushes(scenario)
     if scenario.execution.backend != "mujoco":
         return
@@ -45,13 +46,29 @@ def check_backend(scenario: Scenario) -> None:
         )
 
 
+def _check_ideal(scenario: Scenario) -> None:
+    """Refuse what ideal robots cannot do."""
+    if scenario.execution.backend == "mujoco":
+        return
+    for index, command in enumerate(scenario.task.commands or ()):
+        if command.leap is not None:
+            raise expected(
+                "ideal robots do not leap when they are told to; expected backend mujoco",
+                key=f"task.commands[{index}].leap",
+            )
+    for index, event in enumerate(scenario.execution.events):
+        if event.push is not None:
+            raise expected(
+                "ideal robots cannot be pushed; expected backend mujoco",
+                key=f"execution.events[{index}].push",
+            )
+
+
 def _check_pushes(scenario: Scenario) -> None:
     for index, event in enumerate(scenario.execution.events):
         if event.push is None:
             continue
         key, last = f"execution.events[{index}].push", len(scenario.robots) - 1
-        if scenario.execution.backend != "mujoco":
-            raise expected("ideal robots cannot be pushed; expected backend mujoco", key=key)
         if event.push.robot > last:
             text = f"there is no robot {event.push.robot}; expected 0 to {last}"
             raise expected(text, key=f"{key}.robot")

@@ -11,7 +11,7 @@ from cavalcade.scenario.fields import Index, Number, Point, Seconds, Section, Sp
 if TYPE_CHECKING:
     from cavalcade.scenario.model import Scenario
 
-KINDS = ("velocity", "to")
+KINDS = ("velocity", "to", "leap")
 
 SPEED = 0.4
 """On the way to a point where nothing else is said, m/s."""
@@ -36,23 +36,25 @@ Velocity = Annotated[tuple[_Component, _Component, _Component], BeforeValidator(
 class CommandSection(Section):
     """What a robot, or all, are told `at` so many seconds; it holds until they are told otherwise.
 
-    Either a `velocity` in the body frame: forwards and to the left in m/s, yaw rate in rad/s. Or
-    to walk straight `to` a point of the map, looking there, at `speed` m/s, and to stand there.
-    Before the first command robots stand. Of several at once the last counts.
+    A `velocity` in the body frame: forwards and to the left in m/s, yaw rate in rad/s. Or to walk
+    straight `to` a point of the map, looking there, at `speed` m/s, and to stand there. Or to
+    `leap` straight towards a point over what lies between, in physics: a robot steps up to it,
+    leaps and stands. Before the first command robots stand. Of several at once the last counts.
     """
 
     at: Seconds
     robot: Index | None = None
     velocity: Velocity | None = None
     to: Point | None = None
+    leap: Point | None = None
     speed: Speed | None = None
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
-        if (self.velocity is None) == (self.to is None):
-            raise expected("expected `at` and either of", choices=KINDS)
+        if sum(getattr(self, kind) is not None for kind in KINDS) != 1:
+            raise expected("expected `at` and exactly one of", choices=KINDS)
         if self.to is None and self.speed is not None:
-            raise expected("is for `to`; a velocity has its own", key="speed")
+            raise expected("is for `to` alone", key="speed")
         return self
 
     @property
@@ -62,17 +64,6 @@ class CommandSection(Section):
 
 
 Commands = Annotated[tuple[CommandSection, ...], Field(min_length=1, max_length=100_000)]
-
-
-def last_destinations(
-    commands: tuple[CommandSection, ...], robots: int
-) -> tuple[tuple[float, float] | None, ...]:
-    """The point that each robot is to stand at in the end; None for one that is not sent to any."""
-    found: list[tuple[float, float] | None] = [None] * robots
-    for command in commands:
-        for robot in range(robots) if command.robot is None else (command.robot,):
-            found[robot] = command.to
-    return tuple(found)
 
 
 def check_commands(scenario: Scenario) -> None:

@@ -25,6 +25,8 @@ WALKS = {
     "blocks": {"kind": "blocks"},
     "stairs": {"kind": "stairs"},
     "down": {"kind": "stairs", "height": -0.08},
+    "gap": {"kind": "gap", "width": 0.4},
+    "step": {"kind": "step"},
 }
 
 

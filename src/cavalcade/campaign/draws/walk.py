@@ -184,16 +184,11 @@ class WalkDraw(Section):
         """One leap in the middle; robots start askew and at different distances."""
         gap = self.kind == "gap"
         half = self.width / 2.0 if gap else 0.0
-        source = {"kind": self.kind, "size": list(_GROUND)}
+        source: dict[str, Any] = {"kind": self.kind, "size": list(_GROUND)}
         source |= {"width": self.width} if gap else {"height": height}
         middle, across = (float(side) / 2.0 for side in _GROUND)
-        place = [
-            middle - half - float(rng.uniform(*_BEFORE)),
-            across + float(rng.uniform(-0.2, 0.2)),
-        ]
-        start = np.array(
-            [[*(round(v, 4) for v in place), round(float(rng.uniform(-0.15, 0.15)), 4)]]
-        )
+        off = rng.uniform([_BEFORE[0], -0.2, -0.15], [_BEFORE[1], 0.2, 0.15])
+        start = np.array([[middle - half - off[0], across + off[1], off[2]]]).round(4)
         leap = {"at": _FIRST, "leap": [round(middle + half + _BEYOND, 4), float(start[0, 1])]}
         world = {"generate": source, "resolution": _TERRAIN_CELL}
         return self._scenario(seed, world, start, [leap], None, [])

@@ -87,8 +87,10 @@ PHYSICS_NOTES = (
     "**In physics** collisions are of bodies, footprints may overlap; contacts, falls, torques "
     "and forces are judged from the recorded bodies and joints by the checker's own account of "
     "them. **Bound**: 95 % upper bound of the share of trials with a fall. **Tilt** is the largest "
-    "angle of a trunk from upright; **torque** is in shares of the joint's limit. Simulated over "
-    "wall time depends on the machine and on what else it did.",
+    "angle of a trunk from upright; **torque** is in shares of the joint's limit. Of gaps and "
+    "steps **strictly** is the share of the robots that came across whose feet, trunk and pitch "
+    "kept to the criterion of leaps (`cavalcade.checking.physics.judge_leap`). Simulated over wall "
+    "time depends on the machine and on what else it did.",
 )
 """The same, of robots in physics."""
 

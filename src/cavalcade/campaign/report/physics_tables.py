@@ -8,8 +8,10 @@ from cavalcade.campaign.report.blocks import Table, without_empty_columns
 from cavalcade.campaign.report.tables import cell_names, head_of
 from cavalcade.campaign.report.trials import Order
 from cavalcade.campaign.report.verdict import Cell
-from cavalcade.campaign.report.wording import bound, count, number
+from cavalcade.campaign.report.wording import NONE, bound, count, number, share
 from cavalcade.campaign.statistics import upper_bound
+
+_CROSSINGS = ("crossings", "strict_crossings")
 
 
 def commanded_table(cells: Sequence[Cell], order: Order) -> Table:
@@ -51,6 +53,7 @@ def physics_table(cells: Sequence[Cell], order: Order) -> Table:
         fell = sum((trial.number("falls") or 0.0) > 0.0 for trial in cell.run)
         robots = sum(int(trial.number("robots") or 0) for trial in cell.run)
         seconds = sum(trial.number("sim_time_s") or 0.0 for trial in cell.run)
+        across = [sum(trial.measured(key) or 0 for trial in cell.run) for key in _CROSSINGS]
         tilt, torque = cell.spread("physics.max_tilt_rad"), cell.spread("physics.max_torque_share")
         rows.append(
             (
@@ -60,6 +63,8 @@ def physics_table(cells: Sequence[Cell], order: Order) -> Table:
                 count(round(seconds)),
                 count(fell),
                 bound(upper_bound(fell, len(cell.run)), len(cell.run)),
+                count(round(across[0])) if across[0] else NONE,
+                share(round(across[1]), round(across[0])) if across[0] else NONE,
                 number(tilt.median),
                 number(tilt.most),
                 number(torque.median),
@@ -74,10 +79,13 @@ def physics_table(cells: Sequence[Cell], order: Order) -> Table:
         "simulated (s)",
         "with a fall",
         "95 % bound",
+        "crossed gap or step",
+        "strictly",
         "tilt p50 (rad)",
         "most",
         "torque p50",
         "most",
         "simulated over wall time",
     )
-    return Table(columns, tuple(rows), len(head))
+    table = Table(columns, tuple(rows), len(head))
+    return without_empty_columns(table, range(len(head)))

@@ -77,6 +77,11 @@ class Trial:
             value = value.get(part) if isinstance(value, Mapping) else None
         return known(value)
 
+    def measured(self, key: str) -> float | None:
+        """What the campaign measured beside the summary; None if it has nothing of that key."""
+        said = self.line.get("measured")
+        return known(said.get(key)) if isinstance(said, Mapping) else None
+
     @property
     def commanded(self) -> bool:
         """Whether the robots were told how to walk, without a planner."""

@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 
 from cavalcade.errors import InputError
+from cavalcade.fleet import LeapingFleet, LeapRequest
 from cavalcade.formation.status import PlannerStatus
 from cavalcade.geometry import Array, wrap_angle
 from cavalcade.scenario import Scenario
 from cavalcade.scenario.commands import CommandSection
+from cavalcade.world import Terrain
 
 REACHED = 0.10
 """A robot stands as soon as it is this near to where it was sent, m."""
@@ -27,17 +29,28 @@ TURN_GAIN, TURN_MOST = 1.5, 0.6
 """Yaw rate per error of the heading, 1/s, and the largest, rad/s."""
 
 
+STILL = 1.5
+"""After a leap it stands so long, s."""
+
+
 class CommandPlayer:
     """Commands each robot what the task says, whatever the others do.
 
     Its status is `final`, and `done` when the task's time is over and every robot has been where
-    it was sent last.
+    it was sent last; `stuck` when a leap has failed.
 
     Args:
         scenario: Its task has commands.
+        terrain: Of its world; None for level ground.
+
+    Attributes:
+        leaper: The fleet, for robots that are to leap.
     """
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Scenario, terrain: Terrain | None = None) -> None:
+        self.leaper: LeapingFleet | None = None
+        self._terrain = terrain
+        self._failed: int | None = None
         self._robots = len(scenario.robots)
         every = scenario.task.commands or ()
         self._due: list[list[CommandSection]] = [
@@ -47,6 +60,7 @@ class CommandPlayer:
         self._active: list[CommandSection | None] = [None] * self._robots
         self._from: list[Array] = [np.zeros(2)] * self._robots
         self._reached = [True] * self._robots
+        self._landed: list[float | None] = [None] * self._robots
         self._start: float | None = None
         self._moment = 0.0
 
@@ -59,11 +73,12 @@ class CommandPlayer:
         places = np.full((self._robots, 2), np.nan)
         paths: list[Array] = []
         for robot, command in enumerate(self._active):
-            sent = command is not None and command.to is not None
-            places[robot] = command.to if command is not None and sent else self._from[robot]
+            point = None if command is None else command.to or command.leap
+            sent = point is not None
+            places[robot] = self._from[robot] if point is None else point
             paths.append(np.stack([self._from[robot], places[robot]]) if sent else np.zeros((0, 2)))
         return PlannerStatus(
-            state="done" if done else "final",
+            state="stuck" if self._failed is not None else "done" if done else "final",
             leader=-1,
             roles=np.full(self._robots, -1),
             slots=np.zeros((0, 2)),
@@ -75,8 +90,8 @@ class CommandPlayer:
             arrived=done,
             waypoint=0,
             goal_moved=0.0,
-            involved=(),
-            message="",
+            involved=() if self._failed is None else (self._failed,),
+            message="" if self._failed is None else f"robot {self._failed} could not leap",
         )
 
     def step(self, poses: Array, time: float, stamps: Array) -> Array:
@@ -90,16 +105,41 @@ class CommandPlayer:
             while due and due[0].at <= self._moment + 1e-9:
                 self._active[robot] = due.pop(0)
                 self._from[robot] = pose[:2].copy()
-                self._reached[robot] = self._active[robot].to is None  # type: ignore[union-attr]
+                self._begin(robot, self._active[robot], pose)
             command = self._active[robot]
             if command is None:
                 self._from[robot] = pose[:2].copy()
             elif command.velocity is not None:
                 self._from[robot] = pose[:2].copy()
                 commands[robot] = command.velocity
-            else:
+            elif command.to is not None:
                 commands[robot] = self._walk(robot, command, pose)
+            else:
+                self._await(robot)
         return commands
+
+    def _begin(self, robot: int, command: CommandSection | None, pose: Array) -> None:
+        """A command that is new."""
+        self._reached[robot] = command is None or command.velocity is not None
+        if command is None or command.leap is None:
+            return
+        self._landed[robot] = None
+        if self.leaper is None:
+            self._failed = robot
+        else:
+            self.leaper.leap(robot, leap_request(pose, command.leap, self._terrain))
+
+    def _await(self, robot: int) -> None:
+        """Look whether a robot has leapt, and stood for a while."""
+        if self.leaper is None or self.leaper.leaping[robot] or self._reached[robot]:
+            return
+        if self.leaper.leap_failed[robot]:
+            self._failed = robot
+        landed = self._landed[robot]
+        if landed is None:
+            self._landed[robot] = self._moment
+        else:
+            self._reached[robot] = self._moment - landed >= STILL
 
     def _walk(self, robot: int, command: CommandSection, pose: Array) -> Array:
         """Velocity on the straight line to a point, and what leads back to it."""
@@ -149,3 +189,35 @@ class CommandPlayer:
     def rejoin(self, robot: int) -> None:
         """Commands are for all robots."""
         raise InputError("the task has commands; no robot can come back")
+
+
+def leap_request(pose: Array, point: tuple[float, float], terrain: Terrain | None) -> LeapRequest:
+    """A straight leap from where a robot is towards a point, over the first break of the ground.
+
+    Args:
+        pose: `(3,)` x, y, yaw of the robot, map frame.
+        point: Where the trunk is to be then, m.
+        terrain: The ground; None if it is level.
+    """
+    from cavalcade.running.plans.leaping import edges_of
+
+    along = np.array(point) - pose[:2]
+    heading = math.atan2(along[1], along[0])
+    places = np.stack([pose[:2], np.array(point)])
+    heights = np.zeros(2) if terrain is None else terrain.heights_at(places)
+    first, last = (
+        np.array([*place, height, heading]) for place, height in zip(places, heights, strict=True)
+    )
+    still = np.zeros(3)
+    return LeapRequest(
+        approach=np.array([[0.0, *first]]),
+        take_off=first,
+        lift_off=first,
+        touch_down=last,
+        landed=last,
+        lift_off_velocity=still,
+        touch_down_velocity=still,
+        landed_velocity=still,
+        times=np.zeros(4),
+        edges=None if terrain is None else edges_of(terrain, first, last),
+    )
