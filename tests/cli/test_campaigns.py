@@ -159,6 +159,26 @@ def test_absent_data_is_one_line_and_one(
     assert not out.exists()
 
 
+@pytest.mark.parametrize(
+    "words", [["physics-walk"], ["clutter", "--backend", "mujoco"]], ids=["suite", "backend"]
+)
+def test_absent_mujoco_is_one_line_and_one(
+    words: list[str],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    out = tmp_path / "a"
+    assert main(["campaign", *words, "--out", str(out)]) == 1
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.startswith(f"cavalcade: {words[0]}: ")
+    assert "pip install 'cavalcade[physics]'" in said.err
+    assert said.err.count("\n") == 1
+    assert not out.exists()
+
+
 def test_a_trial_that_was_lost_in_the_campaign(
     suite: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
