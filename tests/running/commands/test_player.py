@@ -55,7 +55,7 @@ def test_a_velocity_holds_until_the_next() -> None:
         [first, last],
         [first, last],
     ]
-    assert player.status.state == "final"
+    assert player.status.state == "commanded"
     played(player, [14.0], poses)
     assert player.status.state == "done"
 
@@ -63,7 +63,7 @@ def test_a_velocity_holds_until_the_next() -> None:
 def test_it_is_not_done_before_all_have_been_where_they_were_sent() -> None:
     player = CommandPlayer(scenario([{"at": 0, "to": [8, 2]}], duration=1))
     played(player, [0.0, 5.0], [[6, 2, 0]])
-    assert player.status.state == "final"
+    assert player.status.state == "commanded"
     assert player.status.goals.tolist() == [[8.0, 2.0]]
     assert played(player, [6.0], [[8.0 - REACHED + 1e-6, 2, 0]]) == [[[0.0] * 3]]
     assert player.status.state == "done"

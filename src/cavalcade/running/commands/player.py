@@ -36,7 +36,7 @@ STILL = 1.5
 class CommandPlayer:
     """Commands each robot what the task says, whatever the others do.
 
-    Its status is `final`, and `done` when the task's time is over and every robot has been where
+    Its status is `commanded`, and `done` when the task's time is over and every robot has been where
     it was sent last; `stuck` when a leap has failed.
 
     Args:
@@ -78,7 +78,7 @@ class CommandPlayer:
             places[robot] = self._from[robot] if point is None else point
             paths.append(np.stack([self._from[robot], places[robot]]) if sent else np.zeros((0, 2)))
         return PlannerStatus(
-            state="stuck" if self._failed is not None else "done" if done else "final",
+            state="stuck" if self._failed is not None else "done" if done else "commanded",
             leader=-1,
             roles=np.full(self._robots, -1),
             slots=np.zeros((0, 2)),
@@ -87,7 +87,7 @@ class CommandPlayer:
             paths=tuple(paths),
             connections=np.zeros((0, 2), dtype=np.int64),
             eta=np.full(self._robots, max(self._length - self._moment, 0.0)),
-            arrived=done,
+            arrived=False,
             waypoint=0,
             goal_moved=0.0,
             involved=() if self._failed is None else (self._failed,),
