@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from cavalcade.errors import InputError
 from cavalcade.running import run
 from cavalcade.running.commands.player import REACHED, CommandPlayer
-from cavalcade.scenario import parse_scenario
+from cavalcade.scenario import build_world, parse_scenario
 
 
 def scenario(commands: list[dict[str, Any]], robots: int = 1, **task: Any) -> Any:
@@ -114,6 +114,61 @@ def test_who_runs_into_a_wall_fails() -> None:
     result = run(scenario([{"at": 0, "velocity": [0.5, 0, 0]}], duration=15.0))
     assert not result.success
     assert result.summary["collisions"]["robot_obstacle"] > 0
+
+
+class Leaper:
+    """As much of a fleet as the player needs."""
+
+    def __init__(self) -> None:
+        self.leaping = np.zeros(1, dtype=bool)
+        self.leap_failed = np.zeros(1, dtype=bool)
+        self.told: list[tuple[int, Any]] = []
+
+    def leap(self, robot: int, request: Any) -> None:
+        self.told.append((robot, request))
+        self.leaping[robot] = True
+
+
+@pytest.fixture
+def leaping() -> tuple[CommandPlayer, Leaper]:
+    said = {
+        "version": 1,
+        "name": "leap",
+        "world": {"generate": {"kind": "gap", "size": [6, 2.4], "width": 0.3}},
+        "robots": [{"start": [1.0, 1.2, 0.0]}],
+        "task": {"commands": [{"at": 1, "leap": [4.0, 1.2]}], "duration": 2},
+        "execution": {"backend": "mujoco"},
+    }
+    loaded = parse_scenario(said)
+    player, leaper = CommandPlayer(loaded, build_world(loaded).terrain), Leaper()
+    player.leaper = cast(Any, leaper)
+    return player, leaper
+
+
+def test_a_leap_is_handed_over_once_and_waited_for(leaping: tuple[CommandPlayer, Leaper]) -> None:
+    player, leaper = leaping
+    played(player, [0.0, 1.0, 1.1], [[2.0, 1.2, 0.1]])
+    ((robot, request),) = leaper.told
+    assert robot == 0
+    assert request.take_off == pytest.approx([2.0, 1.2, 0.0, 0.0])
+    assert request.landed == pytest.approx([4.0, 1.2, 0.0, 0.0])
+    assert request.edges == pytest.approx([0.85, 1.15], abs=0.03)
+    assert player.status.state == "commanded"
+    leaper.leaping[0] = False
+    played(player, [5.0, 6.4], [[3.5, 1.2, 0.0]])
+    assert player.status.state == "commanded"
+    played(player, [6.5], [[3.5, 1.2, 0.0]])
+    assert player.status.state == "done"
+
+
+def test_a_failed_leap_is_the_end(leaping: tuple[CommandPlayer, Leaper]) -> None:
+    player, leaper = leaping
+    played(player, [0.0, 1.0], [[2.0, 1.2, 0.1]])
+    leaper.leaping[0], leaper.leap_failed[0] = False, True
+    played(player, [1.5], [[2.0, 1.2, 0.1]])
+    status = player.status
+    assert (status.state, status.involved) == ("stuck", (0,))
+    assert status.message == "robot 0 could not leap"
 
 
 def test_what_is_for_other_planners_is_refused() -> None:
