@@ -51,11 +51,18 @@ def way(leap, phase, t, out):
         out[1], out[7] = hermite(first, rate, last, 0.0, lasts, t)
     else:
         out[1], out[7] = hermite(first, 0.0, last, 0.0, lasts, t)
-    turn = leap.yaws[1] - leap.yaws[0]
-    out[2] = leap.yaws[0] if phase < FLIGHT else leap.yaws[0] + turn
-    if phase == FLIGHT:
-        out[2] = leap.yaws[0] + share * turn
-        out[8] = turn / lasts
+    # The push begins the turn, the flight goes on with it.
+    before, after = leap.yaws[0], leap.yaws[1]
+    rate = (after - before) / (0.5 * leap.lasts[PUSH] + leap.lasts[FLIGHT])
+    lifted = before + 0.5 * rate * leap.lasts[PUSH]
+    if phase == CROUCH:
+        out[2] = before
+    elif phase == PUSH:
+        out[2], out[8] = hermite(before, 0.0, lifted, rate, lasts, t)
+    elif phase == FLIGHT:
+        out[2], out[8] = lifted + rate * t, rate
+    else:
+        out[2], out[8] = hermite(after, rate, after, 0.0, lasts, t)
     for a in range(3):
         if phase == CROUCH:
             place, speed = hermite(leap.start[a], 0.0, leap.squat[a], 0.0, 0.8 * lasts, t)
