@@ -97,16 +97,18 @@ def find_crossing(
 def _end(
     heights: Heights, origin: Array, way: Array, edge: float, sign: float
 ) -> tuple[float, float]:
-    """Where level ground ends at an edge, m along the way, and its height."""
-    away = np.arange(0.0, _SPAN, _GRAIN)
+    """Where level ground ends near an edge, m along the way, and its height.
+
+    `sign` is -1 for the ground before the edge, 1 for that behind it.
+    """
+    away = np.arange(-_AWAY, _SPAN, _GRAIN)
     height = heights(origin + np.outer(edge + sign * away, way))
     own = float(np.median(height[away > _AWAY]))
-    off = np.flatnonzero(np.abs(height - own) > LEVEL)
-    off = off[away[off] <= _AWAY]
-    steps = off[-1] + 1 if len(off) else 0
-    return edge + sign * float(away[steps]), own
+    off = np.flatnonzero((np.abs(height - own) > LEVEL) & (away <= _AWAY))
+    first = int(off[-1]) + 1 if len(off) else 0
+    return edge + sign * float(away[first]), own
 
 
 def _slope(lines: Array, places: Array) -> float:
-    """Of a line through places on parallel lines; that of the middle ones pairs."""
+    """Of the straight line nearest to places on parallel lines."""
     return float(np.polyfit(lines, places, 1)[0])
