@@ -280,6 +280,40 @@ def test_robots_keep_their_height_and_lean_with_a_slope(walkers, speed):
     assert np.mean(np.arcsin(pitch)) == pytest.approx(-np.arctan(slope), abs=0.05)
 
 
+@pytest.mark.parametrize("height", [0.05, -0.015])
+def test_steps_that_legs_do_not_know_of_are_walked_over(walkers, height):
+    """Higher ground is met early, which costs nothing; lower ground late, which does."""
+    x, low, high = (np.arange(250) + 0.5) * 0.02, min(height, 0.0), max(height, 0.0)
+    ground = on(np.tile(np.where(x > 1.5, high, -low), (100, 1)))["ground"]
+    known = on(np.full((100, 250), -low))["footing"]
+    robots = walkers(poses=[(0.8, 1.0, 0.0)], ground=ground, footing=known)
+    robots.drive((0.4, 0.0, 0.0), 4.0)
+    assert not robots.control.fallen.any()
+    assert robots.simulator.qpos[0, 0] > 2.1
+    assert robots.simulator.qpos[0, 2] - high == pytest.approx(0.28, abs=0.03)
+
+
+@pytest.mark.parametrize(("share", "stands"), [(0.3, False), (0.55, False), (0.7, True)])
+def test_a_foot_that_touches_early_stands_only_late_in_its_swing(share, stands):
+    """It then pushes: torques of a standing leg instead of a swinging one's."""
+    control, gait = LegControl([GO1]), GaitSettings()
+    height = GO1.description.stand_height
+    qpos = np.concatenate([[0.0, 0.0, height, 1.0, 0.0, 0.0, 0.0], GO1.description.standing])[None]
+    still, loaded = np.zeros((1, 18)), np.full((1, 4), WEIGHT / 4)
+    control.begin(0.0, qpos)
+    control.step(0.0, qpos, still, loaded)  # stands from here on
+    control.command([[0.3, 0.0, 0.0]], 0.0)
+    swing = (1.0 - gait.duty) * gait.period
+    end = 0.002 + share * swing
+    air = loaded * [0.0, 1.0, 1.0, 0.0]
+    for time in np.arange(0.002, end, 0.002):
+        control.step(time, qpos, still, air)
+    before = control.feet[0, 0].copy()
+    moved = qpos + [0.03, *[0.0] * 18]  # the trunk and so all feet are ahead
+    control.step(end, moved, still, loaded)
+    assert (control.feet[0, 0] != before).any() == stands
+
+
 def test_commands_and_states_of_the_wrong_kind_are_refused():
     control = LegControl([GO1])
     qpos, qvel, feet = np.zeros((1, 19)), np.zeros((1, 18)), np.zeros((1, 4))
