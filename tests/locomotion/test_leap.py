@@ -172,6 +172,16 @@ def test_leaps_that_make_no_sense_are_refused(change, key):
         replace(GAP, **change)
 
 
+def test_leaps_beyond_what_legs_can_are_refused():
+    settings = LeapSettings()
+    far = replace(GAP, landing=(1.3, 0.0, 0.0, 0.0), edges=(0.23, 1.1))
+    high = replace(STEP, landing=(0.57, 0.0, 0.5, 0.0))
+    for leap in (far, high):
+        with pytest.raises(InputError, match="m/s"):
+            laid(leap, settings)
+        assert np.linalg.norm(laid(leap, replace(settings, fastest=9.0))["lift_velocity"]) > 2.75
+
+
 def test_a_leap_on_the_spot_goes_where_the_robot_looks():
     leap = LeapManoeuvre((1.0, 2.0, 0.0, 0.5), (1.0, 2.0, 0.1, 0.5))
     np.testing.assert_allclose(leap.direction, (math.cos(0.5), math.sin(0.5)))

@@ -21,6 +21,9 @@ SHORT, STRETCH = 0.02, 0.92
 """A push goes on while it would end so far short, m, and legs are shorter than that share of their
 length."""
 
+ASTRAY = 0.06
+"""A leap has failed if a foot stands so much higher or lower than where it should land, m."""
+
 LOST = 0.35
 """A flight that lasts so much longer than planned has failed, s."""
 
@@ -161,6 +164,8 @@ def settle(robot, state, leap, body):
     for leg in range(4):
         for a in range(3):
             state.stood[leg, a] = body.foot[leg, a]
+        if abs(body.foot[leg, 2] - leap.foothold[leg, 2]) > ASTRAY:
+            leap.failed = 1
     mean = 0.25 * (body.foot[0, 2] + body.foot[1, 2] + body.foot[2, 2] + body.foot[3, 2])
     state.ground = mean - robot.foot_radius
     state.slope[:] = 0.0

@@ -157,7 +157,7 @@ class LegControl:
         """Let a robot that stands leap; it stands again when it has landed.
 
         Raises:
-            InputError: The robot does not stand.
+            InputError: The robot does not stand, or the leap is too far or too high.
         """
         state = self._states[robot]
         if state["mode"] != STANDING:

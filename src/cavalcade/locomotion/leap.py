@@ -69,6 +69,7 @@ class LeapSettings:
         reach: at touch-down behind it, at a leap of `far` m or more; m.
         far: m.
         flight: Shortest flight, s.
+        fastest: Greatest velocity at lift-off, m/s.
         tuck: In flight feet are drawn up so far below the centre of mass, m.
         margin: A foot's centre lands at least so far beyond an edge, m, and
         drop: that much further per m that the landing is lower, at most `clear` m: rear knees,
@@ -76,7 +77,6 @@ class LeapSettings:
         before: Front feet stand so far before an edge, m, and
         head: that much further per m that the landing is higher: the head rises past the edge;
         brink: that much further where it is lower: nobody steps onto a brink.
-        boost: Factors on the velocity at lift-off along the leap and upwards.
         pitch: In the squat, at lift-off and at touch-down, rad; noses go up with negative ones.
         weights, land_weights: Of squared errors of the state, as in `GaitSettings`.
         force_weight: Of squared forces, 1/N².
@@ -99,6 +99,7 @@ class LeapSettings:
     reach: float = 0.10
     far: float = 0.7
     flight: float = 0.30
+    fastest: float = 2.75
     tuck: float = 0.16
     margin: float = 0.05
     drop: float = 2.2
@@ -106,7 +107,6 @@ class LeapSettings:
     before: float = 0.04
     head: float = 0.5
     brink: float = 0.05
-    boost: tuple[float, float] = (1.0, 1.0)
     pitch: tuple[float, float, float] = (0.0, 0.0, 0.0)
     weights: Weights = (5.0, 10.0, 5.0, 20.0, 20.0, 50.0, 0.1, 0.2, 0.2, 2.0, 2.0, 2.0)
     land_weights: Weights = (5.0, 5.0, 2.0, 4.0, 4.0, 50.0, 0.05, 0.05, 0.15, 0.6, 0.6, 0.6)
@@ -137,6 +137,9 @@ def lay_out(
         feet: `(4, 3)` where the feet stand, their centres, world, m.
         yaw: Of the trunk now, unwrapped, rad.
         settings: How to leap.
+
+    Raises:
+        InputError: The leap is too far or too high.
     """
     leap = np.zeros((), LEAP)
     way = manoeuvre.direction
@@ -169,7 +172,11 @@ def lay_out(
     flight = max(math.sqrt(2.0 * float(np.linalg.norm(flown)) / GRAVITY), settings.flight)
     velocity = flown / flight
     velocity[2] += 0.5 * GRAVITY * flight
-    velocity *= (settings.boost[0], settings.boost[0], settings.boost[1])
+    speed = float(np.linalg.norm(velocity))
+    if speed > settings.fastest:
+        raise InputError(
+            f"a leap at {speed:.2f} m/s; legs reach {settings.fastest:.2f} m/s", key="landing"
+        )
     stroke = settings.lift - settings.squat
     push = 2.0 * stroke / max(velocity[2], 0.1)
     push = min(max(push, settings.push[0]), settings.push[1])

@@ -97,7 +97,10 @@ class Leapers:
                 )
             self._orders[robot] = pilot.velocity if order == WALK else 0.0
             if order == LEAP and pilot.manoeuvre is not None:
-                control.leap(robot, pilot.manoeuvre)
+                try:
+                    control.leap(robot, pilot.manoeuvre)
+                except InputError:
+                    order = FAILED  # too far or too high: it stays where it is
             if order in (DONE, FAILED):
                 self.failed[robot] = order == FAILED
                 del self._pilots[robot]
