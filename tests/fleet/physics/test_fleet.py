@@ -222,6 +222,13 @@ def test_a_robot_that_is_thrown_over_has_fallen() -> None:
     assert 0.5 < fall.time < 2.0
 
 
+def test_physics_that_is_unstable_is_no_motion() -> None:
+    fleet = fleet_of((0.0, 0.0, 0.0))
+    fleet.simulator.data.qvel[0] = np.inf
+    with pytest.raises(InputError, match=r"unstable \(BADQVEL\) by 0.02 s"):
+        fleet.advance(DT)
+
+
 def test_samples_tell_what_happened() -> None:
     fleet = fleet_of((0.0, 0.0, 0.0), (1.5, 0.0, 1.0), time=7.0)
     drive(fleet, FORWARDS, 2.01)

@@ -95,6 +95,27 @@ def test_a_push_gives_its_impulse_and_ends():
     assert not simulator.data.xfrc_applied.any()
 
 
+@pytest.mark.parametrize("duration", [1e-5, 0.003, 0.0051])
+def test_a_push_of_no_whole_number_of_steps_gives_its_impulse_too(duration):
+    simulator = TeamSimulator([GO1], [(0.0, 0.0, 0.0)])
+    simulator.data.qpos[2] = 3.0
+    before = momentum(simulator)
+    simulator.push(0, (5.0 / duration, 0.0, 0.0), duration)
+    for _ in range(5):
+        simulator.step(np.zeros((1, 12)))
+    assert (momentum(simulator) - before)[0] == pytest.approx(5.0, abs=0.05)
+
+
+def test_what_goes_wrong_in_physics_is_seen_and_leaves_no_file(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    simulator = TeamSimulator([GO1], [(0.0, 0.0, 0.0)])
+    assert simulator.trouble is None
+    simulator.data.qvel[0] = np.inf
+    simulator.step(np.zeros((1, 12)))
+    assert simulator.trouble == "BADQVEL"
+    assert not list(tmp_path.iterdir())
+
+
 def test_torques_are_cut_to_the_limits():
     simulator = TeamSimulator([GO1, GO2], [(0.0, 0.0, 0.0), (2.0, 0.0, 0.0)])
     simulator.step(np.full((2, 12), 1e3))

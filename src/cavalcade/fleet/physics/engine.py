@@ -10,6 +10,9 @@ from cavalcade.errors import InputError
 def load_mujoco() -> Any:
     """The module `mujoco`.
 
+    Its warnings are counted in `MjData.warning`; it does not write them to a file `MUJOCO_LOG.TXT`
+    in the working directory besides, unless somebody else has said what is to become of them.
+
     Raises:
         InputError: It is not installed; the line says how to install it.
     """
@@ -19,4 +22,10 @@ def load_mujoco() -> Any:
         raise InputError(
             "MuJoCo is not installed: pip install 'cavalcade[physics]'", key="physics"
         ) from None
+    if mujoco.get_mju_user_warning() is None:
+        mujoco.set_mju_user_warning(_ignore)
     return mujoco
+
+
+def _ignore(_: str) -> None:
+    """A warning that is counted."""

@@ -174,7 +174,7 @@ class MujocoFleet:
         """Let `dt` seconds pass; every robot that answers then reports its pose.
 
         Raises:
-            InputError: `dt` is not positive and finite.
+            InputError: `dt` is not positive and finite, or physics has become unstable.
         """
         if not (math.isfinite(dt) and dt > 0.0):
             raise InputError("expected a positive time step", key="dt")
@@ -257,7 +257,18 @@ class MujocoFleet:
                 self.simulator.place_obstacle(number, place)
 
     def _judge(self) -> None:
-        """Look for falls in the newest sample."""
+        """Look for falls in the newest sample.
+
+        Raises:
+            InputError: Physics has become unstable: what it shows is no motion of robots.
+        """
+        trouble = self.simulator.trouble
+        if trouble is not None:
+            raise InputError(
+                f"MuJoCo became unstable ({trouble}) by {self._sampler.time:.2f} s; expected "
+                "gentler pushes and obstacles, or another model",
+                key="physics",
+            )
         qpos = self._sampler.qpos
         below = self.simulator.ground.heights_at(qpos[:, :2])
         found = find_falls(qpos, below, self._lowest, MOST_TILT)

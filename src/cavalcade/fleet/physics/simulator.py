@@ -104,6 +104,17 @@ class TeamSimulator:
         """`(N, 12)` that the motors gave during the last step, N m; a copy."""
         return self._given.copy()
 
+    @property
+    def trouble(self) -> str | None:
+        """What MuJoCo has warned of, as it calls it, such as `BADQACC`; None while all is well.
+
+        After some of these warnings it puts all robots back to where its model has them.
+        """
+        warned = np.flatnonzero(self.data.warning.number)
+        if not len(warned):
+            return None
+        return str(load_mujoco().mjtWarning(int(warned[0])).name).removeprefix("mjWARN_")
+
     def step(self, torques: ArrayLike) -> None:
         """Let one physics step pass under the torques `(N, 12)`, N m, cut to the limits.
 
@@ -136,7 +147,8 @@ class TeamSimulator:
         Args:
             robot: Which.
             force: `(3,)` in the map frame, N.
-            duration: Rounded to whole steps, at least one, s.
+            duration: s; rounded to whole steps, at least one, and the force with it, so that the
+                impulse stays.
 
         Raises:
             InputError: No such robot, a force of another shape, or something not finite.
@@ -148,8 +160,9 @@ class TeamSimulator:
             raise InputError("expected three finite numbers", key="force")
         if not (math.isfinite(duration) and duration > 0.0):
             raise InputError("expected positive seconds", key="duration")
-        steps = max(1, round(duration / self.settings.step))
-        self._pushes.append((self._steps + steps, robot, vector))
+        wanted = duration / self.settings.step
+        steps = max(1, round(wanted))
+        self._pushes.append((self._steps + steps, robot, vector * (wanted / steps)))
 
     def place_obstacle(self, number: int, offset: tuple[float, float] | None) -> None:
         """Put a movable obstacle of the ground somewhere; all are away at first.
