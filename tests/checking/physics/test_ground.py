@@ -13,8 +13,8 @@ from cavalcade.world import OccupancyMap, generate_terrain
 from .conftest import GO1, Recorder
 
 
-def floor_from(height, places):
-    return floor_of(Heights(height, 0.05), places)
+def floor_from(height, places, cell=0.05):
+    return floor_of(Heights(height, cell), places)
 
 
 def test_a_slope_has_one_normal():
@@ -38,6 +38,19 @@ def test_an_edge_has_none():
     low, high = floor.range_at(places, 0.02)
     assert low.tolist() == [0.0, 0.0, 0.0, pytest.approx(0.2), pytest.approx(0.2)]
     assert high.tolist() == [0.0, 0.0, *[pytest.approx(0.2)] * 3]
+
+
+@pytest.mark.parametrize("height", [0.02, 0.05, 0.3])
+def test_nowhere_beside_an_edge_is_a_foot_on_even_ground(height):
+    """However far it is from the edge, as long as its ball of 2 cm may touch it."""
+    grid = np.zeros((100, 100))
+    grid[:, 50:] = height
+    x = np.arange(0.92, 1.0801, 0.002)
+    places = np.stack([x, np.full(len(x), 1.0)], axis=1)
+    even = floor_from(grid, places, 0.02).even_at(places, 0.02)
+    # The edge rises between the centres of the cells at both sides of 1 m.
+    assert not even[np.abs(x - 1.0) < 0.01 + 0.02].any()
+    assert even[np.abs(x - 1.0) > 0.01 + 0.06 + 1e-6].all()
 
 
 @pytest.mark.parametrize(

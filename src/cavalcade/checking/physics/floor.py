@@ -69,11 +69,24 @@ class HeightFloor:
         return unit
 
     def even_at(self, places: Array, reach: float) -> NDArray[np.bool_]:
-        """Where slopes seen nearby and from three times as far are gentle and about the same."""
+        """Where slopes seen nearby and from three times as far are gentle and about the same.
+
+        They are so, too, before and behind, left and right of the place itself: a foot beside an
+        edge sees half of it from near and from far.
+        """
         near, far = self._slope_at(places, reach), self._slope_at(places, 3.0 * reach)
         size = np.maximum(np.abs(near), np.abs(far)).max(axis=-1)
-        even: NDArray[np.bool_] = (size < STEEP) & (np.abs(near - far).max(axis=-1) < BENT)
+        bend = np.maximum(self._bend_at(places, reach), self._bend_at(places, 2.0 * reach))
+        bend = np.maximum(bend, np.abs(near - far).max(axis=-1))
+        even: NDArray[np.bool_] = (size < STEEP) & (bend < BENT)
         return even
+
+    def _bend_at(self, places: Array, reach: float) -> Array:
+        """Largest change `(...)` of the slope from one side of a place to the other."""
+        heights = self._ground.heights_at(places[..., None, :] + reach * _AROUND)
+        sides = heights[..., 1::2] + heights[..., 2::2] - 2.0 * heights[..., :1]
+        bend: Array = np.abs(sides / reach).max(axis=-1)
+        return bend
 
     def _slope_at(self, places: Array, reach: float) -> Array:
         heights = self._ground.heights_at(places[..., None, :] + reach * _AROUND[1:])
