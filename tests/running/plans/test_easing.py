@@ -9,9 +9,16 @@ import pytest
 
 from cavalcade.body.trajectory import Trajectory
 from cavalcade.robots import MODELS
-from cavalcade.running.plans.easing import GRAIN, LegLimits, pace_profile, rounded_headings
+from cavalcade.running.plans.easing import (
+    GRAIN,
+    LegLimits,
+    pace_profile,
+    relief_along,
+    rounded_headings,
+)
 from cavalcade.running.plans.follower import PlanFollower
 from cavalcade.running.plans.pacing import WALKING
+from cavalcade.world import generate_terrain
 
 LIMITS = LegLimits()
 BRAKE = 1.3
@@ -111,3 +118,27 @@ def test_the_follower_slows_down_at_corners_and_not_elsewhere():
     there = np.array(progress[1:])
     assert min(np.array(rates)[np.abs(there - 1.5) < 0.2]) < 0.8
     assert (np.array(rates)[(there > 0.5) & (there < 1.0)] > 0.99).all()
+
+
+def test_relief_is_what_departs_from_a_plane():
+    poses = np.array([[3.0, 2.0, 0.3], [3.0, 1.5, -1.0]])
+    slope = generate_terrain("slope", (6.0, 4.0), angle=0.2)
+    np.testing.assert_allclose(relief_along(slope, poses), 0.0, atol=1e-9)
+    step = generate_terrain("step", (6.0, 4.0), height=0.2)
+    across = np.column_stack([np.linspace(1.0, 5.0, 81), np.full(81, 2.0), np.zeros(81)])
+    relief = relief_along(step, across)
+    # What a plane through a step leaves of it, and nothing away from it.
+    assert 0.1 < relief.max() < 0.2
+    assert relief[[0, -1]].max() < 1e-9
+
+
+def test_rough_ground_is_passed_more_slowly():
+    rough = generate_terrain("rough", (6.0, 4.0), seed=1, height=0.25)
+    path = bends([0.0], span=6.0)
+    path = replace(path, position=path.position + np.array([0.5, 2.0, 0.0]))
+    level, there = (pace_profile(path, LIMITS, BRAKE, ground) for ground in (None, rough))
+    assert (there <= level + 1e-12).all()
+    relief = relief_along(rough, path.poses_at(GRAIN * np.arange(len(there))))
+    most = np.interp(relief, LIMITS.relief, (LIMITS.ahead, LIMITS.rough_ahead))
+    assert (there[10:-30] * 0.75 <= most[10:-30] + 1e-6).all()
+    assert there[10:-30].min() < 0.7

@@ -13,12 +13,16 @@ import numpy as np
 
 from cavalcade.body.trajectory import Trajectory
 from cavalcade.geometry import Array
+from cavalcade.world import Terrain
 
 GRAIN = 0.025
 """Step of the profile, s of plan time."""
 
 _SLOWEST = 0.15
 """No place is passed more slowly than this part of the plan's pace."""
+
+_BELOW_X, _BELOW_Y = np.linspace(-0.3, 0.4, 8), np.linspace(-0.2, 0.2, 5)
+"""Places below a body and where it steps next, in its frame, m."""
 
 
 @dataclass(frozen=True)
@@ -30,6 +34,9 @@ class LegLimits:
         turning: rad/s.
         acceleration: Of the velocity in the body frame, m/s².
         turning_acceleration: rad/s².
+        relief: Between these departures of the ground from a plane, from the lowest to the highest
+            below the body, m,
+        rough_ahead: the speed ahead falls from `ahead` to this, m/s.
         window: Corners of the heading are rounded over so much plan time, s: it is off by at most
             an eighth of the change of the yaw rate times this.
     """
@@ -39,6 +46,8 @@ class LegLimits:
     turning: float = 1.6
     acceleration: float = 1.0
     turning_acceleration: float = 3.0
+    relief: tuple[float, float] = (0.06, 0.16)
+    rough_ahead: float = 0.3
     window: float = 0.25
 
 
@@ -63,7 +72,9 @@ def _area_at(time: Array, yaw: Array, area: Array, moments: Array) -> Array:
     return np.asarray(area[at] + after * (yaw[at] + 0.5 * slope * after))
 
 
-def pace_profile(path: Trajectory, limits: LegLimits, brake: float) -> Array:
+def pace_profile(
+    path: Trajectory, limits: LegLimits, brake: float, terrain: Terrain | None = None
+) -> Array:
     """Largest rates of progress `(K,)` every `GRAIN` s of plan time that keep to the limits.
 
     Before a slow place the rate comes down by at most `brake` per second.
@@ -72,9 +83,10 @@ def pace_profile(path: Trajectory, limits: LegLimits, brake: float) -> Array:
         path: With rounded headings.
         limits: Of the robot.
         brake: 1/s.
+        terrain: Ground with heights, if there is any.
     """
     count = int(np.ceil(path.duration / GRAIN)) + 2
-    times = GRAIN * np.arange(count)
+    times = GRAIN * np.arange(count, dtype=float)
     around = 0.5 * max(limits.window, 2.0 * GRAIN)
     before, after = (path.poses_at(times + side * around) for side in (-1.0, 1.0))
     here = path.poses_at(times)
@@ -83,8 +95,12 @@ def pace_profile(path: Trajectory, limits: LegLimits, brake: float) -> Array:
     out = _body_velocity(here, after, 0.5 * (here + after), around)
     change = (out - into) / around
     rates = np.ones(count)
+    ahead = np.full(count, limits.ahead)
+    if terrain is not None:
+        slow = (limits.ahead, min(limits.rough_ahead, limits.ahead))
+        ahead = np.interp(relief_along(terrain, here), limits.relief, slow)
     for value, most in (
-        (np.abs(speeds[:, 0]), limits.ahead),
+        (np.abs(speeds[:, 0]), ahead),
         (np.abs(speeds[:, 1]), limits.sideways),
         (np.abs(speeds[:, 2]), limits.turning),
     ):
@@ -100,6 +116,22 @@ def pace_profile(path: Trajectory, limits: LegLimits, brake: float) -> Array:
     for k in range(count - 2, -1, -1):
         squares[k] = min(squares[k], squares[k + 1] + 2.0 * brake * GRAIN)
     return np.asarray(np.sqrt(squares))
+
+
+def relief_along(terrain: Terrain, poses: Array) -> Array:
+    """`(K,)` how far the ground below a body departs from a plane, lowest to highest, m.
+
+    Args:
+        terrain: Ground with heights.
+        poses: `(K, 3)` x, y, yaw.
+    """
+    x, y = (grid.ravel() for grid in np.meshgrid(_BELOW_X, _BELOW_Y))
+    c, s = np.cos(poses[:, 2:]), np.sin(poses[:, 2:])
+    points = np.stack([poses[:, :1] + c * x - s * y, poses[:, 1:2] + s * x + c * y], axis=-1)
+    heights = terrain.heights_at(points.reshape(-1, 2)).reshape(len(poses), -1)
+    plane = np.column_stack([np.ones_like(x), x, y])
+    off = heights - heights @ (plane @ np.linalg.pinv(plane)).T
+    return np.asarray(off.max(axis=1) - off.min(axis=1))
 
 
 def _body_velocity(start: Array, end: Array, facing: Array, span: float) -> Array:

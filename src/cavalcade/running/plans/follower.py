@@ -53,7 +53,8 @@ class PlanFollower:
         refusal: Why there is no plan: nobody moves then, and the status says so.
         settings: How robots that lag are waited for, and how much is corrected.
         leaper: The fleet, if its robots leap by themselves.
-        terrain: Ground with heights, of which it is told where it breaks.
+        terrain: Ground with heights: the leaper is told where it breaks, and robots with limits
+            go more slowly where it is rough.
     """
 
     def __init__(
@@ -79,7 +80,7 @@ class PlanFollower:
         self._period = 1.0 / rate
         self._refusal = refusal
         self._settings = settings
-        self._pace = Pace(self._paths, models, self._period, settings)
+        self._pace = Pace(self._paths, models, self._period, settings, terrain)
         self._leaps = None if leaper is None else Leaps(self._paths, leaper, terrain, self._pace)
         self._quiet = np.zeros(len(self._paths), dtype=bool)
         self._trace: list[tuple[float, Array]] = []

@@ -13,6 +13,7 @@ from cavalcade.geometry import Array, wrap_angle
 from cavalcade.robots import RobotModel
 from cavalcade.running.plans.easing import GRAIN, LegLimits, pace_profile
 from cavalcade.running.plans.precedence import MARGIN, Precedence, reach_of
+from cavalcade.world import Terrain
 
 ON_TRACK = 0.05
 """A robot is where its reference is if no point of its body is farther off, m."""
@@ -85,6 +86,7 @@ class Pace:
         models: Of the robots.
         period: Of a cycle, s.
         settings: How to wait.
+        terrain: Ground with heights, where robots with `limits` go more slowly.
     """
 
     def __init__(
@@ -93,6 +95,7 @@ class Pace:
         models: Sequence[RobotModel],
         period: float,
         settings: FollowSettings,
+        terrain: Terrain | None = None,
     ) -> None:
         self._paths = paths
         self.period = period
@@ -108,7 +111,7 @@ class Pace:
         size = len(paths)
         limits = settings.limits
         self._profiles = [
-            np.ones(1) if limits is None else pace_profile(path, limits, self._brake)
+            np.ones(1) if limits is None else pace_profile(path, limits, self._brake, terrain)
             for path in paths
         ]
         self.delay = np.zeros(size)
