@@ -75,7 +75,9 @@ def summarise(
     if scenario.task.commands is not None:
         from cavalcade.running.commands.figures import summarise_commands
 
-        commanded = summarise_commands(recording)
+        events = scenario.execution.events
+        pushes = [(event.at, event.push.robot) for event in events if event.push is not None]
+        commanded = summarise_commands(recording, pushes)
     cycles = outcome.planning * 1e3
     return {
         "name": scenario.name,

@@ -53,6 +53,13 @@ def test_the_first_seconds_of_a_command_do_not_count() -> None:
     assert len(stretch.velocities) == 30
 
 
+def test_a_push_counts_as_a_new_command() -> None:
+    moved = recording([[0.4, 0, 0]] * 141, (0.4, 0.0, 0.0))
+    first, last = stretches(moved, [(3.52, 0), (1.0, 1)])
+    # 2 s of each are left out.
+    assert (len(first.velocities), len(last.velocities)) == (31, 29)
+
+
 def test_commands_that_change_all_the_time_have_no_figures() -> None:
     said = [[0.01 * k, 0, 0] for k in range(100)]
     assert set(summarise_commands(recording(said, (0.1, 0, 0))).values()) == {None}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -39,10 +39,15 @@ class Stretch:
     velocities: Array
 
 
-def summarise_commands(recording: Recording) -> dict[str, Any]:
+Push = tuple[float, int]
+"""When somebody was pushed, s, and who."""
+
+
+def summarise_commands(recording: Recording, pushes: Sequence[Push] = ()) -> dict[str, Any]:
     """What `commanded` holds in `summary.json`; null where no velocity was held long enough.
 
-    Of the stretches of a robot's way over which its commanded velocity had stood for 2 s:
+    Of the stretches of a robot's way over which its commanded velocity had stood for 2 s, and
+    nobody had pushed it:
 
     - `speed_error`: of the mean velocity in the commanded direction, in shares of the command,
     - `yaw_rate_error`: of the mean yaw rate, in the same way; of both the largest of all stretches,
@@ -54,7 +59,7 @@ def summarise_commands(recording: Recording) -> dict[str, Any]:
     turns: list[float] = []
     drifts: list[float] = []
     spreads: list[float] = []
-    for stretch in stretches(recording):
+    for stretch in stretches(recording, pushes):
         wanted = stretch.command
         speed = float(np.hypot(*wanted[:2]))
         mean = stretch.velocities.mean(axis=0)
@@ -74,8 +79,11 @@ def summarise_commands(recording: Recording) -> dict[str, Any]:
     }
 
 
-def stretches(recording: Recording) -> Iterator[Stretch]:
-    """The stretches of constant commands of each robot, without their first seconds."""
+def stretches(recording: Recording, pushes: Sequence[Push] = ()) -> Iterator[Stretch]:
+    """The stretches of constant commands of each robot, without their first seconds.
+
+    A push begins another one.
+    """
     time, poses = _motion(recording)
     if len(time) < 2:
         return
@@ -85,7 +93,9 @@ def stretches(recording: Recording) -> Iterator[Stretch]:
         said = recording.commands[:, robot]
         change = np.flatnonzero((np.abs(np.diff(said, axis=0)) > _GRAIN).any(axis=1)) + 1
         # The last cycle stops the team: its command is not the task's.
-        ends = [0, *(int(k) for k in change), len(said) - 1]
+        pushed = [int(np.searchsorted(recording.time, at)) for at, who in pushes if who == robot]
+        inner = sorted({*(int(k) for k in change), *pushed} - {0, len(said)})
+        ends = [0, *inner, len(said) - 1]
         for first, last in pairwise(ends):
             if first >= last:
                 continue

@@ -36,7 +36,7 @@ STILL = 1.5
 class CommandPlayer:
     """Commands each robot what the task says, whatever the others do.
 
-    Its status is `commanded`, and `done` when the task's time is over and every robot has been where
+    Its status is `commanded`; `done` when the task's time is over and every robot has been where
     it was sent last; `stuck` when a leap has failed.
 
     Args:
