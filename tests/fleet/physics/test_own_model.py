@@ -175,6 +175,17 @@ def test_torque_limits_from_other_places(written):
     assert own_robot(written(limited), GO1).description.torque_limits[3] == 30.0
 
 
+@pytest.mark.parametrize("how", ["", 'mocap="true"'])
+def test_what_else_stands_in_its_world_is_left_out(written, how):
+    floor = '<geom name="floor"'
+    table = f'<body name="table" {how} pos="2 0 0"><geom type="box" size="0.1 0.1 0.1"/></body>'
+    weld = '<equality><weld body1="table" body2="torso"/></equality><sensor>'
+    crowded = text().replace(floor, table + floor).replace("<sensor>", weld)
+    again = own_robot(written(crowded), GO1)
+    assert again.description.mass == own_robot(written(text()), GO1).description.mass
+    assert TeamSimulator([again], [(0.0, 0.0, 0.0)]).model.nbody == 1 + 17
+
+
 BROKEN = {
     "no free joint": (("<freejoint/>", ""), "expected one body with a free joint"),
     "one hinge less": (
@@ -195,6 +206,7 @@ BROKEN = {
     ),
     "two left": (("-0.2 -0.05 0", "-0.2 0.06 0"), "expected four legs of three joints"),
     "no torque limit": (('<motor joint="roll_FR"/>', ""), "'roll_FR' has no torque limit"),
+    "no torque forwards": (("-30 30", "-30 0"), "largest torque of 0 N m"),
     "no foot": (
         ('type="sphere" size="0.025"', 'type="box" size="0.02 0.02 0.02"'),
         "no foot on leg FL",

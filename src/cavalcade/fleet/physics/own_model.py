@@ -72,7 +72,9 @@ def read_own_model(file: str | Path) -> OwnModel:
     torques = tuple(_torque(with_motors, joint, path) for joint in joints)
     for thing in (*spec.actuators, *spec.sensors):
         spec.delete(thing)
-    for thing in (*spec.worldbody.geoms, *spec.worldbody.sites, *spec.worldbody.lights):
+    world, trunk = spec.worldbody, spec.joint(root).parent.name
+    others = (body for body in world.bodies if body.name != trunk)
+    for thing in (*world.geoms, *world.sites, *world.lights, *others):
         spec.delete(thing)
     return OwnModel(spec, spec.compile(), root, joints, feet, torques)
 
@@ -95,8 +97,8 @@ def zero_state(model: Any) -> Any:
 
 
 def _name_everything(spec: Any) -> None:
-    """Names for joints and geoms without one: nothing refers to these."""
-    for kind, things in (("joint", spec.joints), ("geom", spec.geoms)):
+    """Names for bodies, joints and geoms without one: nothing refers to these."""
+    for kind, things in (("body", spec.bodies), ("joint", spec.joints), ("geom", spec.geoms)):
         for number, thing in enumerate(things):
             if not thing.name:
                 thing.name = f"unnamed_{kind}_{number}"
@@ -195,6 +197,16 @@ def _foot(model: Any, calf: str, leg: int, path: Path) -> str:
 
 def _torque(model: Any, name: str, path: Path) -> float:
     """The largest torque of a joint: its actuator's force or control range, or its own."""
+    torque = _upper_torque(model, name, path)
+    if not torque > 0.0:
+        raise InputError(
+            f"joint {name!r} has a largest torque of {torque:g} N m; expected a positive one",
+            file=path,
+        )
+    return torque
+
+
+def _upper_torque(model: Any, name: str, path: Path) -> float:
     joint = model.joint(name).id
     if model.jnt_actfrclimited[joint]:
         return float(model.jnt_actfrcrange[joint, 1])
