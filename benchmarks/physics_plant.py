@@ -26,6 +26,7 @@ from cavalcade.fleet.physics import TeamSimulator
 from cavalcade.locomotion.control import LegControl
 from cavalcade.locomotion.settings import GaitSettings
 from cavalcade.robots import robot_model
+from cavalcade.robots.motion import ellipse_scale, limits_of, predict_team
 
 Array = NDArray[np.float64]
 Command = tuple[float, float, float]
@@ -165,6 +166,49 @@ def steps(name: str) -> None:
         print(f"| {text(command)} | {' | '.join(cells)}{fallen} |", flush=True)
 
 
+def foreseen(name: str) -> None:
+    """How far robots are from where the planners' motion model sees them under random commands.
+
+    The model starts from a pose and the velocity since the pose before, as planners know them.
+    """
+    model = robot_model(name)
+    limits, period = limits_of(model), COMMAND_EVERY * STEP
+    errors: dict[int, list[Array]] = {6: [], 12: []}
+    for seed in range(6):
+        random = np.random.default_rng(seed)
+        robots = Robots(name)
+        pose, command = robots.drive(STILL, 0.3).pose[-1], np.zeros(3)
+        poses, commands = [pose], []
+        for k in range(400):
+            if k % 12 == 0:
+                command = random.uniform(-1.0, 1.0, 3) * (model.max_speed_x, model.max_speed_y, 1.0)
+                command[:2] *= ellipse_scale(*command[:2], model.max_speed_x, model.max_speed_y)
+            commands.append(command)
+            x, y, yaw = command
+            pose = robots.drive((x, y, yaw), period).pose[-1]
+            pose[2] = np.unwrap((poses[-1][2], pose[2]))[1]
+            poses.append(pose)
+        for ahead, found in errors.items():
+            for k in range(20, 380):
+                place, speed = poses[k][None], ((poses[k] - poses[k - 1]) / period)[None]
+                for command in commands[k : k + ahead]:
+                    state = predict_team(place, speed, command[None], period / 4, 4, limits)
+                    place, speed = state[:, :3].copy(), state[:, 3:].copy()
+                found.append(place[0] - poses[k + ahead])
+    print("\n| foreseen for | RMS per axis m, rad | 99 of 100 within m, rad | largest m, rad |")
+    print("|---|---|---|---|")
+    for ahead, found in errors.items():
+        error = np.array(found)
+        off, turn = np.hypot(error[:, 0], error[:, 1]), np.abs(error[:, 2])
+        rms = math.sqrt(float((off**2).mean()) / 2.0), math.sqrt(float((turn**2).mean()))
+        print(
+            f"| {ahead * period:.1f} s | {rms[0]:.4f}, {rms[1]:.4f}"
+            f" | {np.quantile(off, 0.99):.3f}, {np.quantile(turn, 0.99):.3f}"
+            f" | {off.max():.3f}, {turn.max():.3f} |",
+            flush=True,
+        )
+
+
 def speed(name: str) -> None:
     """The best of many short times: others may keep the machine busy."""
     print("\n| robots | real-time factor, control included |")
@@ -192,6 +236,7 @@ def main() -> None:
     print(f"{options.robot} on level ground, friction 0.8, one thread.")
     steady(options.robot, options.seconds)
     steps(options.robot)
+    foreseen(options.robot)
     speed(options.robot)
 
 

@@ -14,8 +14,8 @@ from cavalcade.robots.model import Drive, RobotModel
 
 _PAPER = "Norén et al., Role-Adaptive Collaborative Formation Planning"
 _STRAY = 0.03
-"""Of Go1 and Go2, m: 99 of 100 positions 0.3 s ahead are foreseen better (0.028 and 0.029 m by
-`benchmarks/physics_plant.py`)."""
+"""Of Go1 and Go2, m: of 100 positions 99 are foreseen to 0.026 m for 0.3 s and to 0.037 m for 0.6 s
+(`benchmarks/physics_plant.py`)."""
 
 _DB_CBS = "db-CBS (IMRCLab/db-CBS, src/robots.cpp)"
 
