@@ -46,6 +46,7 @@ def test_defaults_of_individual_goals_are_written_out(single: Data, tmp_path: Pa
         "conflict": "costly",
         "leaps": True,
         "improve": 0,
+        "margin": None,  # the backend's own
         "budget": {"iterations": None, "seconds": None},
     }
     assert load_scenario(tmp_path / "s.yaml") == scenario
@@ -112,6 +113,7 @@ def test_the_schema_knows_both_kinds() -> None:
         ("planner.conflict", "last", "planner.conflict: unknown value 'last' (one of: costly"),
         ("planner.leaps", "yes", "planner.leaps: "),
         ("planner.improve", -1, "planner.improve: expected greater than or equal to 0"),
+        ("planner.margin", -0.1, "planner.margin: expected greater than or equal to 0"),
         ("planner.budget.iterations", 0, "planner.budget.iterations: expected greater than 0"),
         ("planner.budget.seconds", 0, "planner.budget.seconds: expected greater than 0"),
         ("execution.noise.position", 0.1, "execution.noise: individual goals are planned ahead"),

@@ -119,7 +119,7 @@ def _summary(
     """Of the run; planning is that of the plan, and what formations alone have is null.
 
     Beyond a formation's keys there is `delay_s`: how much later than planned each robot was sent
-    to the end of its way, null for one that never was.
+    to the end of its way, null for one that never was; and the plan's `margin_m`.
     """
     summary = summarise(scenario, world, done.recording, done.outcome)
     planned = made.summary
@@ -130,6 +130,7 @@ def _summary(
         "planning_time_s": planned["planning_time_s"],
         "lower_bound_m": planned["lower_bound_m"],
         "goal_moved_m": planned["goal_moved_m"],
+        "margin_m": planned["margin_m"],
         "delay_s": [rounded(delay) for delay in follower.delays],
     }
 

@@ -29,8 +29,8 @@ def summarise_plan(
     Distances and collisions are those of the sampled plan until all robots are parked, and null
     without a plan. Beyond the contract's keys there are `detail` and `involved` as for runs,
     `found_by`, the method that `auto` ended with, `iterations` and `counts` of the search,
-    `limit_s`, the limit of wall time it had, and `footholds`: how many there are and how many lie
-    beyond the reach of their leg.
+    `limit_s`, the limit of wall time it had, `margin_m`, by how much bodies were grown, and
+    `footholds`: how many there are and how many lie beyond the reach of their leg.
 
     Args:
         scenario: As it was planned, with the method that was asked for.
@@ -88,6 +88,7 @@ def summarise_plan(
         "iterations": plan.iterations,
         "limit_s": scenario.planner.budget.seconds,
         "counts": dict(plan.counts),
+        "margin_m": list(plan.margins) or [0.0] * robots,
         "footholds": _footholds(scenario, stretches),
         "real_time_factor": None,
         "physics": None,
