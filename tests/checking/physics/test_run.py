@@ -194,6 +194,20 @@ def test_bodies_must_be_recorded_to_the_end(run):
     assert "samples" in kinds(judge_physics(run[0], run[1], short, run[3]))
 
 
+def test_a_run_that_ends_at_once_is_clean_but_must_not_claim_more(tmp_path):
+    import cavalcade as cv
+
+    out = tmp_path / "out"
+    result = cv.run(
+        "infeasible", out=out, overrides=["robots.*.model=go1"], backend="mujoco", replay=False
+    )
+    assert result.reason == "infeasible"
+    assert check(out).ok
+    summary = json.loads((out / "summary.json").read_text())
+    (out / "summary.json").write_text(json.dumps(summary | {"success": True}))
+    assert not check(out).ok
+
+
 def test_a_recording_without_bodies_cannot_be_judged(folder, tmp_path, recorder, knot_path):
     for name in ("scenario.yaml", "summary.json"):
         (tmp_path / name).write_text((folder / name).read_text())

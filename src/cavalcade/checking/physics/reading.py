@@ -80,8 +80,9 @@ def _record(robot: int, rows: Rows, touches: tuple[Touch, ...], path: Path) -> R
 
 
 def _table(rows: Rows, topic: str, path: Path) -> Array:
-    if len(rows.get(topic, ())) < 2:
-        raise RecordingError("fewer than two messages recorded", file=path, key=topic)
+    # Where there is no plan a run ends at once, with one sample.
+    if not rows.get(topic):
+        raise RecordingError("no messages recorded", file=path, key=topic)
     table = np.array(rows[topic], dtype=float)
     # Written so that nan is bad too.
     bad = ~(np.abs(table) < _LARGEST).all(axis=1)
