@@ -1,7 +1,7 @@
 """Leaps in physics by the strict criterion: standing ones, and those of body plans.
 
 python benchmarks/physics_leaps.py [--robot go1] [--trials 30] [--first 1000] [--torque-speed]
-    [--standing 0.3 0.4 0.5] [--steps 0.2 0.25 -0.1 -0.2] [--plans-gap 0.3 0.4]
+    [--standing 0.3 0.4 0.45] [--steps 0.2 0.25 -0.1 -0.2] [--plans-gap 0.3 0.4]
     [--plans-step 0.2 0.25 -0.2]
 
 Each trial has a seed: mass and friction vary by 5 %, and so do the start and, for plans, start and
@@ -143,7 +143,7 @@ def main() -> None:
     parser.add_argument("--trials", type=int, default=30)
     parser.add_argument("--first", type=int, default=1000, help="seed of the first trial")
     parser.add_argument("--torque-speed", action="store_true")
-    parser.add_argument("--standing", type=float, nargs="*", default=[0.3, 0.4, 0.5], metavar="GAP")
+    parser.add_argument("--standing", type=float, nargs="*", default=[0.3, 0.4, 0.45], metavar="GAP")
     parser.add_argument("--steps", type=float, nargs="*", default=[0.2, 0.25, -0.1, -0.2])
     parser.add_argument("--plans-gap", type=float, nargs="*", default=[0.3, 0.4])
     parser.add_argument("--plans-step", type=float, nargs="*", default=[0.2, 0.25, -0.2])
