@@ -129,20 +129,27 @@ class Leaper:
         self.leaping[robot] = True
 
 
-@pytest.fixture
-def leaping() -> tuple[CommandPlayer, Leaper]:
+def leaping_player(*commands: dict[str, Any]) -> tuple[CommandPlayer, Leaper]:
     said = {
         "version": 1,
         "name": "leap",
         "world": {"generate": {"kind": "gap", "size": [6, 2.4], "width": 0.3}},
         "robots": [{"start": [1.0, 1.2, 0.0]}],
-        "task": {"commands": [{"at": 1, "leap": [4.0, 1.2]}], "duration": 2},
+        "task": {"commands": list(commands), "duration": 2},
         "execution": {"backend": "mujoco"},
     }
     loaded = parse_scenario(said)
     player, leaper = CommandPlayer(loaded, build_world(loaded).terrain), Leaper()
     player.leaper = cast(Any, leaper)
     return player, leaper
+
+
+LEAP = {"at": 1, "leap": [4.0, 1.2]}
+
+
+@pytest.fixture
+def leaping() -> tuple[CommandPlayer, Leaper]:
+    return leaping_player(LEAP)
 
 
 def test_a_leap_is_handed_over_once_and_waited_for(leaping: tuple[CommandPlayer, Leaper]) -> None:
@@ -169,6 +176,27 @@ def test_a_failed_leap_is_the_end(leaping: tuple[CommandPlayer, Leaper]) -> None
     status = player.status
     assert (status.state, status.involved) == ("stuck", (0,))
     assert status.message == "robot 0 could not leap"
+
+
+def test_of_leaps_at_once_the_last_counts() -> None:
+    player, leaper = leaping_player(LEAP, {"at": 1, "leap": [4.2, 1.2]})
+    played(player, [0.0, 1.0], [[2.0, 1.2, 0.0]])
+    ((_, request),) = leaper.told
+    assert request.landed[0] == pytest.approx(4.2)
+
+
+def test_a_robot_that_leaps_cannot_be_told_to_leap() -> None:
+    player, _ = leaping_player(LEAP, {"at": 1.5, "leap": [4.2, 1.2]})
+    played(player, [0.0, 1.0, 1.5], [[2.0, 1.2, 0.0]])
+    assert player.status.state == "stuck"
+
+
+def test_a_leap_that_fails_under_the_next_command_is_the_end_too() -> None:
+    player, leaper = leaping_player(LEAP, {"at": 1.5, "velocity": [0, 0, 0]})
+    played(player, [0.0, 1.0, 1.5], [[2.0, 1.2, 0.0]])
+    leaper.leaping[0], leaper.leap_failed[0] = False, True
+    played(player, [1.6], [[2.0, 1.2, 0.0]])
+    assert player.status.state == "stuck"
 
 
 def test_what_is_for_other_planners_is_refused() -> None:

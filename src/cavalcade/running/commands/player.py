@@ -28,7 +28,6 @@ ASIDE_GAIN, ASIDE_MOST = 0.6, 0.1
 TURN_GAIN, TURN_MOST = 1.5, 0.6
 """Yaw rate per error of the heading, 1/s, and the largest, rad/s."""
 
-
 STILL = 1.5
 """After a leap it stands so long, s."""
 
@@ -101,11 +100,15 @@ class CommandPlayer:
         self._moment = time - self._start
         commands = np.zeros((self._robots, 3))
         for robot, pose in enumerate(poses):
-            due = self._due[robot]
+            if self.leaper is not None and self.leaper.leap_failed[robot]:
+                self._failed = robot
+            due, new = self._due[robot], None
             while due and due[0].at <= self._moment + 1e-9:
-                self._active[robot] = due.pop(0)
+                new = due.pop(0)
+            if new is not None:
+                self._active[robot] = new
                 self._from[robot] = pose[:2].copy()
-                self._begin(robot, self._active[robot], pose)
+                self._begin(robot, new, pose)
             command = self._active[robot]
             if command is None:
                 self._from[robot] = pose[:2].copy()
@@ -118,13 +121,13 @@ class CommandPlayer:
                 self._await(robot)
         return commands
 
-    def _begin(self, robot: int, command: CommandSection | None, pose: Array) -> None:
+    def _begin(self, robot: int, command: CommandSection, pose: Array) -> None:
         """A command that is new."""
-        self._reached[robot] = command is None or command.velocity is not None
-        if command is None or command.leap is None:
+        self._reached[robot] = command.velocity is not None
+        if command.leap is None:
             return
         self._landed[robot] = None
-        if self.leaper is None:
+        if self.leaper is None or self.leaper.leaping[robot]:
             self._failed = robot
         else:
             self.leaper.leap(robot, leap_request(pose, command.leap, self._terrain))
@@ -133,8 +136,6 @@ class CommandPlayer:
         """Look whether a robot has leapt, and stood for a while."""
         if self.leaper is None or self.leaper.leaping[robot] or self._reached[robot]:
             return
-        if self.leaper.leap_failed[robot]:
-            self._failed = robot
         landed = self._landed[robot]
         if landed is None:
             self._landed[robot] = self._moment
