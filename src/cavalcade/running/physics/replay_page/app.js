@@ -14,11 +14,18 @@ const level = robots.reduce((sum, robot) => sum + groundAt(robot.place[0][0], ro
 
 function known(who) { return who === "team" || robots[who] !== undefined; }
 
+// The height of a trunk over a second and a half: what is followed neither trots nor falls into gaps.
+function calmHeight(robot) {
+  const [a] = between(now - 0.75), [b] = between(now + 0.75), heights = robot.place[2];
+  let sum = 0;
+  for (let k = a; k <= b; k++) sum += heights[k];
+  return sum / (b - a + 1);
+}
+
 function eyesOn(who) {
-  if (who !== "team") { const { place: [x, y] } = stateAt(robots[who], now); return [x, y, groundAt(x, y) + 0.18]; }
-  const places = robots.map((robot) => stateAt(robot, now).place), mean = (axis) => places.reduce((sum, at) => sum + at[axis], 0) / places.length;
-  const [x, y] = [mean(0), mean(1)];
-  return [x, y, groundAt(x, y) + 0.1];
+  if (who !== "team") { const { place: [x, y] } = stateAt(robots[who], now); return [x, y, calmHeight(robots[who]) - 0.1]; }
+  const mean = (value) => robots.reduce((sum, robot) => sum + value(robot), 0) / robots.length;
+  return [mean((robot) => stateAt(robot, now).place[0]), mean((robot) => stateAt(robot, now).place[1]), mean(calmHeight) - 0.18];
 }
 
 // From behind, near enough to see the legs, far enough to see all.
