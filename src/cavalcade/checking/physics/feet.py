@@ -29,9 +29,6 @@ that is for less than the last, s, not further than the second."""
 FRICTION = 1.2
 """Largest coefficient of friction that is believed if it is not known: rubber on rough ground."""
 
-ROUNDING = 0.05
-"""Of a foot's force: normals are known so well, rad."""
-
 FIRM, STANDS = 0.15, 0.05
 """A foot that carries this part of the weight, before and after as well, for so long in s, stands:
 it does not slide. What bounces does not stand."""
@@ -73,7 +70,7 @@ def check_feet(
         sideways = np.linalg.norm(along[:, leg], axis=-1)
         words = f"is held sideways by its foot {name} with {{value:.1f}} N; {{limit:.1f}} would do"
         most = friction * np.maximum(pressing[:, leg], 0.0)
-        slack = TOUCHING + ROUNDING * size
+        slack = TOUCHING + floor.doubt * size
         result += excesses("friction", robot, time[1:], sideways, most, words, slack)
         words = f"slides {{value:.3f}} m on its standing foot {name}"
         result += excesses("slide", robot, time[1:], slid[:, leg], 0.0, words, SLIDING)

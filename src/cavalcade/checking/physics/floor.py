@@ -16,8 +16,16 @@ STEEP, BENT = 0.8, 0.2
 """Steeper ground, and ground whose slope changes by more within a foot's width, is an edge."""
 
 
+ROUNDING = 0.05
+"""Of a force recorded as a mean while its foot rolls: rad."""
+
+
 class Floor(Protocol):
     """Heights of the ground in the map frame."""
+
+    @property
+    def doubt(self) -> float:
+        """How far a force may be turned against the ground's normal as it is known here, rad."""
 
     def range_at(self, places: Array, reach: float) -> tuple[Array, Array]:
         """Lowest and highest ground `(...)` within `reach` m of places `(..., 2)`, m.
@@ -36,6 +44,8 @@ class Floor(Protocol):
 class LevelFloor:
     """Ground at height 0 everywhere."""
 
+    doubt = ROUNDING
+
     def range_at(self, places: Array, reach: float) -> tuple[Array, Array]:
         """Zeros."""
         zero = np.zeros(places.shape[:-1])
@@ -52,6 +62,9 @@ class LevelFloor:
 
 class HeightFloor:
     """Ground from a grid of heights."""
+
+    # What counts as even has slopes that differ by so much below one foot.
+    doubt = ROUNDING + BENT
 
     def __init__(self, ground: Ground) -> None:
         self._ground = ground
