@@ -10,10 +10,14 @@ from hypothesis import strategies as st
 from cavalcade.body.ground import Ground, make_ground, read_only
 from cavalcade.locomotion._legs import BODY, look
 from cavalcade.locomotion._swing import (
+    LEANING,
     LEAST,
     SEARCH,
+    SHIFT,
+    SHIFTS,
     choose_foothold,
     place_foot,
+    shank_clears,
     smooth,
     swing_point,
     to_ground,
@@ -190,3 +194,49 @@ def test_a_swing_goes_over_what_stands_between():
     wanted = 0.15 + GO1.foot_radius + gait()["clearance"]
     assert state["apex"][0] == pytest.approx(wanted)
     assert state["landing"][0, 2] == pytest.approx(GO1.foot_radius)
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.7, np.pi])
+def test_below_a_step_feet_keep_room_for_their_calves(yaw):
+    """Going down, knees bend backwards: right below a riser the calf would lie on its edge."""
+    ground = field(0)
+    cells = (np.arange(ground.height.shape[1]) + 0.5) * CELL
+    across = np.full_like(ground.height, 1.0) * (cells < 1.0)
+    ground = ground._replace(height=0.08 * across, solid=np.zeros_like(ground.solid),
+                             traversability=np.ones_like(ground.height))  # fmt: skip
+    frame = np.array([0.0, 0.0, yaw])
+    c, s = np.cos(yaw), np.sin(yaw)
+
+    def clears(ahead):
+        x, y = c * ahead - s * 1.0, s * ahead + c * 1.0
+        return shank_clears(FIGURES, ground, frame, x, y, c, s)
+
+    assert not clears(1.0 + CELL)
+    assert clears(1.0 + LEANING * 0.213 + 2.0 * CELL)
+    assert clears(1.0 - CELL)
+    assert clears(0.5)
+    # The other way round the step is ahead, where no calf is.
+    x, y = c * (1.0 + CELL) - s * 1.0, s * (1.0 + CELL) + c * 1.0
+    assert shank_clears(FIGURES, ground, frame, x, y, -c, -s)
+
+
+def test_a_foothold_at_the_foot_of_a_step_is_moved_by_little_and_to_room():
+    ground = field(0)
+    cells = (np.arange(ground.height.shape[1]) + 0.5) * CELL
+    height = 0.08 * (cells < 1.0) * np.ones_like(ground.height)
+    ground = ground._replace(height=height, solid=np.zeros_like(ground.solid),
+                             traversability=np.ones_like(height))  # fmt: skip
+    moved = 0
+    for x in np.linspace(0.6, 1.4, 41):
+        body, state = standing((x, 1.0, 0.0))
+        choose_foothold(FIGURES, gait(), body, state, 0, 0.0, FLAT, NOWHERE)
+        wanted = state["landing"][0, 0]
+        choose_foothold(FIGURES, gait(), body, state, 0, 0.0, ground, NOWHERE)
+        shift = state["landing"][0, 0] - wanted
+        assert abs(shift) <= SHIFT * SHIFTS + 1e-9
+        free = shank_clears(FIGURES, ground, NOWHERE, wanted, state["landing"][0, 1], 1.0, 0.0)
+        assert free == (abs(shift) < 1e-9)
+        if not free:
+            moved += 1
+            assert shank_clears(FIGURES, ground, NOWHERE, *state["landing"][0, :2], 1.0, 0.0)
+    assert moved >= 2

@@ -17,6 +17,12 @@ LEAST = 0.3
 PROBES = 6
 """Points of a swing at which the ground below it is looked at."""
 
+LEANING, RISING = 0.6, 0.9
+"""A calf leans backwards from its foot: so far, in lengths of it, and it rises by so much per m."""
+
+SHIFT, SHIFTS = 0.03, 3
+"""A foothold is moved along the heading to give the calf room, by so many m up to so often."""
+
 
 @njit(cache=True)
 def to_ground(frame, x, y):
@@ -40,7 +46,8 @@ def choose_foothold(robot, gait, body, state, leg, left, ground, frame):
     """Put `state.landing` of a leg where the foot is to stand next.
 
     Below the place where the shoulder will be in the middle of the coming stance (Raibert), moved
-    by the error of the velocity to catch the body, then to ground that carries it.
+    by the error of the velocity to catch the body, away from edges behind that the calf would
+    meet, then to ground that carries it.
 
     Args:
         robot, gait, body, state: Rows of `ROBOT`, `GAIT`, `BODY`, `STATE`.
@@ -61,7 +68,34 @@ def choose_foothold(robot, gait, body, state, leg, left, ground, frame):
     y = body.trunk[1] + vy * left + s * ahead + c * aside
     x += 0.5 * stance * vx + gait.capture * (vx - wanted_x)
     y += 0.5 * stance * vy + gait.capture * (vy - wanted_y)
+    if not ground.flat:
+        for trial in range(2 * SHIFTS + 1):
+            # 0, 1, -1, 2, -2, ... steps along the heading.
+            shift = SHIFT * ((trial + 1) // 2) * (1 if trial % 2 else -1)
+            there_x, there_y = x + shift * c, y + shift * s
+            if shank_clears(robot, ground, frame, there_x, there_y, c, s):
+                x, y = there_x, there_y
+                break
     place_foot(robot, gait, state, leg, x, y, ground, frame)
+
+
+@njit(cache=True)
+def shank_clears(robot, ground, frame, x, y, c, s):
+    """Whether the ground behind a foot leaves room for its calf, which leans backwards.
+
+    Args:
+        robot: A row of `ROBOT`.
+        ground, frame: What carries feet, and where its grid lies.
+        x, y: Where the foot stands, m.
+        c, s: Cosine and sine of the heading.
+    """
+    foot = ground_height(ground, frame, x, y)
+    for probe in range(1, PROBES + 1):
+        back = probe * LEANING * robot.calf / PROBES
+        rise = ground_height(ground, frame, x - back * c, y - back * s) - foot
+        if rise > max(back * RISING - robot.foot_radius, 0.25 * robot.foot_radius):
+            return False
+    return True
 
 
 @njit(cache=True)
