@@ -143,7 +143,9 @@ def main() -> None:
     parser.add_argument("--trials", type=int, default=30)
     parser.add_argument("--first", type=int, default=1000, help="seed of the first trial")
     parser.add_argument("--torque-speed", action="store_true")
-    parser.add_argument("--standing", type=float, nargs="*", default=[0.3, 0.4, 0.45], metavar="GAP")
+    parser.add_argument(
+        "--standing", type=float, nargs="*", default=[0.3, 0.4, 0.45], metavar="GAP"
+    )
     parser.add_argument("--steps", type=float, nargs="*", default=[0.2, 0.25, -0.1, -0.2])
     parser.add_argument("--plans-gap", type=float, nargs="*", default=[0.3, 0.4])
     parser.add_argument("--plans-step", type=float, nargs="*", default=[0.2, 0.25, -0.2])
