@@ -5,7 +5,7 @@ import zipfile
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from cavalcade.body.trajectory import Trajectory
@@ -76,6 +76,8 @@ def test_a_missing_plan_is_said_so(tmp_path):
 
 
 @given(st.binary(max_size=200))
+@example(b"PK\x03\x04")
+@example(b"PK\x05\x06")
 def test_any_other_file_is_no_plan(tmp_path_factory, content):
     file = tmp_path_factory.mktemp("plan") / "plan.npz"
     file.write_bytes(content)

@@ -96,13 +96,15 @@ def read_plan(path: str | Path) -> tuple[dict[int, Trajectory], dict[int, Array]
                 parts = [arrays[f"{key}_{robot}"] for key in _KEYS]
                 trajectories[robot] = Trajectory(*parts[:5])
                 footholds[robot] = parts[5]
-    except (EOFError, KeyError, OSError, ValueError, zipfile.BadZipFile) as error:
+    except Exception as error:
+        # Damaged archives are answered with errors of zipfile, zlib, struct, numpy and more.
         raise RecordingError(f"not a plan: {error}", file=file) from None
     return trajectories, footholds
 
 
 def _opened(file: Path) -> NpzFile:
-    arrays = np.load(file, allow_pickle=False)
+    # From memory: NumPy leaves a file open that begins like an archive and is none.
+    arrays = np.load(io.BytesIO(file.read_bytes()), allow_pickle=False)
     if not isinstance(arrays, NpzFile):
         raise ValueError("expected an archive of arrays")
     return arrays
