@@ -103,11 +103,7 @@ def standing(place: Place, model: RobotModel, seed: int, limits: bool) -> tuple[
     take_off = np.array([pose[0], pose[1], 0.28, 0.0])
     landed = np.array([place.far + 0.5, pose[1], 0.28 + place.rise, 0.0])
     robots = fleet(place, model, pose, seed, limits)
-    nothing, times = np.zeros(3), np.array([0.0, 0.2, 0.5, 0.7])
-    request = LeapRequest(
-        np.array([[0.0, *take_off]]), take_off, take_off, landed, landed, nothing, nothing,
-        nothing, times, (place.near - pose[0], place.far - pose[0]),
-    )  # fmt: skip
+    request = LeapRequest(take_off, landed, (place.near - pose[0], place.far - pose[0]))
     return carry_out(robots, request, place)
 
 
@@ -127,8 +123,8 @@ def planned(place: Place, model: RobotModel, seed: int, limits: bool) -> tuple[L
     else:
         raise SystemExit(f"no plan with one leap for seed {seed}")
     begin = max(float(path.time[leaps[0].take_off]) - APPROACH, 0.0)
-    request = request_of(path, leaps[0], begin, place.terrain)
-    _, x, y, _, yaw = request.approach[0]
+    request = request_of(path, leaps[0], place.terrain)
+    x, y, yaw = path.poses_at(np.array([begin]))[0]
     pose = (x - 0.4, y + rng.uniform(-0.05, 0.05), yaw + rng.uniform(-0.1, 0.1))
     robots = fleet(place, model, pose, seed, limits)
     for _ in range(16):

@@ -82,31 +82,16 @@ class FallingFleet(Fleet, Protocol):
 class LeapRequest:
     """A leap as it was planned; map frame, of the body's centre.
 
-    All times are counted from the first sample of `approach`, the moment of the hand-over.
-
     Attributes:
-        approach: `(K, 5)` time in s, x, y, z in m, yaw in rad of the way up to the take-off;
-            where it was planned to begin the body is, or was to be, at the hand-over.
-        take_off: `(4,)` pose x, y, z, yaw at which the legs begin to push.
-        lift_off, touch_down: `(4,)` poses at the two ends of the flight.
+        take_off: `(4,)` pose x, y, z in m, yaw in rad at which the legs begin to push.
         landed: `(4,)` pose at which the landing ends.
-        lift_off_velocity, touch_down_velocity: `(3,)` m/s.
-        landed_velocity: `(3,)` m/s; the plan goes on with it.
-        times: `(4,)` s, of the four poses in this order.
         edges: m along the straight line from `take_off` to `landed`: where the ground of the
             take-off ends and where that of the landing begins, the same for a step; None where
             the ground is unknown or does not break.
     """
 
-    approach: Array
     take_off: Array
-    lift_off: Array
-    touch_down: Array
     landed: Array
-    lift_off_velocity: Array
-    touch_down_velocity: Array
-    landed_velocity: Array
-    times: Array
     edges: tuple[float, float] | None
 
 

@@ -38,15 +38,10 @@ def fleet_on(terrain, starts, seed=0):
     )
 
 
-def request(start, y, near, far, rise):
+def request(y, near, far, rise):
     take_off = np.array([near - 0.3, y, 0.28, 0.0])
     landed = np.array([far + 0.5, y, 0.28 + rise, 0.0])
-    nothing = np.zeros(3)
-    approach = np.array([[0.0, start, y, 0.28, 0.0], [1.0, *take_off]])
-    return LeapRequest(
-        approach, take_off, take_off, landed, landed, nothing, nothing, nothing,
-        np.array([1.0, 1.2, 1.5, 1.7]), (0.3, 0.3 + far - near),
-    )  # fmt: skip
+    return LeapRequest(take_off, landed, (0.3, 0.3 + far - near))
 
 
 def wait(fleet, command=(0.0, 0.0, 0.0), patience=20.0):
@@ -87,7 +82,7 @@ def test_robots_leap_as_the_strict_criterion_wants(kind, option, half, rise):
     for seed in (1, 2):
         fleet = fleet_on(terrain, [[1.6, 1.05, 0.1]], seed)
         assert isinstance(fleet, LeapingFleet)
-        fleet.leap(0, request(1.6, 1.0, near, far, rise))
+        fleet.leap(0, request(1.0, near, far, rise))
         assert fleet.leaping.all()
         # Commands to a robot that was handed over are of no effect.
         wait(fleet, (-0.5, 0.0, 1.0))
@@ -103,7 +98,7 @@ def test_robots_leap_as_the_strict_criterion_wants(kind, option, half, rise):
 def test_the_others_do_what_they_are_told_meanwhile():
     terrain = generate_terrain("gap", (5.0, 4.0), 0, resolution=CELL, width=0.3)
     fleet = fleet_on(terrain, [[1.9, 1.0, 0.0], [4.0, 3.0, 0.0]])
-    fleet.leap(0, request(1.9, 1.0, MIDDLE - 0.15, MIDDLE + 0.15, 0.0))
+    fleet.leap(0, request(1.0, MIDDLE - 0.15, MIDDLE + 0.15, 0.0))
     begin = fleet.true_poses()
     for _ in range(40):
         fleet.send([[0.0, 0.0, 0.0], [-0.3, 0.0, 0.0]])
@@ -121,7 +116,7 @@ def test_the_others_do_what_they_are_told_meanwhile():
 def test_a_robot_does_not_try_what_is_too_far():
     terrain = generate_terrain("gap", (5.0, 2.0), 0, resolution=CELL, width=1.0)
     fleet = fleet_on(terrain, [[1.5, 1.0, 0.0]])
-    fleet.leap(0, request(1.5, 1.0, MIDDLE - 0.5, MIDDLE + 0.5, 0.0))
+    fleet.leap(0, request(1.0, MIDDLE - 0.5, MIDDLE + 0.5, 0.0))
     wait(fleet)
     assert fleet.leap_failed.all()
     assert not fleet.leaping.any()
@@ -144,7 +139,7 @@ def test_a_leap_that_misses_the_ground_has_failed():
 def test_robots_that_cannot_be_handed_over():
     terrain = generate_terrain("gap", (5.0, 2.0), 0, resolution=CELL, width=0.3)
     fleet = fleet_on(terrain, [[1.6, 1.0, 0.0]])
-    asked = request(1.6, 1.0, MIDDLE - 0.15, MIDDLE + 0.15, 0.0)
+    asked = request(1.0, MIDDLE - 0.15, MIDDLE + 0.15, 0.0)
     with pytest.raises(InputError, match="robot"):
         fleet.leap(1, asked)
     fleet.leap(0, asked)

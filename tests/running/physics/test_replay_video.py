@@ -58,6 +58,8 @@ def test_a_video_shows_the_robot(walked, tmp_path, name):
     try:
         file = render_video(*walked, tmp_path / name, rate=10.0, size=(160, 120))
     except InputError as error:
+        if "MUJOCO_GL" not in str(error):
+            raise
         pytest.skip(str(error))
     with Image.open(file) as video:
         assert video.n_frames == 6

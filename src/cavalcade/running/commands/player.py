@@ -209,16 +209,4 @@ def leap_request(pose: Array, point: tuple[float, float], terrain: Terrain | Non
     first, last = (
         np.array([*place, height, heading]) for place, height in zip(places, heights, strict=True)
     )
-    still = np.zeros(3)
-    return LeapRequest(
-        approach=np.array([[0.0, *first]]),
-        take_off=first,
-        lift_off=first,
-        touch_down=last,
-        landed=last,
-        lift_off_velocity=still,
-        touch_down_velocity=still,
-        landed_velocity=still,
-        times=np.zeros(4),
-        edges=None if terrain is None else edges_of(terrain, first, last),
-    )
+    return LeapRequest(first, last, None if terrain is None else edges_of(terrain, first, last))

@@ -91,7 +91,7 @@ class Leaps:
                 continue
             begin = self._begin(robot)
             if progress[robot] + pace.rates[robot] * pace.period >= begin - 1e-9:
-                request = request_of(self._paths[robot], waiting[0], begin, self._terrain)
+                request = request_of(self._paths[robot], waiting[0], self._terrain)
                 pace.held[robot] = True
                 pace.rates[robot] = 0.0
                 self._fleet.leap(robot, request)
@@ -158,27 +158,12 @@ def leaps_of(path: Trajectory) -> list[Leap]:
     return found
 
 
-def request_of(path: Trajectory, leap: Leap, begin: float, terrain: Terrain | None) -> LeapRequest:
-    """What a fleet is told of a leap whose approach begins at this plan time, s."""
-    marks = [leap.take_off, leap.lift_off, leap.touch_down, leap.landed]
-    poses = np.column_stack([path.position, path.yaw])
-    between = path.time[(path.time > begin + 1e-9) & (path.time <= path.time[leap.take_off])]
-    moments = np.concatenate([[min(begin, path.time[leap.take_off])], between])
-    approach = np.column_stack(
-        [moments - begin, *(np.interp(moments, path.time, column) for column in poses.T)]
+def request_of(path: Trajectory, leap: Leap, terrain: Terrain | None) -> LeapRequest:
+    """What a fleet is told of a leap of a trajectory."""
+    first, last = (
+        np.array([*path.position[mark], path.yaw[mark]]) for mark in (leap.take_off, leap.landed)
     )
-    return LeapRequest(
-        approach=approach,
-        take_off=poses[marks[0]].copy(),
-        lift_off=poses[marks[1]].copy(),
-        touch_down=poses[marks[2]].copy(),
-        landed=poses[marks[3]].copy(),
-        lift_off_velocity=path.velocity[marks[1]].copy(),
-        touch_down_velocity=path.velocity[marks[2]].copy(),
-        landed_velocity=path.velocity[marks[3]].copy(),
-        times=path.time[marks] - begin,
-        edges=None if terrain is None else edges_of(terrain, poses[marks[0]], poses[marks[3]]),
-    )
+    return LeapRequest(first, last, None if terrain is None else edges_of(terrain, first, last))
 
 
 def edges_of(terrain: Terrain, start: Array, end: Array) -> tuple[float, float] | None:
