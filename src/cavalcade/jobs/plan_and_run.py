@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from cavalcade.coordination.result import TeamPlan
-from cavalcade.drawing.physics.drawing import add_figures, replay_in_physics
+from cavalcade.drawing.physics.drawing import add_figures
 from cavalcade.execution.plan_follower import PlanFollower
 from cavalcade.execution.progress import ProgressSink
 from cavalcade.execution.simulation import Simulated, simulate
@@ -68,12 +68,13 @@ def carry_out(
             reporter.say("Drawing the figures ...")
             make_plan_figures(scenario, world, shown, stage / FIGURES)
             add_figures(scenario, done.recording, stage / FIGURES)
-        if replay and not replay_in_physics(
-            scenario, world, done.recording, summary, stage / REPLAY
-        ):
-            from cavalcade.drawing.replay.plan import write_plan_replay
+        if replay:
+            from cavalcade.drawing.replay.page import write_replay
 
-            write_plan_replay(scenario, world, shown, stage / REPLAY)
+            recording = done.recording
+            write_replay(
+                stage / REPLAY, scenario, world, recording=recording, plan=shown, summary=summary
+            )
         files = folder.commit(scenario, summary)
     reporter.finish(summary, files)
     return RunResult(summary, done.recording, None if folder is None else folder.path, files)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from cavalcade.drawing.physics.drawing import add_figures, replay_in_physics
+from cavalcade.drawing.physics.drawing import add_figures
 from cavalcade.errors import InputError
 from cavalcade.execution.control import Planner
 from cavalcade.execution.progress import Progress, ProgressSink
@@ -144,7 +144,11 @@ def run(
                 make_figures(loaded, world, done.recording, summary, folder.stage / FIGURES)
                 add_figures(loaded, done.recording, folder.stage / FIGURES)
             if replay:
-                _write_replay(loaded, world, done.recording, summary, folder.stage / REPLAY)
+                from cavalcade.drawing.replay.page import write_replay
+
+                write_replay(
+                    folder.stage / REPLAY, loaded, world, recording=done.recording, summary=summary
+                )
             files = folder.commit(loaded, summary)
         reporter.finish(summary, files)
     return RunResult(summary, done.recording, None if folder is None else folder.path, files)
@@ -197,15 +201,6 @@ def _default_fleet(scenario: Scenario) -> Fleet:
     from cavalcade.execution.team import make_fleet
 
     return make_fleet(scenario)
-
-
-def _write_replay(
-    scenario: Scenario, world: World, recording: Recording, summary: dict[str, Any], path: Path
-) -> None:
-    if not replay_in_physics(scenario, world, recording, summary, path):
-        from cavalcade.drawing.replay.formation import write_replay
-
-        write_replay(scenario, world, recording, summary, path)
 
 
 def _write(
