@@ -4,17 +4,14 @@ const camera = { target: [0, 0, 0], away: 10, turn: 0, lift: 0.8, top: false, fo
 const NORTH = -Math.PI / 2, ASIDE = 0.2, HALF_ANGLE = 0.35;
 const level = robots.reduce((sum, { start }) => sum + groundAt(start[0], start[1]), 0) / robots.length;
 
-// All that is worth seeing, as near as it stays in the picture, in the picture's middle.
+// All that is worth seeing, in the picture's middle and as near as all of it stays there.
 function wholeView(lift = 0.95) {
   const [x0, y0, x1, y1] = scene.view.map((v) => v / 1000), corners = [[x0, y0], [x1, y0], [x1, y1], [x0, y1]];
   Object.assign(camera, { target: [(x0 + x1) / 2, (y0 + y1) / 2, level], turn: NORTH - (camera.top ? 0 : ASIDE), lift });
-  const seen = (axis) => { const m = viewMatrix(), at = corners.map(([x, y]) => apply(m, [x, y, level])[axis]); return [Math.min(...at), Math.max(...at)]; };
-  for (camera.away = 2; camera.away < 400; camera.away *= 1.03) {
-    const ends = [seen(0), seen(1)];
-    if (camera.away > Math.hypot(x1 - x0, y1 - y0) / 2 && ends[0][1] - ends[0][0] < 1.92 && ends[1][1] - ends[1][0] < 1.8) break;
-  }
-  for (let k = 0; k < 4; k++) {
-    const [left, right] = seen(0), [low, high] = seen(1);
+  for (camera.away = Math.max(2, Math.hypot(x1 - x0, y1 - y0) / 2); camera.away < 400; camera.away *= 1.02) {
+    const matrix = viewMatrix(), seen = corners.map(([x, y]) => apply(matrix, [x, y, level]));
+    const [left, low] = [0, 1].map((axis) => Math.min(...seen.map((at) => at[axis]))), [right, high] = [0, 1].map((axis) => Math.max(...seen.map((at) => at[axis])));
+    if (Math.max(-left, right) < 0.97 && low > -0.96 && high < 0.9 && seen.every((at) => at[3] > 0)) break;
     pan(-(left + right) / 4 * canvas.clientWidth, (low + high + 0.06) / 4 * canvas.clientHeight);
   }
 }

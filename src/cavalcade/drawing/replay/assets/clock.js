@@ -10,7 +10,7 @@ function redraw() {
 function frame(when) {
   asked = false;
   if (playing) {
-    now = Math.min(now + Math.min((when - stamp) / 1000, 0.1) * speed, end);
+    now = Math.min(now + clamp((when - stamp) / 1000, 0, 0.1) * speed, end);
     if (now >= end) setPlaying(false);
   }
   stamp = when;

@@ -4,6 +4,20 @@ const { begin, end } = scene;
 const id = (name) => document.getElementById(name);
 const clamp = (v, low, high) => Math.min(Math.max(v, low), high);
 
+function element(tag, parent, text = "", kind = "") {
+  const made = document.createElement(tag);
+  made.textContent = text;
+  made.className = kind;
+  parent.append(made);
+  return made;
+}
+// What is told in words needs no picture.
+id("name").textContent = scene.name;
+id("outcome").textContent = scene.outcome.text;
+id("outcome").classList.add(scene.outcome.good ? "good" : "bad");
+for (const [name, value] of scene.facts) { element("dt", id("numbers"), name); element("dd", id("numbers"), value); }
+id("facts").hidden = !scene.facts.length;
+
 function sums(steps, unit) {
   const out = new Float64Array(steps.length);
   let total = 0;

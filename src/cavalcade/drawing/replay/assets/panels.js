@@ -1,18 +1,6 @@
-// Everything around the picture: title, state, team, one robot's feet, events, facts, tags, scale.
-function element(tag, parent, text = "", kind = "") {
-  const made = document.createElement(tag);
-  made.textContent = text;
-  made.className = kind;
-  parent.append(made);
-  return made;
-}
+// Everything around the picture: state, team, one robot's feet, events, tags, scale.
 const put = (node, text) => { if (node.textContent !== text) node.textContent = text; };
 
-id("name").textContent = scene.name;
-id("outcome").textContent = scene.outcome.text;
-id("outcome").classList.add(scene.outcome.good ? "good" : "bad");
-for (const [name, value] of scene.facts) { element("dt", id("numbers"), name); element("dd", id("numbers"), value); }
-id("facts").hidden = !scene.facts.length;
 id("state").hidden = !run;
 id("feet").hidden = !physics;
 

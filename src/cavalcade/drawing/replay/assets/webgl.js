@@ -3,6 +3,7 @@ const canvas = document.getElementById("view");
 const gl = canvas.getContext("webgl", { alpha: false, antialias: true, preserveDrawingBuffer: true });
 if (!gl) {
   document.getElementById("trouble").hidden = false;
+  document.body.classList.add("plain");
   throw new Error("no WebGL");
 }
 const fine = gl.getExtension("OES_standard_derivatives");
