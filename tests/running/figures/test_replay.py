@@ -3,7 +3,10 @@ from __future__ import annotations
 import dataclasses
 import json
 import re
+import shutil
+import subprocess
 from html.parser import HTMLParser
+from importlib.resources import files
 
 import numpy as np
 import pytest
@@ -159,3 +162,36 @@ def test_the_same_run_gives_the_same_page(run, tmp_path):
 def test_a_place_that_cannot_be_written_is_named(run, tmp_path):
     with pytest.raises(OutputError, match="missing"):
         page(run, tmp_path / "missing")
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="runs the page's own script")
+def test_feet_under_recorded_poses_stay_where_they_stand(run, tmp_path):
+    assets = files("cavalcade.drawing.replay") / "assets"
+    text = json.dumps(json.dumps(data_of(page(run, tmp_path))))
+    script = f"""
+    const node = {{ textContent: {text}, classList: {{ add() {{}} }}, append() {{}} }};
+    const document = {{ getElementById: () => node, createElement: () => ({{}}) }};
+    {"".join((assets / name).read_text() for name in ("data.js", "matrix.js", "motion.js"))}
+    const moments = Array.from({{ length: 601 }}, (_, k) => begin + k / 600 * (end - begin));
+    const feet = (time) => robots.map((robot) => [0, 1, 2, 3].map((leg) => {{
+      const state = stateAt(robot, time), foot = footAt(robot, leg, time, state);
+      return [...foot.at, foot.stands ? 1 : 0, ...state.place];
+    }}));
+    console.log(JSON.stringify(moments.map(feet)));
+    """
+    path = tmp_path / "feet.js"
+    path.write_text(script, encoding="utf-8")
+    done = subprocess.run(["node", path], capture_output=True, timeout=60)
+    assert done.returncode == 0, done.stderr.decode()
+    said = np.array(json.loads(done.stdout))
+    place, stands, body = said[..., :3], said[..., 3] == 1, said[..., 4:]
+    assert (stands.sum(axis=2) >= 2).all()
+    assert (~stands).any(axis=(0, 1)).all()
+    both = stands[1:] & stands[:-1]
+    moved = np.linalg.norm(np.diff(place, axis=0), axis=3)
+    # Two samples of a foot that stands are of one step, or a whole stride apart.
+    assert ((moved[both] < 1e-9) | (moved[both] > 0.1)).mean() > 0.999
+    assert np.median(moved[both]) == 0.0
+    assert np.linalg.norm((place - body)[..., :2], axis=3).max() < 0.45
+    assert (place[..., 2] >= -1e-9).all()
+    assert place[stands][:, 2] == pytest.approx(0.0)
