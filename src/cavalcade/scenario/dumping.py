@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from pathlib import Path
 from typing import Any
 
 import yaml
 
-from cavalcade.errors import OutputError
+from cavalcade.files import write_file
 from cavalcade.scenario.model import Scenario
 from cavalcade.scenario.settings import FORMATION_KEYS, TEAM_KEYS
 from cavalcade.scenario.task import INDIVIDUAL
@@ -47,21 +46,7 @@ def dump_scenario(scenario: Scenario, path: str | Path) -> None:
         ScenarioError, MapError: The world cannot be made.
         OutputError: The file cannot be written.
     """
-    target = Path(path)
-    text = scenario_text(scenario, target.parent)
-    temporary: Path | None = None
-    try:
-        handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}-")
-        temporary = Path(name)
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as stream:
-            stream.write(text)
-        temporary.chmod(0o644)
-        os.replace(temporary, target)
-    except OSError as error:
-        if temporary is not None:
-            temporary.unlink(missing_ok=True)
-        reason = error.strerror or error
-        raise OutputError(f"{target}: cannot be written: {reason}") from None
+    write_file(path, scenario_text(scenario, Path(path).parent))
 
 
 def scenario_text(scenario: Scenario, folder: str | Path) -> str:

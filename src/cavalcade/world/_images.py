@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.errors import MapError
-from cavalcade.world._files import read_bytes, read_head
+from cavalcade.files import read_bytes, read_head
 from cavalcade.world.occupancy import check_cell_count
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from cavalcade.errors import MapError
+from cavalcade.files import read_bytes
 from cavalcade.geometry import Array
-from cavalcade.world._files import read_bytes
 from cavalcade.world.terrain._mesh_raster import covered_cells, highest_surface
 from cavalcade.world.terrain.ply import parse_ply
 from cavalcade.world.terrain.samples import Samples

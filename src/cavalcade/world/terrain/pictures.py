@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from cavalcade.errors import MapError
+from cavalcade.files import read_bytes, read_head
 from cavalcade.geometry import Array
-from cavalcade.world._files import read_bytes, read_head
 from cavalcade.world.terrain.samples import Samples, check_sample_count
 
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
