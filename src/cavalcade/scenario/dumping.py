@@ -9,6 +9,7 @@ from typing import Any
 import yaml
 
 from cavalcade.files import write_file
+from cavalcade.robots import is_model_file
 from cavalcade.scenario.model import Scenario
 from cavalcade.scenario.settings import FORMATION_KEYS, TEAM_KEYS
 from cavalcade.scenario.task import INDIVIDUAL
@@ -38,8 +39,8 @@ def dump_scenario(scenario: Scenario, path: str | Path) -> None:
     """Write a scenario with every default and override written out.
 
     A `generate` or `barn` source becomes `empty` with the obstacles listed, so that the file
-    alone says where they stand; generated terrain is written with its seed. Names of map and
-    terrain files are written relative to the new file. Reading the file gives
+    alone says where they stand; generated terrain is written with its seed. Names of maps,
+    terrains and robot models are written relative to the new file. Reading the file gives
     `resolve_scenario(scenario)`.
 
     Raises:
@@ -81,6 +82,8 @@ def _plain(scenario: Scenario, folder: Path) -> dict[str, Any]:
     for words, robot in zip(robots, scenario.robots, strict=True):
         if robot.mjcf is not None:
             words["mjcf"] = _relative(robot.mjcf, folder)
+        if is_model_file(robot.model):
+            words["model"] = _relative(Path(robot.model), folder)
     task, planner = data["task"], data["planner"]
     if scenario.task.commands is not None:
         data["task"] = _commands(task)

@@ -79,7 +79,8 @@ def _path(value: Any) -> Any:
     return value
 
 
-def _below_file(path: Path, info: ValidationInfo) -> Path:
+def below_file(path: Path, info: ValidationInfo) -> Path:
+    """A name in the file: relative to the file, not to the folder the program runs in."""
     base = (info.context or {}).get("base")
     return path if base is None or path.is_absolute() else Path(base) / path
 
@@ -97,4 +98,4 @@ Seed = Annotated[int, Strict(), Field(ge=0, lt=2**63)]
 Point = Annotated[tuple[Coordinate, Coordinate], _numbers("x, y")]
 Size = Annotated[tuple[Length, Length], _numbers("width, height")]
 Pose = Annotated[tuple[Coordinate, Coordinate, Coordinate], _numbers("x, y, yaw")]
-File = Annotated[Path, BeforeValidator(_path), AfterValidator(_below_file)]
+File = Annotated[Path, BeforeValidator(_path), AfterValidator(below_file)]

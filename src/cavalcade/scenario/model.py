@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, PrivateAttr, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from cavalcade.robots import MODELS, RobotModel
+from cavalcade.robots import RobotModel
 from cavalcade.scenario.backends import check_backend
 from cavalcade.scenario.events import Event, Move
 from cavalcade.scenario.fields import Section, expected
@@ -143,7 +143,7 @@ class Scenario(Section):
     @property
     def models(self) -> tuple[RobotModel, ...]:
         """The model of each robot."""
-        return self._models or tuple(MODELS[robot.model] for robot in self.robots)
+        return self._models or tuple(robot.the_model for robot in self.robots)
 
     @property
     def starts(self) -> tuple[tuple[float, float, float], ...]:
