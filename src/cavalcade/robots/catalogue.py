@@ -12,7 +12,7 @@ from cavalcade.robots.legs import GO1, GO2, SPIRIT, LegModel
 from cavalcade.robots.model import Drive, RobotModel, check_model
 
 _PAPER = "Norén et al., Role-Adaptive Collaborative Formation Planning"
-_STRAY = 0.03
+_TRACKING_ERROR = 0.03
 """Of Go1 and Go2, m: of 100 positions 99 are foreseen to 0.026 m for 0.3 s and to 0.037 m for 0.6 s
 (`benchmarks/physics_plant.py`)."""
 
@@ -77,7 +77,7 @@ def _quadruped(
         max_acceleration=1.0,
         max_yaw_acceleration=2.0,
         source=source,
-        stray=0.0 if description is None else _STRAY,
+        tracking_error=0.0 if description is None else _TRACKING_ERROR,
         legs=legs,
         description=description,
     )

@@ -34,7 +34,7 @@ class RobotModel:
         max_acceleration: m/s², of the velocity seen in the map frame; inf for drives without.
         max_yaw_acceleration: rad/s²; likewise.
         source: Where the figures come from.
-        stray: How far a walking robot may be, in physics, from where the motion model of
+        tracking_error: How far a walking robot may be, in physics, from where the motion model of
             `cavalcade.robots.motion` sees it come to a stop, m; measured, see docs/physics.md.
         drive: How it moves towards a goal of its own.
         round: Whether the footprint is a disc.
@@ -52,7 +52,7 @@ class RobotModel:
     max_acceleration: float
     max_yaw_acceleration: float
     source: str
-    stray: float = 0.0
+    tracking_error: float = 0.0
     drive: Drive = "legged"
     round: bool = False
     legs: LegModel | None = None
@@ -76,7 +76,7 @@ _RANGES: dict[str, tuple[float, float]] = {
     "max_yaw_rate": (0.01, 100.0),
     "max_acceleration": (0.01, math.inf),
     "max_yaw_acceleration": (0.01, math.inf),
-    "stray": (0.0, 10.0),
+    "tracking_error": (0.0, 10.0),
 }
 """Least and largest values: m, m/s, rad/s, m/s², rad/s²."""
 

@@ -15,9 +15,10 @@ from typing import Any, Literal
 from cavalcade.errors import MapError
 from cavalcade.files import read_head
 from cavalcade.world._descriptions import as_float, choice, load_mapping, numbers
+from cavalcade.world._images import PNG_SIGNATURE
 from cavalcade.world.occupancy import checked_origin, checked_resolution
 from cavalcade.world.terrain.meshes import read_mesh
-from cavalcade.world.terrain.pictures import SIGNATURE, read_picture
+from cavalcade.world.terrain.pictures import read_picture
 from cavalcade.world.terrain.samples import Samples, to_grid
 from cavalcade.world.terrain.tables import read_archive, read_table, read_triple
 from cavalcade.world.terrain.terrain import RESOLUTION, Terrain, checked_cell
@@ -115,7 +116,7 @@ def _kind_of(file: Path) -> Kind:
     """Told by the content, where that is possible."""
     head = read_head(file, 512)
     tests: tuple[tuple[Kind, Callable[[], bool]], ...] = (
-        ("picture", lambda: head.startswith(SIGNATURE)),
+        ("picture", lambda: head.startswith(PNG_SIGNATURE)),
         ("archive", lambda: head.startswith(b"PK\x03\x04")),
         ("mesh", lambda: head.startswith((b"ply\n", b"ply\r"))),
         ("mesh", lambda: file.suffix.lower() == ".stl" or head.startswith(b"solid")),

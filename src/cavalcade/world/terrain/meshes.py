@@ -1,4 +1,11 @@
-"""Triangle meshes: STL and PLY, text and binary, and their surface seen from above."""
+"""Triangle meshes: STL and PLY, text and binary, and their surface seen from above.
+
+Read here and not by trimesh (5.2 was tried). Of PLY that one refuses binary files whose faces
+differ in their number of corners or that hold lists besides, reads damaged ones as if they were
+whole (a list's length, a corner that is no whole number or below 0), brings text to single
+precision and turns the corners of quadrangles round; of STL it finds nothing in files with
+something behind the last facet, or cut off before their `endsolid`.
+"""
 
 from __future__ import annotations
 
