@@ -161,6 +161,11 @@ def test_a_scenario_names_the_file_and_what_is_dumped_finds_it(scenario_file, tm
         cv.load_scenario(scenario_file, ["robots.0.model=go9"])
 
 
+def test_a_name_that_no_file_can_have_is_refused(scenario_file):
+    with pytest.raises(cv.ScenarioError, match=r"robots\[0\].model: expected a file name of"):
+        cv.load_scenario(scenario_file, {"robots.0.model": "a\0b.yaml"})
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

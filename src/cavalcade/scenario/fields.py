@@ -71,7 +71,8 @@ def _numbers(names: str) -> BeforeValidator:
     return BeforeValidator(check)
 
 
-def _path(value: Any) -> Any:
+def checked_path(value: Any) -> Any:
+    """A name that a file can have."""
     if not isinstance(value, str | Path) or not str(value).strip():
         raise expected("expected a file name")
     if not str(value).isprintable():
@@ -98,4 +99,4 @@ Seed = Annotated[int, Strict(), Field(ge=0, lt=2**63)]
 Point = Annotated[tuple[Coordinate, Coordinate], _numbers("x, y")]
 Size = Annotated[tuple[Length, Length], _numbers("width, height")]
 Pose = Annotated[tuple[Coordinate, Coordinate, Coordinate], _numbers("x, y, yaw")]
-File = Annotated[Path, BeforeValidator(_path), AfterValidator(below_file)]
+File = Annotated[Path, BeforeValidator(checked_path), AfterValidator(below_file)]

@@ -29,6 +29,7 @@ from cavalcade.scenario.fields import (
     Positive,
     Section,
     below_file,
+    checked_path,
     expected,
 )
 
@@ -65,7 +66,9 @@ class RobotSection(Section):
     @field_validator("model")
     @classmethod
     def _below_the_file(cls, name: str, info: ValidationInfo) -> str:
-        return str(below_file(Path(name), info)) if is_model_file(name) else name
+        if not is_model_file(name):
+            return name
+        return str(below_file(Path(checked_path(name)), info))
 
     @model_validator(mode="after")
     def _known(self) -> Self:
