@@ -18,9 +18,8 @@ from .formation import Imperfections as Imperfections
 from .formation import MovingObstacle as MovingObstacle
 from .geometry.trajectory import Trajectory as Trajectory
 from .jobs.planning import plan as plan
-from .jobs.running import RunResult as RunResult
+from .jobs.result import JobResult as JobResult
 from .jobs.running import run as run
-from .metrics.plan_result import PlanResult as PlanResult
 from .recording.mcap_reader import read_recording as read_recording
 from .robots import RobotModel as RobotModel
 from .robots import register_model as register_model

@@ -8,6 +8,7 @@ from .model import FormationSection as FormationSection
 from .model import Move as Move
 from .model import Obstacle as Obstacle
 from .model import PlannerSection as PlannerSection
+from .model import ResolvedScenario as ResolvedScenario
 from .model import Scenario as Scenario
 from .shipped import scenario_descriptions as scenario_descriptions
 from .shipped import scenario_names as scenario_names

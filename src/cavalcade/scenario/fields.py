@@ -100,3 +100,7 @@ Point = Annotated[tuple[Coordinate, Coordinate], _numbers("x, y")]
 Size = Annotated[tuple[Length, Length], _numbers("width, height")]
 Pose = Annotated[tuple[Coordinate, Coordinate, Coordinate], _numbers("x, y, yaw")]
 File = Annotated[Path, BeforeValidator(checked_path), AfterValidator(below_file)]
+
+
+class OneLine(dict[str, Any]):
+    """A mapping that is written to a file on one line."""
