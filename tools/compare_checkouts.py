@@ -25,6 +25,7 @@ from pathlib import Path
 
 from comparing.benchmarks import BENCHMARKS, FailedError, pair_benchmark
 from comparing.checkout import Checkout, Processes, StoppedError, UnusableError
+from comparing.folders import Difference
 from comparing.jobs import GROUPS, make_jobs
 
 EQUAL, DIFFERENT, FAILED = "equal", "different", "failed"
@@ -104,11 +105,8 @@ def _tasks(
 
         def compare(job=job) -> Answer:
             found = job.compare(old, new, out)
-            lines = [str(difference) for difference in found]
             if found:
-                return DIFFERENT, lines[:_MOST] + [f"... and {len(lines) - _MOST} more"] * (
-                    len(lines) > _MOST
-                )
+                return DIFFERENT, _first_of_each_file(found)
             return EQUAL, [f"exit codes {job.ended(out)}"]
 
         tasks[job.name] = compare
@@ -126,8 +124,13 @@ def _tasks(
     return {name: task for name, task in tasks.items() if fnmatchcase(name, options.only)}
 
 
-_MOST = 5
-"""Differences of a job that are printed."""
+def _first_of_each_file(found: list[Difference]) -> list[str]:
+    counts = Counter(difference.file for difference in found)
+    firsts = {difference.file: difference for difference in reversed(found)}
+    return [
+        f"{firsts[file]}" + (f" (and {counts[file] - 1} more)" if counts[file] > 1 else "")
+        for file in counts
+    ]
 
 
 def _shipped(checkout: Checkout, out: Path) -> list[str]:

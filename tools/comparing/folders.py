@@ -71,7 +71,7 @@ class Side:
 
 
 def compare_folders(old: Side, new: Side, changes: Sequence[Change] = INTENDED) -> list[Difference]:
-    """All differences, the first of each file first in a reader's order of files."""
+    """All differences: files that one side lacks, then file by file, results before messages."""
     names = [_names(side.folder) for side in (old, new)]
     found = [
         Difference(name, "", *("there" if name in side else "missing" for side in names))
@@ -150,7 +150,7 @@ def _names(folder: Path) -> set[str]:
 
 
 def _rank(name: str) -> tuple[int, str]:
-    order = (SAID, ".yaml", "summary.json", ".json", ".npz", ".jsonl", ".parquet", ".mcap")
+    order = (".yaml", "summary.json", ".npz", ".mcap", ".jsonl", ".parquet", SAID, ".json")
     return next((k for k, end in enumerate(order) if name.endswith(end)), len(order)), name
 
 

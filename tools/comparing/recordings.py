@@ -38,7 +38,9 @@ def recording_differences(
         name, before.messages, after.messages, changes, flat=True
     )
     equal = True
-    for topic in [*before.topics, *(topic for topic in after.topics if topic not in before.topics)]:
+    topics = [*before.topics, *(topic for topic in after.topics if topic not in before.topics)]
+    # Poses and commands first, since they say most about what went another way.
+    for topic in sorted(topics, key=lambda topic: before.topics.get(topic) not in _NUMBERS):
         kinds = [side.topics.get(topic, "missing") for side in (before, after)]
         if kinds[0] != kinds[1]:
             equal = False
