@@ -175,6 +175,15 @@ def test_a_missing_message_and_a_missing_topic_are_named(sides):
     ]
 
 
+def test_topics_that_are_gone_on_purpose_are_accepted(sides):
+    _write_recording(sides[1].folder / "run", [0.25, 0.5], ("/robot_0/pose", "/robot_0/cmd"))
+    changes = [
+        RenamedKey("*.mcap", "/robot_0/cmd_vel", "", "nobody read it"),
+        RenamedKey("*.mcap", "", "/robot_0/cmd", "somebody asked for it"),
+    ]
+    assert _found(sides, *changes) == []
+
+
 def test_missing_files_messages_and_exit_codes_are_named(sides):
     (sides[1].folder / "run/replay.html").unlink()
     _change(sides[1].folder / "run.said.json", {"exit_code": 1})

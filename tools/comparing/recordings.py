@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -23,6 +23,10 @@ class _Recording:
     messages: dict[str, list[tuple[int, bytes]]] = field(default_factory=dict)
     order: list[tuple[int, str]] = field(default_factory=list)
 
+    def rename(self, names: Mapping[str, str]) -> None:
+        self.messages = {names[topic]: found for topic, found in self.messages.items()}
+        self.order = [(time, names[topic]) for time, topic in self.order]
+
 
 def recording_differences(
     name: str, old: Path, new: Path, changes: Sequence[Change]
@@ -31,12 +35,12 @@ def recording_differences(
     if old.read_bytes() == new.read_bytes():
         return
     before, after = _read(old), _read(new)
+    names = list(before.topics)
     before.topics, after.topics = apply_changes(
         name, before.topics, after.topics, changes, flat=True
     )
-    before.messages, after.messages = apply_changes(
-        name, before.messages, after.messages, changes, flat=True
-    )
+    if len(names) == len(before.topics):
+        before.rename(dict(zip(names, before.topics, strict=True)))
     equal = True
     topics = [*before.topics, *(topic for topic in after.topics if topic not in before.topics)]
     # Poses and commands first, since they say most about what went another way.
@@ -51,9 +55,10 @@ def recording_differences(
         ):
             equal = False
             yield f"{topic} {place[0]}", place[1], place[2]
-    if equal and before.topics.keys() == after.topics.keys():
-        for index, (one, other) in enumerate(zip(before.order, after.order, strict=False)):
-            if one != other and len(before.order) == len(after.order) and not changes:
+    if equal:
+        sides = [[one for one in side.order if one[1] in side.topics] for side in (before, after)]
+        for index, (one, other) in enumerate(zip(*sides, strict=True)):
+            if one != other:
                 yield f"order of messages, number {index}", str(one), str(other)
                 return
 
