@@ -23,12 +23,12 @@ from contextlib import ExitStack
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from comparing.benchmarks import BENCHMARKS, FailedError, pair_benchmark
+from comparing.benchmarks import BAR, BENCHMARKS, FailedError, overall, pair_benchmark
 from comparing.checkout import Checkout, Processes, StoppedError, UnusableError
 from comparing.folders import Difference
 from comparing.jobs import GROUPS, make_jobs
 
-EQUAL, DIFFERENT, FAILED = "equal", "different", "failed"
+EQUAL, DIFFERENT, SLOWER, FAILED = STATES = ("equal", "different", "slower", "failed")
 Answer = tuple[str, list[str]]
 """How a job ended and the lines that say more."""
 
@@ -117,8 +117,9 @@ def _tasks(
                 found = pair_benchmark(benchmark, old, new, options.repeat)
             except FailedError as error:
                 return FAILED, [str(error)]
-            slower = any(not ratio.holds for ratio in found)
-            return DIFFERENT if slower else EQUAL, [str(ratio) for ratio in found]
+            ratio = overall(found)
+            lines = [f"old/new {ratio:.3f}, at least {BAR:g} wanted", *map(str, found)]
+            return EQUAL if ratio >= BAR else SLOWER, lines
 
         tasks[f"benchmarks/{benchmark.name}"] = pair
     return {name: task for name, task in tasks.items() if fnmatchcase(name, options.only)}
@@ -158,9 +159,7 @@ def _carry_out(tasks: dict[str, Callable[[], Answer]], side_by_side: int) -> int
             pool.shutdown(wait=False, cancel_futures=True)
             raise
         pool.shutdown()
-    print(
-        f"{len(tasks)} jobs: " + ", ".join(f"{counts[s]} {s}" for s in (EQUAL, DIFFERENT, FAILED))
-    )
+    print(f"{len(tasks)} jobs: " + ", ".join(f"{counts[s]} {s}" for s in STATES))
     return 0 if counts[EQUAL] == len(tasks) else 1
 
 

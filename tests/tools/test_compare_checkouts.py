@@ -13,7 +13,7 @@ import yaml
 TOOLS = Path(__file__).parents[2] / "tools"
 sys.path.insert(0, str(TOOLS))
 
-from comparing.benchmarks import BENCHMARKS, FailedError, figures, ratios  # noqa: E402
+from comparing.benchmarks import BENCHMARKS, FailedError, figures, overall, ratios  # noqa: E402
 from comparing.checkout import Done, Processes, StoppedError  # noqa: E402
 from comparing.folders import Side, compare_folders  # noqa: E402
 from comparing.intended import INTENDED, ChangedText, ChangedValue, RenamedKey  # noqa: E402
@@ -290,11 +290,12 @@ def test_figures_of_benchmarks_are_read(name):
 
 
 def test_benchmarks_are_compared_by_their_best():
-    (same,) = ratios([{"a": 1.0}, {"a": 3.0}, {"a": 2.0}], [{"a": 1.02}, {"a": 9.0}])
-    assert same.holds
-    assert same.best == pytest.approx(1.0 / 1.02)
-    (slow,) = ratios([{"a": 1.0}], [{"a": 1.04}])
-    assert not slow.holds
+    old = [{"a": 1.0, "b": 2.0}, {"a": 3.0, "b": 2.0}, {"a": 2.0, "b": 2.0}]
+    found = list(ratios(old, [{"a": 1.02, "b": 1.9}, {"a": 9.0, "b": 9.0}]))
+    assert [ratio.best for ratio in found] == pytest.approx([1.0 / 1.02, 2.0 / 1.9])
+    assert found[0].median == pytest.approx(2.0 / 5.01)
+    assert overall(found) == pytest.approx((2.0 / 1.9 / 1.02) ** 0.5)
+    assert "below" in str(next(ratios([{"a": 1.0}], [{"a": 1.04}])))
     with pytest.raises(FailedError):
         list(ratios([{"a": 1.0}], [{"b": 1.0}]))
 

@@ -2,8 +2,8 @@
 
 Each side runs its own copy: what is measured is what the benchmark says in its output (a time, or
 a factor of real time), or the CPU seconds of the whole process where it says none. Noise of a
-machine only ever adds time, so that the bar is on the best of all repetitions; the median stands
-beside it.
+machine only ever adds time, so that the bar is on the best of all turns, as the mean of a
+benchmark's figures; the median of the turns stands beside it.
 """
 
 from __future__ import annotations
@@ -58,17 +58,17 @@ class Ratio:
     old: float
     new: float
 
-    @property
-    def holds(self) -> bool:
-        """Whether the new side is as fast, but for `BAR`."""
-        return self.best >= BAR
-
     def __str__(self) -> str:
-        verdict = "" if self.holds else "  SLOWER"
+        below = "" if self.best >= BAR else f"  below {BAR:g}"
         return (
             f"{self.label}: old/new {self.best:.3f} (best), {self.median:.3f} (median); "
-            f"{self.old:.4g} s -> {self.new:.4g} s{verdict}"
+            f"{self.old:.4g} s -> {self.new:.4g} s{below}"
         )
+
+
+def overall(found: Sequence[Ratio]) -> float:
+    """The benchmark's own ratio: the geometric mean of its figures' best."""
+    return statistics.geometric_mean(ratio.best for ratio in found)
 
 
 BENCHMARKS = (
