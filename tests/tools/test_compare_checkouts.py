@@ -260,8 +260,7 @@ def test_generated_worlds_are_the_same_again_and_of_every_kind(tmp_path):
 
 
 def test_generated_worlds_are_valid(tmp_path):
-    from cavalcade.scenario import load_scenario
-    from cavalcade.scenario.worlds import build_world
+    from cavalcade.scenario import build_world, load_scenario
 
     for file in write_worlds(tmp_path, 38, seed=0):
         build_world(load_scenario(file))
