@@ -21,7 +21,8 @@ class RenamedKey:
     `old` and `new` are dotted paths of equal length that differ in their last part only
     (`planner.conflict`, `robots.*.model`; `*` is any key or element). Columns of tables, arrays
     of plans and topics of recordings are names as they stand, dots and all. An empty `new` means
-    that the key is gone, an empty `old` that it was not there before.
+    that the key is gone, an empty `old` that it is new: it is left out wherever the old side
+    lacks it.
     """
 
     where: str
@@ -57,7 +58,26 @@ class ChangedText:
 
 Change = RenamedKey | ChangedValue | ChangedText
 
-INTENDED: tuple[Change, ...] = ()
+_PLAN_KEYS = (*("found_by", "iterations", "limit_s", "counts", "margin_m", "footholds", "delay_s"),)
+_EVERY_KEY = "all summaries have all keys, null where they do not apply, as the contract says"
+_EVERY_COLUMN = "the table has a column for each key of a summary, whatever its trials hold"
+
+INTENDED: tuple[Change, ...] = (
+    *(RenamedKey("*/summary.json", "", key, _EVERY_KEY) for key in _PLAN_KEYS),
+    *(RenamedKey("*.said.json", "", key, _EVERY_KEY) for key in _PLAN_KEYS),
+    *(RenamedKey("*.jsonl", "", f"*.summary.{key}", _EVERY_KEY) for key in _PLAN_KEYS),
+    *(
+        RenamedKey("*.parquet", "", column, _EVERY_COLUMN)
+        for column in (
+            *("found_by", "iterations", "limit_s", "margin_m", "delay_s"),
+            *("footholds.count", "footholds.out_of_reach"),
+            *(f"physics.contacts.{kind}" for kind in ("robot_robot", "robot_obstacle")),
+            *(f"physics.contacts.ground.{part}" for part in ("trunk", "hip", "thigh", "calf")),
+            *("physics.max_speed_share", "physics.min_height_m", "physics.max_height_m"),
+            "physics.carried_share",
+        )
+    ),
+)
 """Everything that may differ from the old side, and nothing else."""
 
 
@@ -80,7 +100,7 @@ def apply_changes(
             if change.old:
                 old = _renamed(old, _parts(change.old, flat), _parts(change.new, flat))
             else:
-                new = _renamed(new, _parts(change.new, flat), [])
+                new = _without_new(new, old, _parts(change.new, flat))
         elif isinstance(change, ChangedValue):
             old = _replaced(old, _parts(change.key, flat), change.old, change.new)
         elif change.old:
@@ -103,6 +123,26 @@ def _renamed(tree: Any, path: list[str], new: list[str]) -> Any:
         pairs = ((new[-1] if new and key == head else key, tree[key]) for key in tree)
         return dict(pairs) if new else {key: tree[key] for key in tree if key != head}
     return _below(tree, head, lambda child: _renamed(child, rest, new)) if rest else tree
+
+
+def _without_new(new: Any, old: Any, path: list[str]) -> Any:
+    """The new tree without the last part of the path, wherever the old tree has no such key."""
+    head, *rest = path
+    if isinstance(new, dict):
+        known = old if isinstance(old, dict) else {}
+        if not rest:
+            return {k: v for k, v in new.items() if k != head or k in known}
+        return {
+            k: _without_new(v, known.get(k), rest) if head in ("*", str(k)) else v
+            for k, v in new.items()
+        }
+    if isinstance(new, list) and rest:
+        items = old if isinstance(old, list) and len(old) == len(new) else [None] * len(new)
+        return [
+            _without_new(v, items[k], rest) if head in ("*", str(k)) else v
+            for k, v in enumerate(new)
+        ]
+    return new
 
 
 def _replaced(tree: Any, path: list[str], old: Any, new: Any) -> Any:
