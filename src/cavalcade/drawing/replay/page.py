@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cavalcade.drawing.replay.data import replay_data
-from cavalcade.files import replacing
+from cavalcade.files import write_file
 
 if TYPE_CHECKING:
     from cavalcade.metrics.plan_result import PlanResult
@@ -63,9 +63,7 @@ def write_replay(
     """
     target = Path(path)
     data = replay_data(scenario, world, recording=recording, plan=plan, summary=summary)
-    page = replay_page(data)
-    with replacing(target) as temporary:
-        temporary.write_text(page, encoding="utf-8", newline="\n")
+    write_file(target, replay_page(data))
     return target
 
 
