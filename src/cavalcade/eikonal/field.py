@@ -75,10 +75,19 @@ class TravelGrid:
         width = 0.7 * least if np.isfinite(least) else 1.0
         self._delay = delay
         self._padded = _march.PaddedGrid(delay, self.rows, self.cols, self._stride, least, width)
-        same = beside is not None and beside._delay.size == size
-        self._work = beside._work if beside is not None and same else _march.work_space(size)
+        self._work: _march.WorkSpace
+        if beside is not None and beside._delay.size == size:
+            self._work = beside._work
+        else:
+            self._work = _march.work_space(size)
         self._scratch: Array | None = None  # kept at inf between local paths
         self._buffer = _descent.PathBuffer(np.empty((0, 2)), np.empty(0))
+
+    @property
+    def speed(self) -> Array:
+        """Speeds `(rows, cols)`, m/s, as they were given but for rounding."""
+        delay = self._delay.reshape(self.rows + 2, self._stride)[1:-1, 1:-1]
+        return np.asarray(self.cell / delay)
 
     def cell_of(self, point: ArrayLike) -> tuple[int, int]:
         """The [row, col] in which a point `(2,)` lies; it may be outside the grid."""
