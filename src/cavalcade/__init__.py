@@ -26,11 +26,11 @@ if TYPE_CHECKING:
     from cavalcade.fleet.physics import MujocoFleet
     from cavalcade.formation import (
         Connection,
+        DynamicObstacle,
         Formation,
         FormationPlanner,
         FormationSettings,
         Imperfections,
-        MovingObstacle,
     )
     from cavalcade.robots import RobotModel, robot_model
     from cavalcade.running import RunResult, read_recording, run
@@ -67,7 +67,7 @@ _HOME = {
     "Imperfections": "formation",
     "InputError": "errors",
     "MapError": "errors",
-    "MovingObstacle": "formation",
+    "DynamicObstacle": "formation",
     "MujocoFleet": "fleet.physics",
     "OccupancyMap": "world",
     "OutputError": "errors",
@@ -106,13 +106,13 @@ __all__ = [
     "CavalcadeError",
     "Circle",
     "Connection",
+    "DynamicObstacle",
     "Formation",
     "FormationPlanner",
     "FormationSettings",
     "Imperfections",
     "InputError",
     "MapError",
-    "MovingObstacle",
     "MujocoFleet",
     "OccupancyMap",
     "OutputError",

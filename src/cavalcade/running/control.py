@@ -40,7 +40,7 @@ class Planner(Protocol):
     def update_map(self, map: Any) -> None:
         """Replace the map."""
 
-    def set_moving_obstacles(self, obstacles: Sequence[Any]) -> None:
+    def set_dynamic_obstacles(self, obstacles: Sequence[Any]) -> None:
         """Say what moves and how fast."""
 
     def pause(self) -> None:

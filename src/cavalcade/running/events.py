@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from cavalcade.fleet import Fleet
-from cavalcade.formation import MovingObstacle
+from cavalcade.formation import DynamicObstacle
 from cavalcade.running.control import ControlLoop
 from cavalcade.running.frames import ObstacleTrack
 from cavalcade.running.team import formation_of
@@ -83,7 +83,7 @@ class EventRunner:
                 self._on_map(time, changed)
                 self._map_time = time
         if self._obstacles.motion_changed:
-            self._control.planner.set_moving_obstacles(self._obstacles.movers(time))
+            self._control.planner.set_dynamic_obstacles(self._obstacles.movers(time))
         return happened
 
     def tracks(self, end: float) -> tuple[ObstacleTrack, ...]:
@@ -165,7 +165,7 @@ class _Obstacles:
     def movers(self, time: float) -> list[Any]:
         """What moves now, as the planner takes it."""
         return [
-            MovingObstacle(
+            DynamicObstacle(
                 self._shapes[k].moved(self.spans[k].offset_at(time)),
                 self.spans[k].velocity_at(time),
             )

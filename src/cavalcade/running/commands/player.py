@@ -172,7 +172,7 @@ class CommandPlayer:
     def update_map(self, map: Any) -> None:
         """Commands know no map."""
 
-    def set_moving_obstacles(self, obstacles: Sequence[Any]) -> None:
+    def set_dynamic_obstacles(self, obstacles: Sequence[Any]) -> None:
         """Commands know no obstacles."""
 
     def set_goals(self, goals: Sequence[Sequence[float]]) -> None:

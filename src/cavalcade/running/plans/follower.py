@@ -231,7 +231,7 @@ class PlanFollower:
         """A plan is for the world as it was."""
         raise InputError("a plan is for a world that stays as it is")
 
-    def set_moving_obstacles(self, obstacles: Sequence[Any]) -> None:
+    def set_dynamic_obstacles(self, obstacles: Sequence[Any]) -> None:
         """A plan is for the world as it was."""
         raise InputError("a plan is for a world that stays as it is")
 
