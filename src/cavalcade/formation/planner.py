@@ -21,7 +21,6 @@ from cavalcade.formation.planning_maps import PlanningMaps
 from cavalcade.formation.safety_filter import SafetyFilter, SafetyInputs
 from cavalcade.formation.settings import PRESETS, FormationSettings
 from cavalcade.formation.shapes import Formation
-from cavalcade.formation.status import PlannerStatus
 from cavalcade.formation.team import Team
 from cavalcade.formation.tracking import VelocityTracker
 from cavalcade.formation.variants import default_settings, variant_named
@@ -32,6 +31,7 @@ from cavalcade.geometry import (
     transform_points,
     wrap_angle,
 )
+from cavalcade.recording.status import PlannerStatus
 from cavalcade.robots import RobotModel, robot_model
 from cavalcade.world import OccupancyMap
 
