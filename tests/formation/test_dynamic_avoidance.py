@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cavalcade.eikonal import surface_distance
-from cavalcade.formation._clearance import DistanceMap, ObstacleBoxes, Surroundings
+from cavalcade.formation._clearance import Surroundings
 from cavalcade.formation.dynamic_avoidance import DynamicAvoidance
 from cavalcade.geometry import rotation
 from cavalcade.robots import robot_model
@@ -30,8 +30,8 @@ def evaded(poses, wanted=None, mover=MOVER, speed=EAST, map=OPEN, active=None):
     wanted = wanted.reshape(-1, 3)
     active = np.arange(len(poses)) if active is None else np.array(active)
     movers, speeds = np.array(mover).reshape(-1, 5), np.array(speed).reshape(-1, 2)
-    boxes = ObstacleBoxes(movers[:, :3].copy(), movers[:, 3:].copy(), speeds)
-    around = Surroundings(DistanceMap(surface_distance(map.occupied, CELL), CELL), boxes)
+    distances = surface_distance(map.occupied, CELL)
+    around = Surroundings(distances, CELL, movers[:, :3].copy(), movers[:, 3:].copy(), speeds)
     still = np.zeros_like(poses)
     DynamicAvoidance(robot_model("go1"), TOP).apply(wanted, poses, still, active, around, 0.30)
     return wanted

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cavalcade.eikonal import surface_distance
-from cavalcade.formation._clearance import DistanceMap, ObstacleBoxes, Surroundings
+from cavalcade.formation._clearance import Surroundings
 from cavalcade.formation._evasive_motion import STEP
 from cavalcade.formation.dynamic_avoidance import STEPS, Manoeuvre, ManoeuvreSearch, Scene
 from cavalcade.robots import robot_model
@@ -28,17 +28,15 @@ def scene_of(pose, movers, speeds, others=(), standing=()):
     others = np.array(others, dtype=float).reshape(-1, 3)
     plans = np.repeat(others[:, None], STEPS, axis=1)
     speeds = np.array(speeds, dtype=float).reshape(-1, 2)
-    around = Surroundings(
-        DistanceMap(surface_distance(map.occupied, CELL), CELL),
-        ObstacleBoxes(movers[:, :3].copy(), movers[:, 3:].copy(), speeds),
-    )
+    distances = surface_distance(map.occupied, CELL)
+    around = Surroundings(distances, CELL, movers[:, :3].copy(), movers[:, 3:].copy(), speeds)
     return Scene(np.array(pose, dtype=float), REST, around, plans, 0.30)
 
 
 def gap_to_mover(tools, pose, scene, time):
     return min(
         tools.sampled_gap(pose, np.array([*(at[:2] + time * v), at[2]]), GO1, tuple(2 * half))
-        for at, half, v in zip(*scene.surroundings.boxes, strict=True)
+        for at, half, v in zip(*scene.surroundings[2:], strict=True)
     )
 
 

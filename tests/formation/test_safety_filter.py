@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from cavalcade.eikonal import surface_distance
 from cavalcade.formation import SafetyFilter, SafetyInputs
-from cavalcade.formation._clearance import DistanceMap, ObstacleBoxes, Surroundings
+from cavalcade.formation._clearance import ObstacleBoxes, Surroundings
 from cavalcade.formation._least_change import TeamState
 from cavalcade.robots import robot_model
 from cavalcade.robots.motion import advance, limits_of
@@ -34,7 +34,7 @@ class Scene:
         self.poses = np.array(poses, dtype=float)
         self.velocities = np.zeros_like(self.poses)
         self.occupied = occupied
-        self.map = DistanceMap(surface_distance(occupied, CELL), CELL)
+        self.distances = surface_distance(occupied, CELL)
         self.boxes = boxes or ObstacleBoxes.none()
         self.frozen = np.isin(np.arange(len(poses)), frozen)
         self.rank = np.arange(len(poses))
@@ -47,7 +47,9 @@ class Scene:
             self.poses, self.velocities, wanted, self.rank, self.frozen, np.zeros(count, bool),
             np.full(count, self.radius),
         )  # fmt: skip
-        return self.filter.apply(SafetyInputs(team, Surroundings(self.map, self.boxes)))
+        return self.filter.apply(
+            SafetyInputs(team, Surroundings(self.distances, CELL, *self.boxes))
+        )
 
     def advance(self, commands, cycles=1, seen=None, substeps=5):
         """Obey for so many cycles; `seen` is called with the poses of every substep."""
@@ -293,7 +295,7 @@ def test_all_rolled_out_commands_end_at_rest():
     """The certificate's horizon is long enough for a full stop from any velocity."""
     rng = np.random.default_rng(4)
     scene = Scene(np.zeros((1, 3)), np.zeros((4, 4), bool))
-    horizon = scene.filter.horizon
+    horizon = scene.filter.parameters.horizon
     steps, dt = horizon.steps - horizon.substeps, PERIOD / horizon.substeps
     for _ in range(200):
         heading, yaw = rng.uniform(-np.pi, np.pi, 2)
@@ -317,7 +319,7 @@ def test_any_rate_stops_in_time(tools, rate):
         inputs = SafetyInputs.of(
             map, [state[:3]], [state[3:]], [(0.5, 0.0, 0.0)], clearance=RADIUS, distances=distances
         )
-        distances = inputs.surroundings.map
+        distances = inputs.surroundings.distances
         commands, _ = guard.apply(inputs)
         for _ in range(10):
             state = advance(state, tuple(commands[0]), 0.1 / rate, LIMITS)
@@ -334,6 +336,6 @@ def test_beside_a_robot_that_is_lost_only_footprints_count():
             commands, _ = scene.commands([[0.0, 0.0, 0.0], [0.0, -0.2, 0.0]])
             scene.advance(commands)
         closest[frozen] = float(np.hypot(*(scene.poses[1] - scene.poses[0])[:2]))
-    gaps = scene.filter.insisted
+    gaps = scene.filter.parameters.insisted
     assert closest[()] >= gaps.centres
     assert GO1.width + gaps.footprint <= closest[(0,)] < GO1.width + 0.1

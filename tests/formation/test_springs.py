@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cavalcade.formation import LABORATORY_SPRINGS, SIMULATION_SPRINGS
-from cavalcade.formation._shaping import SpringArrays, add_springs
+from cavalcade.formation._shaping import SPRING, add_springs
 
 PERIOD = 0.05
 LAW = np.array([[4.5, 1.25, 0.40, 0.10, 0.04]])
@@ -19,7 +19,7 @@ PAIR = np.array([[0, 1]])
 
 def spring_arrays(rest, laws):
     """Rest lengths `(C,)` and laws `(C, 5)` as the kernel takes them."""
-    return SpringArrays(rest, *laws.T.copy())
+    return np.array([(a, *law) for a, law in zip(rest, laws, strict=True)], dtype=SPRING)
 
 
 def sprung(velocity, points, pairs, rest, laws, previous):

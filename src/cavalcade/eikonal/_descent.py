@@ -7,7 +7,6 @@ u = col, v = row. Padded indices as in `_march`.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -16,13 +15,6 @@ from cavalcade.eikonal._march import Stop, march
 
 STEP = 0.5
 """Cells: step length of a walk down a field; at most 0.5."""
-
-
-class PathBuffer(NamedTuple):
-    """Room for a walk: `(K, 2)` points in cell units and the remaining times `(K,)` in s."""
-
-    points: np.ndarray
-    times: np.ndarray
 
 
 @njit(cache=True)
@@ -130,7 +122,7 @@ def straight_goal(u, v, reach, goals, grid):
 
 
 @njit(cache=True)
-def descend(u, v, goals, times, grid, path):
+def descend(u, v, goals, times, grid, points, stamps):
     """Walk down the arrival times from (u, v) to the goal below it.
 
     Gradient steps on the bilinear interpolant. Where it is not defined, would leave the free
@@ -142,13 +134,12 @@ def descend(u, v, goals, times, grid, path):
         goals: `(G, 2)` where the march began.
         times: Padded arrival times, s.
         grid: What was marched over.
-        path: A `PathBuffer`, filled with the path and its times.
+        points, stamps: `(K, 2)` and `(K,)`, filled with the path and its remaining times.
 
     Returns:
         Number of points, and whether the goal was reached.
     """
     delay, stride = grid.delay, grid.stride
-    points, stamps = path.points, path.times
     size = points.shape[0]
     best = time_at(u, v, times, stride)
     points[0, 0], points[0, 1], stamps[0] = u, v, best
@@ -223,12 +214,12 @@ def descend(u, v, goals, times, grid, path):
 
 
 @njit(cache=True)
-def nearest_reached(u, v, values, grid, reach):
+def nearest_reached(u, v, values, rows, cols, reach):
     """Padded index of the finite cell of `values` nearest to (u, v), -1 if none within `reach`.
 
     Rings of cells around the point are searched from the inside out.
     """
-    rows, cols, stride = grid.rows, grid.cols, grid.stride
+    stride = cols + 2
     row, col = int(math.floor(v + 0.5)), int(math.floor(u + 0.5))
     found = -1
     closest = np.inf
@@ -250,7 +241,7 @@ def nearest_reached(u, v, values, grid, reach):
 
 
 @njit(cache=True)
-def local_path(start, goal, guess, grid, times, work, path):
+def local_path(start, goal, guess, grid, times, work, points, stamps):
     """March from the goal until the start is settled and walk back; leaves `times` at inf.
 
     The march leaves out cells that cannot lie on a path as good as the straight one, if the
@@ -263,11 +254,11 @@ def local_path(start, goal, guess, grid, times, work, path):
         grid: What to march over.
         times: Padded, all inf.
         work: Of the march.
-        path: A `PathBuffer`, filled with the path and its times.
+        points, stamps: `(K, 2)` and `(K,)`, filled with the path and its remaining times.
 
     Returns:
         Number of points, whether they reach the goal, and the time from the start, inf if there
-        is no path. `path` is too short if there is one but the points do not reach the goal.
+        is no path. `points` is too short if there is one but the points do not reach the goal.
     """
     start_u, start_v = start
     goal_u, goal_v = goal
@@ -293,7 +284,7 @@ def local_path(start, goal, guess, grid, times, work, path):
         eta = time_at(start_u, start_v, times, grid.stride)
         goals = np.empty((1, 2))
         goals[0, 0], goals[0, 1] = goal_u, goal_v
-        length, reached = descend(start_u, start_v, goals, times, grid, path)
+        length, reached = descend(start_u, start_v, goals, times, grid, points, stamps)
     for k in range(count):
         times[work.visited[k]] = np.inf
     return length, reached, eta

@@ -81,7 +81,8 @@ class TravelGrid:
         else:
             self._work = _march.work_space(size)
         self._scratch: Array | None = None  # kept at inf between local paths
-        self._buffer = _descent.PathBuffer(np.empty((0, 2)), np.empty(0))
+        self._points: Array = np.empty((0, 2))
+        self._stamps: Array = np.empty(0)
 
     @property
     def speed(self) -> Array:
@@ -206,8 +207,9 @@ class TravelGrid:
                 self._scratch = np.full(self._delay.size, np.inf)
             try:
                 count, reached, eta = _descent.local_path(
-                    begin, end, float(guess), self._padded, self._scratch, self._work, self._buffer
-                )
+                    begin, end, float(guess), self._padded, self._scratch, self._work,
+                    self._points, self._stamps,
+                )  # fmt: skip
             except MemoryError:
                 self._grow()
                 self._scratch = None
@@ -216,7 +218,7 @@ class TravelGrid:
                 break
             if eta == np.inf or not self._more_points():
                 return np.empty((0, 2)), np.inf
-        return (self._buffer.points[:count] + 0.5) * self.cell, float(eta)
+        return (self._points[:count] + 0.5) * self.cell, float(eta)
 
     def _place(self, point: ArrayLike) -> tuple[float, float]:
         """A point `(2,)` in cell units: [row, col] = [v, u] is a cell's centre."""
@@ -242,12 +244,13 @@ class TravelGrid:
         return 0
 
     def _buffers(self, size: int) -> None:
-        if len(self._buffer.times) < size:
-            self._buffer = _descent.PathBuffer(np.empty((size, 2)), np.empty(size))
+        if len(self._points) < size:
+            self._points = np.empty((size, 2))
+            self._stamps = np.empty(size)
 
     def _more_points(self) -> bool:
         """Double the longest path; False if it is longer than any path already."""
-        size = len(self._buffer.times)
+        size = len(self._points)
         if size > 8 * self._delay.size:
             return False
         self._buffers(2 * size)
@@ -256,7 +259,7 @@ class TravelGrid:
     def _nearest(self, point: ArrayLike, values: Array, reach: float) -> Array | None:
         u, v = self._place(point)
         rings = int(min(reach / self.cell, self.rows + self.cols)) + 1
-        found = _descent.nearest_reached(u, v, values, self._padded, rings)
+        found = _descent.nearest_reached(u, v, values, self.rows, self.cols, rings)
         if found < 0:
             return None
         row, col = divmod(found, self._stride)
@@ -320,12 +323,12 @@ class ArrivalField:
         grid._buffers(16 * (grid.rows + grid.cols))
         while True:
             count, reached = _descent.descend(
-                u, v, self._goals, self._times, grid._padded, grid._buffer
+                u, v, self._goals, self._times, grid._padded, grid._points, grid._stamps
             )
             if reached or not grid._more_points():
                 break
-        points = (grid._buffer.points[:count] + 0.5) * grid.cell
-        return points, grid._buffer.times[:count].copy()
+        points = (grid._points[:count] + 0.5) * grid.cell
+        return points, grid._stamps[:count].copy()
 
 
 def arrival_times(

@@ -3,34 +3,23 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
-from cavalcade.formation._clearance import distance_at, rectangle, rectangle_gap
-from cavalcade.formation._least_change import NEAR
-from cavalcade.robots.motion import MotionLimits, advance
+from cavalcade.formation._clearance import (
+    DistanceMap,
+    ObstacleBoxes,
+    distance_at,
+    rectangle,
+    rectangle_gap,
+)
+from cavalcade.formation._least_change import NEAR, least_change, to_body
+from cavalcade.robots.motion import advance
 
 LEVELS = 5
 """Candidates per robot: filtered command, half of it, without its turn, its turn alone, stop."""
 STOP = LEVELS - 1
-
-
-class Horizon(NamedTuple):
-    """How far ahead motion is predicted.
-
-    Attributes:
-        limits: The robots' motion limits.
-        period: s for which a command is held.
-        substeps: Steps into which the period is divided.
-        steps: Number of steps that are predicted, a full stop included.
-    """
-
-    limits: MotionLimits
-    period: float
-    substeps: int
-    steps: int
 
 
 @njit(cache=True)
@@ -114,7 +103,7 @@ def step_down(level, slack):
 
 
 @njit(cache=True)
-def certify(team, commands, horizon, footprint, surroundings, gaps):
+def certify(team, commands, surroundings, parameters):
     """Commands after which every robot can still stop without touching anything.
 
     Each robot's candidates, from the wanted command down to a stop, are rolled out for one
@@ -125,16 +114,16 @@ def certify(team, commands, horizon, footprint, surroundings, gaps):
     Args:
         team: A `TeamState`; what it wants does not count.
         commands: `(N, 3)` in the body frame.
-        horizon: What is rolled out.
-        footprint: The robots'.
         surroundings: Map and dynamic obstacles.
-        gaps: `Margins` that are insisted on.
+        parameters: The `FilterParameters`.
 
     Returns:
         `(N, 3)` commands in the body frame and `(N,)` the levels taken.
     """
-    n, half, boxes = team.poses.shape[0], footprint.half, surroundings.boxes
-    rank, frozen = team.rank, team.frozen
+    footprint, gaps, horizon = parameters.footprint, parameters.insisted, parameters.horizon
+    n, half, rank, frozen = team.poses.shape[0], footprint.half, team.rank, team.frozen
+    grid = DistanceMap(surroundings.distances, surroundings.cell)
+    boxes = ObstacleBoxes(surroundings.poses, surroundings.half, surroundings.velocities)
     paths = np.empty((n, LEVELS, horizon.steps, 3))
     options = np.zeros((n, LEVELS, 3))
     slack = np.empty((n, LEVELS))
@@ -158,9 +147,8 @@ def certify(team, commands, horizon, footprint, surroundings, gaps):
             if team.evading[i] and boxes.poses.shape[0] > 0:
                 ahead = np.empty((horizon.steps, 3))
                 roll_out(pose, velocity, option, horizon, horizon.steps, ahead)
-            slack[i, k] = map_slack(
-                paths[i, k], footprint, team.clearances[i], gaps.obstacle, surroundings.map
-            )
+            keep = team.clearances[i]
+            slack[i, k] = map_slack(paths[i, k], footprint, keep, gaps.obstacle, grid)
             for j in range(others.shape[0]):
                 free = pair_slack(ahead, half, others[j], boxes.half[j], gaps.footprint, 0.0)
                 slack[i, k] = min(slack[i, k], free)
@@ -234,3 +222,15 @@ def certify(team, commands, horizon, footprint, surroundings, gaps):
         for a in range(3):
             out[i, a] = options[i, level[i], a]
     return out, level
+
+
+@njit(cache=True)
+def safe_commands(team, weights, surroundings, parameters):
+    """Both stages: see `least_change` for the arguments and `certify` for what comes out."""
+    u = least_change(team, weights, surroundings, parameters)
+    commands = to_body(u, team.poses[:, 2], parameters.horizon.limits)
+    for i in range(commands.shape[0]):
+        if team.frozen[i]:
+            for k in range(3):
+                commands[i, k] = 0.0
+    return certify(team, commands, surroundings, parameters)

@@ -44,10 +44,16 @@ class ObstacleBoxes(NamedTuple):
 
 
 class Surroundings(NamedTuple):
-    """What robots keep clear of besides one another: a `DistanceMap` and `ObstacleBoxes`."""
+    """What robots keep clear of besides one another: a `DistanceMap`'s and `ObstacleBoxes`' parts.
 
-    map: DistanceMap
-    boxes: ObstacleBoxes
+    It is flat because every record within a record takes its time at each call from Python.
+    """
+
+    distances: np.ndarray
+    cell: float
+    poses: np.ndarray
+    half: np.ndarray
+    velocities: np.ndarray
 
 
 class Footprint(NamedTuple):

@@ -8,7 +8,14 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from cavalcade.formation._clearance import distance_at, point_rectangle, rectangle, rectangle_gap
+from cavalcade.formation._clearance import (
+    DistanceMap,
+    ObstacleBoxes,
+    distance_at,
+    point_rectangle,
+    rectangle,
+    rectangle_gap,
+)
 from cavalcade.robots.motion import MotionLimits, advance
 
 STEP = 0.1
@@ -94,25 +101,25 @@ def roll_out_manoeuvre(pose, velocity, direction, turning, moving, drive, out):
 
 
 @njit(cache=True)
-def map_gap(pose, footprint, surroundings):
+def map_gap(pose, footprint, map, boxes):
     """Gap of a body to what stands, m, up to `SEEN`; the map may show what moves as well."""
-    boxes, discs = surroundings.boxes, footprint.discs
+    discs = footprint.discs
     x, y = pose[0], pose[1]
     least = SEEN
     # Where the centre alone shows that the whole body is clear, no disc is looked at.
-    middle, _, _ = distance_at(surroundings.map, x, y)
+    middle, _, _ = distance_at(map, x, y)
     if middle >= footprint.radius + math.hypot(discs[0, 0], discs[0, 1]) + SEEN:
         return least
     c, s = math.cos(pose[2]), math.sin(pose[2])
     for i in range(discs.shape[0]):
         px, py = x + c * discs[i, 0] - s * discs[i, 1], y + s * discs[i, 0] + c * discs[i, 1]
-        d, _, _ = distance_at(surroundings.map, px, py)
+        d, _, _ = distance_at(map, px, py)
         if d - footprint.radius >= least:
             continue
         moves = False
         for j in range(boxes.poses.shape[0]):
             away, _, _ = point_rectangle(px, py, rectangle(boxes.poses[j], boxes.half[j]))
-            if away <= max(d, 0.0) + 2.0 * surroundings.map.cell:
+            if away <= max(d, 0.0) + 2.0 * map.cell:
                 moves = True  # what is nearest is the picture of this one, drawn a little late
         if not moves:
             least = d - footprint.radius
@@ -172,6 +179,8 @@ def judge_manoeuvres(pose, velocity, candidates, drive, footprint, surroundings,
     """
     half, durations = footprint.half, candidates.durations
     never, steps = np.inf, others.shape[1]
+    grid = DistanceMap(surroundings.distances, surroundings.cell)
+    boxes = ObstacleBoxes(surroundings.poses, surroundings.half, surroundings.velocities)
     hits = np.full((len(candidates.directions), len(durations)), -1.0)
     short = np.zeros((len(candidates.directions), len(durations)))
     # No gap can be asked for that is larger than the present one.
@@ -180,8 +189,8 @@ def judge_manoeuvres(pose, velocity, candidates, drive, footprint, surroundings,
         gap = rectangle_gap(rectangle(pose, half), rectangle(others[k, 0], half))
         first[0, k] = gap.distance
         first[1, k] = math.hypot(pose[0] - others[k, 0, 0], pose[1] - others[k, 0, 1])
-    stands = min(gaps.obstacle, map_gap(pose, footprint, surroundings) - _EPS)
-    to_box = box_gap(pose, half, surroundings.boxes, 0.0)
+    stands = min(gaps.obstacle, map_gap(pose, footprint, grid, boxes) - _EPS)
+    to_box = box_gap(pose, half, boxes, 0.0)
     least, aimed = min(gaps.box, to_box - _EPS), min(gaps.aimed, to_box)
     states = np.empty((steps, 6))
     for c in range(len(candidates.directions)):
@@ -198,12 +207,12 @@ def judge_manoeuvres(pose, velocity, candidates, drive, footprint, surroundings,
                 at = states[t, :3]
                 still = t > moving and math.hypot(states[t, 3], states[t, 4]) < 0.01
                 if not still:
-                    closed = map_gap(at, footprint, surroundings) < stands
+                    closed = map_gap(at, footprint, grid, boxes) < stands
                 if not closed and t > 0:
                     closed = barred(at, half, others, t, gaps, first)
                 if closed:
                     break
-                gap_now = box_gap(at, half, surroundings.boxes, t * STEP)
+                gap_now = box_gap(at, half, boxes, t * STEP)
                 here_behind = max(here_behind, aimed - gap_now)
                 if gap_now < least:
                     here_hit = t * STEP
@@ -216,7 +225,7 @@ def judge_manoeuvres(pose, velocity, candidates, drive, footprint, surroundings,
                     break  # longer durations are barred, too
                 continue
             hits[c, d] = here_hit
-            clear, _, _ = distance_at(surroundings.map, states[-1, 0], states[-1, 1])
+            clear, _, _ = distance_at(grid, states[-1, 0], states[-1, 1])
             short[c, d] = here_behind + max(0.0, gaps.clearance - clear)
             if hit < never:
                 break

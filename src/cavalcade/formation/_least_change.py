@@ -8,8 +8,16 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from cavalcade.formation._clearance import contact_centres, distance_at, rectangle, rectangle_gap
-from cavalcade.robots.motion import ellipse_scale
+from cavalcade.formation._clearance import (
+    DistanceMap,
+    Footprint,
+    ObstacleBoxes,
+    contact_centres,
+    distance_at,
+    rectangle,
+    rectangle_gap,
+)
+from cavalcade.robots.motion import MotionLimits, ellipse_scale
 
 ARM = 0.25
 """m; weighs turning against moving: u = (vx, vy, ARM * yaw rate)."""
@@ -56,11 +64,37 @@ class Margins(NamedTuple):
     centres: float
 
 
-class Braking(NamedTuple):
-    """What closing speeds are bounded by: a deceleration in m/s², and s until it begins."""
+class Horizon(NamedTuple):
+    """How robots move, and how far ahead that is predicted.
 
-    deceleration: float
+    Attributes:
+        limits: The robots' motion limits.
+        braking: Deceleration that closing speeds are bounded by, m/s².
+        period: s for which a command is held.
+        substeps: Steps into which the period is divided.
+        steps: Number of steps that are predicted, a full stop included.
+    """
+
+    limits: MotionLimits
+    braking: float
     period: float
+    substeps: int
+    steps: int
+
+
+class FilterParameters(NamedTuple):
+    """What stays the same from cycle to cycle.
+
+    Attributes:
+        footprint: The robots'.
+        aimed, insisted: Gaps that the first stage aims at and the second insists on.
+        horizon: Of braking and prediction.
+    """
+
+    footprint: Footprint
+    aimed: Margins
+    insisted: Margins
+    horizon: Horizon
 
 
 class Constraints(NamedTuple):
@@ -106,16 +140,16 @@ def set_contact(row, at, nx, ny, rx, ry):
 
 
 @njit(cache=True)
-def obstacle_rows(k, team, footprint, map, margin, braking, constraints):
+def obstacle_rows(k, pose, keep, footprint, map, gap, horizon, constraints):
     """Constraints of robot `k` against the map: its discs and its centre's clearance."""
-    pose, discs, keep = team.poses[k], footprint.discs, team.clearances[k]
+    discs = footprint.discs
     c, s = math.cos(pose[2]), math.sin(pose[2])
     for i in range(discs.shape[0] + 1):
         rx, ry = 0.0, 0.0
         if i == discs.shape[0]:  # the centre; it keeps a little more than is insisted on
             needed = keep + 0.01 if keep > 0.0 else 0.0
         else:
-            needed = footprint.radius + margin
+            needed = footprint.radius + gap
             rx, ry = c * discs[i, 0] - s * discs[i, 1], s * discs[i, 0] + c * discs[i, 1]
         if needed <= 0.0:
             continue
@@ -125,50 +159,50 @@ def obstacle_rows(k, team, footprint, map, margin, braking, constraints):
         norm = math.hypot(gx, gy)
         if norm < 0.4:
             continue  # a ridge: no single direction leads away
-        speed = approach_speed(d - needed, braking.deceleration, braking.period)
+        speed = approach_speed(d - needed, horizon.braking, horizon.period)
         set_contact(new_row(constraints, k, -1, -speed), 0, gx / norm, gy / norm, rx, ry)
 
 
 @njit(cache=True)
-def pair_rows(i, j, team, footprint, margins, braking, constraints):
-    """Constraints between two robots: the gap of their footprints, the distance of centres."""
-    one, other = team.poses[i], team.poses[j]
+def pair_rows(i, j, poses, both, half, margins, horizon, constraints):
+    """Constraints between two robots: the gap of their footprints, the distance of centres.
+
+    The latter only if `both` are commanded: one that does not drive is an obstacle.
+    """
+    one, other = poses[i], poses[j]
     dx, dy = one[0] - other[0], one[1] - other[1]
     away = math.hypot(dx, dy)
-    around = math.hypot(footprint.half[0], footprint.half[1])
+    around = math.hypot(half[0], half[1])
     if away > around + around + NEAR or away < 1e-9:
         return
-    deceleration = 1.5 * braking.deceleration  # for both of them brake
-    a, b = rectangle(one, footprint.half), rectangle(other, footprint.half)
+    deceleration = 1.5 * horizon.braking  # for both of them brake
+    a, b = rectangle(one, half), rectangle(other, half)
     gap = rectangle_gap(a, b)
     px, py, qx, qy = gap.ax, gap.ay, gap.bx, gap.by
     if gap.distance < NEAR_GAP:
         px, py, qx, qy = contact_centres(a, b, gap, SLOP)
-    speed = approach_speed(gap.distance - margins.footprint, deceleration, braking.period)
+    speed = approach_speed(gap.distance - margins.footprint, deceleration, horizon.period)
     row = new_row(constraints, i, j, -speed)
     set_contact(row, 0, gap.nx, gap.ny, px - one[0], py - one[1])
     set_contact(row, 3, -gap.nx, -gap.ny, qx - other[0], qy - other[1])
-    if team.frozen[i] or team.frozen[j]:
-        return  # one that does not drive is an obstacle: only footprints matter
-    speed = approach_speed(away - margins.centres, deceleration, braking.period)
+    if not both:
+        return
+    speed = approach_speed(away - margins.centres, deceleration, horizon.period)
     row = new_row(constraints, i, j, -speed)
     row[0], row[1], row[3], row[4] = dx / away, dy / away, -dx / away, -dy / away
 
 
 @njit(cache=True)
-def box_rows(i, team, footprint, boxes, margin, braking, constraints):
+def box_rows(i, pose, half, boxes, gap, horizon, constraints):
     """Constraints of robot `i` against dynamic obstacles, whose own motion counts as closing."""
-    pose = team.poses[i]
     for j in range(boxes.poses.shape[0]):
-        gap = rectangle_gap(
-            rectangle(pose, footprint.half), rectangle(boxes.poses[j], boxes.half[j])
-        )
-        if gap.distance > 2.0:
+        near = rectangle_gap(rectangle(pose, half), rectangle(boxes.poses[j], boxes.half[j]))
+        if near.distance > 2.0:
             continue
-        approach = gap.nx * boxes.velocities[j, 0] + gap.ny * boxes.velocities[j, 1]
-        speed = approach_speed(gap.distance - margin, braking.deceleration, braking.period)
+        approach = near.nx * boxes.velocities[j, 0] + near.ny * boxes.velocities[j, 1]
+        speed = approach_speed(near.distance - gap, horizon.braking, horizon.period)
         row = new_row(constraints, i, -1, approach - speed)
-        set_contact(row, 0, gap.nx, gap.ny, gap.ax - pose[0], gap.ay - pose[1])
+        set_contact(row, 0, near.nx, near.ny, near.ax - pose[0], near.ay - pose[1])
 
 
 @njit(cache=True)
@@ -223,38 +257,39 @@ def project(wanted, weights, constraints):
 
 
 @njit(cache=True)
-def least_change(team, weights, footprint, surroundings, margins, braking):
+def least_change(team, weights, surroundings, parameters):
     """Wanted velocities, changed as little as clearances and braking distances ask for.
 
     Args:
         team: A `TeamState`.
         weights: `(N,)` how dear a change is; very large for a robot that cannot be commanded.
-        footprint: The robots'.
         surroundings: Map and dynamic obstacles.
-        margins: Gaps that are aimed at.
-        braking: What to count on.
+        parameters: The `FilterParameters`.
 
     Returns:
         `(N, 3)` velocities in the map frame: m/s, m/s, rad/s.
     """
-    n, m = team.poses.shape[0], surroundings.boxes.poses.shape[0]
+    poses, frozen, keep = team.poses, team.frozen, team.clearances
+    footprint, margins, horizon = parameters.footprint, parameters.aimed, parameters.horizon
+    half = footprint.half
+    grid = DistanceMap(surroundings.distances, surroundings.cell)
+    boxes = ObstacleBoxes(surroundings.poses, surroundings.half, surroundings.velocities)
+    n, m = poses.shape[0], boxes.poses.shape[0]
     most = n * (footprint.discs.shape[0] + 1) + n * (n - 1) + n * m
     constraints = Constraints(
         np.zeros((most, 6)), np.zeros(most), np.empty((most, 2), np.int64), np.zeros(1, np.int64)
     )
     for k in range(n):
-        if not team.frozen[k]:
-            obstacle_rows(
-                k, team, footprint, surroundings.map, margins.obstacle, braking, constraints
-            )
+        if not frozen[k]:
+            gap = margins.obstacle
+            obstacle_rows(k, poses[k], keep[k], footprint, grid, gap, horizon, constraints)
     for i in range(n):
         for j in range(i + 1, n):
-            pair_rows(i, j, team, footprint, margins, braking, constraints)
-    for i in range(n):
-        if not team.frozen[i]:
-            box_rows(
-                i, team, footprint, surroundings.boxes, margins.footprint, braking, constraints
-            )
+            both = not (frozen[i] or frozen[j])
+            pair_rows(i, j, poses, both, half, margins, horizon, constraints)
+    for k in range(n):
+        if not frozen[k]:
+            box_rows(k, poses[k], half, boxes, margins.footprint, horizon, constraints)
     u = team.wanted.copy()
     for i in range(n):
         u[i, 2] *= ARM

@@ -3,37 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
-
-class SpringArrays(NamedTuple):
-    """The connections of a shape, `(C,)` each; stiffness and damping as in `SpringLaw`.
-
-    Attributes:
-        rest: Rest lengths, m.
-        k_rep, k_att: Stiffness when shortened and when stretched, 1/(m s).
-        dv_max_att: Largest velocity change by attraction, m/s.
-        b_att, b_rep: Damping while approaching and while drifting apart, without unit.
-    """
-
-    rest: np.ndarray
-    k_rep: np.ndarray
-    k_att: np.ndarray
-    dv_max_att: np.ndarray
-    b_att: np.ndarray
-    b_rep: np.ndarray
-
-
-class SpeedLimits(NamedTuple):
-    """The paper's limits: v_max_x, v_max_y and v_min in m/s, d_slowdown in m."""
-
-    v_max_x: float
-    v_max_y: float
-    v_min: float
-    d_slowdown: float
+SPRING = np.dtype(
+    [(name, float) for name in ("rest", "k_rep", "k_att", "dv_max_att", "b_att", "b_rep")]
+)
+"""One connection of a shape: its rest length in m, and its `SpringLaw`."""
 
 
 @njit(cache=True)
@@ -44,7 +21,7 @@ def add_springs(velocity, points, pairs, springs, previous, period):
         velocity: `(N, 2)` m/s, changed in place.
         points: `(N, 2)` m.
         pairs: `(C, 2)` robots joined by each connection, -1 where a slot is empty.
-        springs: Their `SpringArrays`.
+        springs: `(C,)` of type `SPRING`.
         previous: `(C,)` lengths one cycle ago, nan where other robots were joined then.
         period: Seconds per cycle.
 
@@ -62,14 +39,15 @@ def add_springs(velocity, points, pairs, springs, previous, period):
         length[k] = apart
         if apart < 1e-9:
             continue
-        stretch = apart - springs.rest[k]
+        spring = springs[k]
+        stretch = apart - spring.rest
         if stretch < 0.0:
-            force = -springs.k_rep[k] * stretch * stretch
+            force = -spring.k_rep * stretch * stretch
         else:
-            force = min(springs.k_att[k] * stretch * stretch, springs.dv_max_att[k])
+            force = min(spring.k_att * stretch * stretch, spring.dv_max_att)
         if not math.isnan(previous[k]):
             rate = (apart - previous[k]) / period
-            force += (springs.b_att[k] if rate < 0.0 else springs.b_rep[k]) * rate
+            force += (spring.b_att if rate < 0.0 else spring.b_rep) * rate
         ux, uy = dx / apart * force, dy / apart * force
         velocity[a, 0] += ux
         velocity[a, 1] += uy
@@ -134,7 +112,7 @@ def limit_speeds(velocity, yaw, w, to_goal, limits):
         yaw: `(N,)` headings, rad.
         w: `(N,)` W_B at the robots.
         to_goal: `(N,)` distances to the robots' own goals, m; inf switches that limit off.
-        limits: The `SpeedLimits`.
+        limits: (v_max_x, v_max_y, v_min, d_slowdown), m/s and m.
     """
     v_x, v_y, v_min, slowdown = limits
     for k in range(velocity.shape[0]):

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.formation._clearance import DistanceMap, Footprint, ObstacleBoxes, Surroundings
+from cavalcade.formation._clearance import Footprint, ObstacleBoxes, Surroundings
 from cavalcade.formation._evasive_motion import (
     STEP,
     Drive,
@@ -151,7 +151,7 @@ class ManoeuvreSearch:
     def _get_ready(self) -> None:
         """Load or compile the kernels: no cycle may wait for that when something sets out."""
         rest, one = np.zeros(3), Manoeuvre(np.array([1.0, 0.0]), True, 1)
-        free = Surroundings(DistanceMap(np.ones((2, 2)), 1.0), ObstacleBoxes.none())
+        free = Surroundings(np.ones((2, 2)), 1.0, *ObstacleBoxes.none())
         self._judged([one], Scene(rest, rest, free, np.empty((0, STEPS, 3)), 0.0))
         self.command(one, 0.0)
         self.poses(one, rest, rest)
@@ -238,7 +238,7 @@ class DynamicAvoidance:
         """
         met: dict[int, _Strip] = {}
         for k in active:
-            strips = _strips(poses[k, :2], surroundings.boxes)
+            strips = _strips(poses[k, :2], surroundings)
             inside = [strip for strip in strips if abs(strip.beside) < strip.needed]
             if inside:
                 met[int(k)] = min(inside, key=lambda strip: strip.arrival)
@@ -285,10 +285,10 @@ class DynamicAvoidance:
         return best
 
 
-def _strips(point: Array, boxes: ObstacleBoxes) -> list[_Strip]:
+def _strips(point: Array, boxes: Surroundings) -> list[_Strip]:
     """The strips of all obstacles that sweep past the height of a point within the horizon."""
     found = []
-    for pose, half, velocity in zip(*boxes, strict=True):
+    for pose, half, velocity in zip(boxes.poses, boxes.half, boxes.velocities, strict=True):
         pace = float(np.hypot(*velocity))
         if pace < 1e-6:
             continue

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.formation._clearance import DistanceMap, Footprint, ObstacleBoxes, Surroundings
+from cavalcade.formation._clearance import Footprint, ObstacleBoxes, Surroundings
 from cavalcade.formation.baselines import behave, rigid_maps
 from cavalcade.formation.cycle import (
     EMPTY_PATH,
@@ -169,7 +169,7 @@ class Navigator:
             wanted[:, :2] = cycle.velocity
             wanted[:, 2] = self._shaper.yaw_rates(cycle)
         if self._variant.improved and len(boxes.poses):
-            around = Surroundings(DistanceMap(maps.distance, maps.cell), boxes)
+            around = Surroundings(maps.distance, maps.cell, *boxes)
             self._evading = self._avoidance.apply(
                 wanted, poses, velocities, active, around, self.radius
             )

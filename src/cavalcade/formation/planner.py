@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.errors import InputError
 from cavalcade.formation import modes
-from cavalcade.formation._clearance import DistanceMap, ObstacleBoxes, Surroundings
+from cavalcade.formation._clearance import ObstacleBoxes, Surroundings
 from cavalcade.formation._least_change import TeamState
 from cavalcade.formation.dynamic_obstacles import DynamicObstacle, obstacle_boxes
 from cavalcade.formation.estimation import Imperfections, StateEstimator
@@ -269,7 +269,7 @@ class FormationPlanner:
             # In an emergency it is footprints that are kept off obstacles, not circles.
             clearances = np.where(evading, 0.0, self._mode.radius)
             rank = self._mode.rank(count)
-            around = Surroundings(DistanceMap(self._maps.distance, self._maps.cell), boxes)
+            around = Surroundings(self._maps.distance, self._maps.cell, *boxes)
             team = TeamState(local, velocities, wanted, rank, frozen, evading, clearances)
             commands, _ = self._filter.apply(SafetyInputs(team, around))
         else:

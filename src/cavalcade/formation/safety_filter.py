@@ -23,9 +23,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.eikonal import surface_distance
 from cavalcade.errors import InputError
-from cavalcade.formation._certificate import Horizon, certify
-from cavalcade.formation._clearance import DistanceMap, Footprint, Surroundings
-from cavalcade.formation._least_change import Braking, Margins, TeamState, least_change, to_body
+from cavalcade.formation._certificate import safe_commands
+from cavalcade.formation._clearance import Footprint, Surroundings
+from cavalcade.formation._least_change import (
+    FilterParameters,
+    Horizon,
+    Margins,
+    TeamState,
+    to_body,
+)
 from cavalcade.formation.dynamic_obstacles import DynamicObstacle, obstacle_boxes
 from cavalcade.formation.estimation import Imperfections
 from cavalcade.geometry import Array, inverse_transform_points, rotation
@@ -67,7 +73,7 @@ class SafetyInputs(NamedTuple):
         clearance: float = 0.0,
         rank: ArrayLike | None = None,
         frozen: ArrayLike | None = None,
-        distances: DistanceMap | None = None,
+        distances: Array | None = None,
     ) -> SafetyInputs:
         """Inputs from what is known in the map's frame.
 
@@ -80,8 +86,8 @@ class SafetyInputs(NamedTuple):
             clearance: What centres keep off obstacles besides the footprints' own gap, m.
             rank: `(N,)` precedence, 0 first; None for the robots' order.
             frozen: `(N,)` robots that cannot be commanded; None for no robot.
-            distances: `surroundings.map` of earlier inputs on the same map, which saves most of
-                the work; None to find them.
+            distances: `surroundings.distances` of earlier inputs on the same map, which saves most
+                of the work; None to find them.
 
         Raises:
             InputError: Arrays that do not fit together, or are not finite.
@@ -109,13 +115,13 @@ class SafetyInputs(NamedTuple):
         x, y = wanted[:, 0].copy(), wanted[:, 1].copy()
         wanted[:, 0], wanted[:, 1] = c * x - s * y, s * x + c * y
         if distances is None:
-            distances = DistanceMap(surface_distance(map.occupied, map.resolution), map.resolution)
+            distances = surface_distance(map.occupied, map.resolution)
         return cls(
             TeamState(
                 local, moving, wanted, order, still, np.zeros(count, bool),
                 np.full(count, float(clearance)),
             ),
-            Surroundings(distances, obstacle_boxes(obstacles, origin)),
+            Surroundings(distances, map.resolution, *obstacle_boxes(obstacles, origin)),
         )  # fmt: skip
 
 
@@ -128,8 +134,7 @@ class SafetyFilter:
         expected: Of localisation and radio; the less they can be relied on, the wider the gaps.
 
     Attributes:
-        aimed, insisted: Gaps of the two stages.
-        horizon: What the second stage predicts.
+        parameters: Footprint, gaps of the two stages, and what is predicted.
     """
 
     def __init__(
@@ -140,22 +145,24 @@ class SafetyFilter:
         model = robot_model(model) if isinstance(model, str) else model
         expected = expected or Imperfections()
         error = expected.error(period, model.length / 2.0)
-        self.aimed, self.insisted = _widened(AIMED, error), _widened(INSISTED, error)
         # A command stays in effect until the next one arrives.
         period *= expected.held(period)
-        self._footprint = Footprint.of(model.length, model.width, *_DISCS)
-        self._braking = Braking(0.6 * model.max_acceleration, period)
         substeps = max(1, int(np.ceil(period / 0.025 - 1e-9)))
         stop = max(
             model.max_speed_x / model.max_acceleration,
             model.max_yaw_rate / model.max_yaw_acceleration,
         )
         steps = substeps + int(np.ceil(stop / (period / substeps))) + 1
-        self.horizon = Horizon(limits_of(model), period, substeps, steps)
+        self.parameters = FilterParameters(
+            Footprint.of(model.length, model.width, *_DISCS),
+            _widened(AIMED, error),
+            _widened(INSISTED, error),
+            Horizon(limits_of(model), 0.6 * model.max_acceleration, period, substeps, steps),
+        )
 
     def in_body(self, poses: Array, wanted: Array) -> Array:
         """Wanted velocities `(N, 3)` as body-frame commands, unfiltered but within the limits."""
-        return to_body(wanted, poses[:, 2], self.horizon.limits)
+        return to_body(wanted, poses[:, 2], self.parameters.horizon.limits)
 
     def apply(self, inputs: SafetyInputs) -> tuple[Array, NDArray[np.int64]]:
         """Safe commands near the wanted ones.
@@ -169,10 +176,7 @@ class SafetyFilter:
         ratio = min(_PRECEDENCE, _WEIGHTS ** (1.0 / max(count - 1, 1)))
         weights = np.where(team.frozen, 1e9, ratio ** (count - 1.0 - team.rank))
         team = team._replace(clearances=np.where(team.frozen, 0.0, team.clearances))
-        u = least_change(team, weights, self._footprint, surroundings, self.aimed, self._braking)
-        commands = self.in_body(team.poses, u)
-        commands[team.frozen] = 0.0
-        return certify(team, commands, self.horizon, self._footprint, surroundings, self.insisted)
+        return safe_commands(team, weights, surroundings, self.parameters)
 
 
 def _widened(margins: Margins, error: float) -> Margins:

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.formation._shaping import (
-    SpeedLimits,
     add_springs,
     avoid_obstacles,
     limit_speeds,
@@ -46,8 +45,8 @@ class Shaper:
         self.top = min(settings.v_max_x, model.max_speed_x)
         slowdown = settings.d_slowdown * (_BRISK if variant.improved else 1.0)
         across = min(settings.v_max_y, model.max_speed_y)
-        limits = (self.top, across, settings.v_min, slowdown)
-        self._limits = SpeedLimits(*map(float, limits))
+        # Whole numbers would make the kernels compile once more.
+        self._limits = (float(self.top), float(across), float(settings.v_min), float(slowdown))
         self.turn = model.max_yaw_rate
         self.reset()
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.errors import InputError
-from cavalcade.formation._shaping import SpringArrays
+from cavalcade.formation._shaping import SPRING
 from cavalcade.formation.shapes import Formation
 
 
@@ -81,7 +81,7 @@ class Team:
         joints = formation.connections
         self.ends = np.array([(c.a, c.b) for c in joints], dtype=np.int64).reshape(-1, 2)
         laws = [(c.rest_length, *astuple(c.law)) for c in joints]
-        self.springs = SpringArrays(*np.array(laws, dtype=float).reshape(-1, 6).T.copy())
+        self.springs = np.array(laws, dtype=SPRING)
 
     def _check(self, robot: int) -> None:
         if not 0 <= robot < self.size:
