@@ -23,6 +23,7 @@ SAYS = {
     "09_plan_a_team": "clean",
     "10_plan_on_terrain": "in flight from",
     "11_walk_in_physics": "on its feet",
+    "12_safety_filter_alone": "they stand",
 }
 
 WRITES = {

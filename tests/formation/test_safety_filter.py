@@ -1,4 +1,4 @@
-"""Laws of the last filter, judged by geometry of the tests' own."""
+"""Laws of the safety filter, judged by geometry of the tests' own."""
 
 from __future__ import annotations
 
@@ -11,15 +11,17 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from cavalcade.eikonal import surface_distance
-from cavalcade.formation.safety import SafetyFilter
+from cavalcade.formation import SafetyFilter, SafetyInputs
+from cavalcade.formation._clearance import ObstacleBoxes, Surroundings
+from cavalcade.formation._least_change import TeamState
 from cavalcade.robots import robot_model
 from cavalcade.robots.motion import advance, limits_of
+from cavalcade.world import OccupancyMap
 
 GO1 = robot_model("go1")
 SIZE = (GO1.length, GO1.width)
 LIMITS = limits_of(GO1)
 PERIOD, CELL, RADIUS = 0.05, 0.05, 0.30
-NO_MOVERS = (np.empty((0, 5)), np.empty((0, 2)))
 STOP = round(0.7 / PERIOD)
 
 seeds = st.integers(0, 2**32 - 1)
@@ -28,23 +30,26 @@ seeds = st.integers(0, 2**32 - 1)
 class Scene:
     """A team on a map, and the filter that watches over it."""
 
-    def __init__(self, poses, occupied, movers=NO_MOVERS, frozen=(), radius=RADIUS):
+    def __init__(self, poses, occupied, boxes=None, frozen=(), radius=RADIUS):
         self.poses = np.array(poses, dtype=float)
         self.velocities = np.zeros_like(self.poses)
         self.occupied = occupied
-        self.distance = surface_distance(occupied, CELL)
-        self.movers = movers
+        self.distances = surface_distance(occupied, CELL)
+        self.boxes = boxes or ObstacleBoxes.none()
         self.frozen = np.isin(np.arange(len(poses)), frozen)
-        self.flees = np.zeros(len(poses), bool)
         self.rank = np.arange(len(poses))
         self.radius = radius
         self.filter = SafetyFilter(GO1, PERIOD)
 
     def commands(self, wanted):
-        return self.filter.apply(
-            self.poses, self.velocities, np.array(wanted, dtype=float), self.rank, self.frozen,
-            self.flees, self.distance, CELL, np.full(len(self.poses), self.radius), *self.movers,
+        wanted, count = np.array(wanted, dtype=float), len(self.poses)
+        team = TeamState(
+            self.poses, self.velocities, wanted, self.rank, self.frozen, np.zeros(count, bool),
+            np.full(count, self.radius),
         )  # fmt: skip
+        return self.filter.apply(
+            SafetyInputs(team, Surroundings(self.distances, CELL, *self.boxes))
+        )
 
     def advance(self, commands, cycles=1, seen=None, substeps=5):
         """Obey for so many cycles; `seen` is called with the poses of every substep."""
@@ -57,7 +62,7 @@ class Scene:
                 seen(self.poses)
 
     def copy(self):
-        other = Scene(self.poses, self.occupied, self.movers, (), self.radius)
+        other = Scene(self.poses, self.occupied, self.boxes, (), self.radius)
         other.velocities, other.frozen = self.velocities.copy(), self.frozen
         other.rank = self.rank
         return other
@@ -276,22 +281,22 @@ def test_it_does_not_turn_into_a_wall(tools, radius):
 @pytest.mark.parametrize("speed", [0.1, 0.3])
 def test_a_slow_mover_from_behind_is_given_room(tools, speed):
     """It pushes a robot that wants to stand, as long as there is room to go."""
-    box = np.array([1.0, 2.0, 0.0, 0.15, 0.15])
+    box = np.array([1.0, 2.0, 0.0])
     scene = Scene([[2.0, 2.0, 0.0]], np.zeros((80, 160), bool))
     for _ in range(100):
-        scene.movers = (box[None], np.array([[speed, 0.0]]))
+        scene.boxes = ObstacleBoxes(box[None], np.full((1, 2), 0.15), np.array([[speed, 0.0]]))
         commands, _ = scene.commands(np.zeros((1, 3)))
         scene.advance(commands)
         box[0] += speed * PERIOD
-        assert tools.sampled_gap(scene.poses[0], box[:3], SIZE, (0.3, 0.3)) > 0.0
+        assert tools.sampled_gap(scene.poses[0], box, SIZE, (0.3, 0.3)) > 0.0
 
 
 def test_all_rolled_out_commands_end_at_rest():
     """The certificate's horizon is long enough for a full stop from any velocity."""
     rng = np.random.default_rng(4)
     scene = Scene(np.zeros((1, 3)), np.zeros((4, 4), bool))
-    steps = scene.filter._steps - scene.filter._substeps
-    dt = PERIOD / scene.filter._substeps
+    horizon = scene.filter.parameters.horizon
+    steps, dt = horizon.steps - horizon.substeps, PERIOD / horizon.substeps
     for _ in range(200):
         heading, yaw = rng.uniform(-np.pi, np.pi, 2)
         body = np.array([0.5 * math.cos(heading), 0.2 * math.sin(heading)])
@@ -308,14 +313,14 @@ def test_any_rate_stops_in_time(tools, rate):
     occupied = np.zeros((80, 120), dtype=bool)
     occupied[:, 100:] = True
     guard = SafetyFilter(GO1, 1.0 / rate)
-    distance = surface_distance(occupied, CELL)
-    state = (3.0, 2.0, 0.0, 0.0, 0.0, 0.0)
+    map = OccupancyMap(np.where(occupied, 100, 0).astype(np.int8), CELL)
+    distances, state = None, (3.0, 2.0, 0.0, 0.0, 0.0, 0.0)
     for _ in range(round(8.0 * rate)):
-        commands, _ = guard.apply(
-            np.array([state[:3]]), np.array([state[3:]]), np.array([[0.5, 0.0, 0.0]]),
-            np.zeros(1, np.int64), np.zeros(1, bool), np.zeros(1, bool), distance, CELL,
-            np.full(1, RADIUS), *NO_MOVERS,
-        )  # fmt: skip
+        inputs = SafetyInputs.of(
+            map, [state[:3]], [state[3:]], [(0.5, 0.0, 0.0)], clearance=RADIUS, distances=distances
+        )
+        distances = inputs.surroundings.distances
+        commands, _ = guard.apply(inputs)
         for _ in range(10):
             state = advance(state, tuple(commands[0]), 0.1 / rate, LIMITS)
         assert tools.occupied_gap(np.array(state[:3]), SIZE, occupied, CELL) > 0.0
@@ -331,6 +336,6 @@ def test_beside_a_robot_that_is_lost_only_footprints_count():
             commands, _ = scene.commands([[0.0, 0.0, 0.0], [0.0, -0.2, 0.0]])
             scene.advance(commands)
         closest[frozen] = float(np.hypot(*(scene.poses[1] - scene.poses[0])[:2]))
-    margins = scene.filter._margins
-    assert closest[()] >= margins.hard_centres
-    assert GO1.width + margins.hard_footprint <= closest[(0,)] < GO1.width + 0.1
+    gaps = scene.filter.parameters.insisted
+    assert closest[()] >= gaps.centres
+    assert GO1.width + gaps.footprint <= closest[(0,)] < GO1.width + 0.1

@@ -1,4 +1,4 @@
-"""Moving obstacles as rectangles in the grid's frame."""
+"""Dynamic obstacles as rectangles in the grid's frame."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cavalcade.formation import MovingObstacle
-from cavalcade.formation.obstacles import mover_arrays
+from cavalcade.formation import DynamicObstacle
+from cavalcade.formation.dynamic_obstacles import obstacle_boxes
 from cavalcade.geometry import transform_points
 from cavalcade.world import Box, Circle, Polygon
 
@@ -20,9 +20,8 @@ SHAPES = [
 
 
 def test_nothing_moves():
-    boxes, speeds = mover_arrays([], (0.0, 0.0, 0.0))
-    assert boxes.shape == (0, 5)
-    assert speeds.shape == (0, 2)
+    boxes = obstacle_boxes([], (0.0, 0.0, 0.0))
+    assert [part.shape for part in boxes] == [(0, 3), (0, 2), (0, 2)]
 
 
 @settings(max_examples=60, deadline=None)
@@ -32,20 +31,21 @@ def test_nothing_moves():
     st.integers(0, 2**32 - 1),
 )
 def test_the_rectangle_encloses_the_shape_wherever_the_map_lies(tools, shape, origin, seed):
-    boxes, speeds = mover_arrays([MovingObstacle(shape, (0.3, -0.1))], origin)
+    boxes = obstacle_boxes([DynamicObstacle(shape, (0.3, -0.1))], origin)
     x0, y0, x1, y1 = shape.bounds
     points = np.random.default_rng(seed).uniform((x0, y0), (x1, y1), (200, 2))
     inside = points[shape.distance(points) == 0.0]
-    (box,) = boxes
-    corner = transform_points(origin, box[None, :2])  # back into the map's frame
-    pose = np.array([*corner[0], box[2] + origin[2]])
-    away = tools.distance_to_rectangle(inside, pose, 2 * box[3], 2 * box[4])
+    ((x, y, yaw),) = boxes.poses
+    centre = transform_points(origin, np.array([[x, y]]))  # back into the map's frame
+    pose = np.array([*centre[0], yaw + origin[2]])
+    away = tools.distance_to_rectangle(inside, pose, *(2.0 * boxes.half[0]))
     assert away.max(initial=0.0) < 1e-9
     # Velocities turn with the frame and keep their size.
-    turned = transform_points((0.0, 0.0, origin[2]), speeds)
+    turned = transform_points((0.0, 0.0, origin[2]), boxes.velocities)
     assert turned[0] == pytest.approx((0.3, -0.1))
 
 
 def test_a_box_keeps_its_heading():
-    boxes, _ = mover_arrays([MovingObstacle(SHAPES[1], (0.0, 0.0))], (0.0, 0.0, 0.0))
-    np.testing.assert_allclose(boxes, [[1.0, 2.0, 0.6, 0.4, 0.15]])
+    boxes = obstacle_boxes([DynamicObstacle(SHAPES[1], (0.0, 0.0))], (0.0, 0.0, 0.0))
+    np.testing.assert_allclose(boxes.poses, [[1.0, 2.0, 0.6]])
+    np.testing.assert_allclose(boxes.half, [[0.4, 0.15]])

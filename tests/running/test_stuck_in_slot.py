@@ -31,8 +31,8 @@ def test_it_turns_outside_and_backs_in() -> None:
     assert result.summary["min_footprint_gap_m"] > 0.0
 
 
-def test_without_that_it_stays_wedged() -> None:
-    assert alley(math.pi, "cavalcade-no-standoffs").reason == "timeout"
+def test_without_that_it_stays_stuck() -> None:
+    assert alley(math.pi, "cavalcade-no-recovery").reason == "timeout"
 
 
 def test_one_that_looks_the_right_way_takes_no_detour() -> None:

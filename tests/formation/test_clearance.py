@@ -1,4 +1,4 @@
-"""Clearances of the last filter against slow, obvious geometry."""
+"""Clearances of the safety filter against slow, obvious geometry."""
 
 from __future__ import annotations
 
@@ -10,7 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cavalcade.eikonal import surface_distance
-from cavalcade.formation._bodies import distance_at, point_rectangle, rectangle_gap
+from cavalcade.formation._clearance import (
+    DistanceMap,
+    distance_at,
+    point_rectangle,
+    rectangle,
+    rectangle_gap,
+)
 
 poses = st.tuples(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), st.floats(-math.pi, math.pi))
 sizes = st.tuples(st.floats(0.1, 1.0), st.floats(0.1, 1.0))
@@ -18,9 +24,11 @@ sizes = st.tuples(st.floats(0.1, 1.0), st.floats(0.1, 1.0))
 
 def gap(a, size_a, b, size_b):
     """The kernel, with whole lengths and widths."""
-    return rectangle_gap(
-        np.array(a), size_a[0] / 2, size_a[1] / 2, np.array(b), size_b[0] / 2, size_b[1] / 2
-    )
+    return rectangle_gap(placed(a, size_a), placed(b, size_b))
+
+
+def placed(pose, size):
+    return rectangle(np.array(pose), np.array(size) / 2)
 
 
 def support(pose, size, direction):
@@ -105,8 +113,7 @@ class TestRectangleGap:
 @settings(max_examples=80, deadline=None)
 @given(poses, sizes, st.tuples(st.floats(-2.0, 2.0), st.floats(-2.0, 2.0)))
 def test_point_to_rectangle(tools, pose, size, point):
-    c, s = math.cos(pose[2]), math.sin(pose[2])
-    found, qx, qy = point_rectangle(*point, pose[0], pose[1], c, s, size[0] / 2, size[1] / 2)
+    found, qx, qy = point_rectangle(*point, placed(pose, size))
     want = tools.distance_to_rectangle(np.array([point]), np.array(pose), *size)[0]
     assert found == pytest.approx(want, abs=1e-9)
     assert math.dist(point, (qx, qy)) == pytest.approx(want, abs=1e-9)
@@ -130,10 +137,10 @@ class TestDistanceAt:
     def test_it_is_the_exact_distance_within_a_fraction_of_a_cell(self, seed):
         rng = np.random.default_rng(seed)
         occupied = rng.random((24, 30)) < 0.03
-        distance = surface_distance(occupied, self.CELL)
+        distances = DistanceMap(surface_distance(occupied, self.CELL), self.CELL)
         for x, y in rng.uniform(0.0, (30 * self.CELL, 24 * self.CELL), (40, 2)):
             exact = self.exact(occupied, x, y)
-            found = distance_at(distance, self.CELL, x, y)[0]
+            found = distance_at(distances, x, y)[0]
             # Interpolation cuts off the ridges between obstacles by up to half a cell or so, but
             # it must not promise much more room than there is where discs or centres touch.
             assert found >= exact - 0.75 * self.CELL
@@ -143,18 +150,16 @@ class TestDistanceAt:
     def test_at_cell_centres_it_is_exact(self):
         occupied = np.zeros((20, 20), dtype=bool)
         occupied[7:9, 12] = True
-        distance = surface_distance(occupied, self.CELL)
+        distances = DistanceMap(surface_distance(occupied, self.CELL), self.CELL)
         for row, col in np.ndindex(20, 20):
             x, y = (col + 0.5) * self.CELL, (row + 0.5) * self.CELL
-            assert distance_at(distance, self.CELL, x, y)[0] == pytest.approx(
-                self.exact(occupied, x, y)
-            )
+            assert distance_at(distances, x, y)[0] == pytest.approx(self.exact(occupied, x, y))
 
     def test_the_gradient_points_away_from_a_wall_at_unit_length(self):
         occupied = np.zeros((60, 60), dtype=bool)
         occupied[:, :10] = True
-        distance = surface_distance(occupied, self.CELL)
-        value, gx, gy = distance_at(distance, self.CELL, 1.01, 1.53)
+        distances = DistanceMap(surface_distance(occupied, self.CELL), self.CELL)
+        value, gx, gy = distance_at(distances, 1.01, 1.53)
         assert (value, gx, gy) == pytest.approx((0.51, 1.0, 0.0))
 
     @pytest.mark.parametrize(
@@ -167,7 +172,8 @@ class TestDistanceAt:
         ],
     )
     def test_beyond_the_border_it_is_negative_and_leads_back(self, point, gradient):
-        distance = surface_distance(np.zeros((30, 30), dtype=bool), self.CELL)
-        value, gx, gy = distance_at(distance, self.CELL, *point)
+        empty = np.zeros((30, 30), dtype=bool)
+        distances = DistanceMap(surface_distance(empty, self.CELL), self.CELL)
+        value, gx, gy = distance_at(distances, *point)
         assert value == pytest.approx(-0.1)
         assert (gx, gy) == gradient

@@ -1,4 +1,4 @@
-"""Compiled steps of the planner: springs, avoidance, limits. Arrays in, arrays out."""
+"""Springs, obstacle avoidance and speed limits (Norén et al., eqs. 3-9). Compiled."""
 
 from __future__ import annotations
 
@@ -7,22 +7,26 @@ import math
 import numpy as np
 from numba import njit
 
+SPRING = np.dtype(
+    [(name, float) for name in ("rest", "k_rep", "k_att", "dv_max_att", "b_att", "b_rep")]
+)
+"""One connection of a shape: its rest length in m, and its `SpringLaw`."""
+
 
 @njit(cache=True)
-def add_springs(velocity, points, pairs, rest, laws, previous, period):
+def add_springs(velocity, points, pairs, springs, previous, period):
     """Add springs and dampers to the velocities (Norén et al., eqs. 3-5).
 
     Args:
         velocity: `(N, 2)` m/s, changed in place.
         points: `(N, 2)` m.
         pairs: `(C, 2)` robots joined by each connection, -1 where a slot is empty.
-        rest: `(C,)` rest lengths, m.
-        laws: `(C, 5)` k_rep, k_att, dv_max_att, b_att, b_rep.
+        springs: `(C,)` of type `SPRING`.
         previous: `(C,)` lengths one cycle ago, nan where other robots were joined then.
         period: Seconds per cycle.
 
     Returns:
-        `(C,)` lengths now.
+        `(C,)` lengths now, m.
     """
     count = pairs.shape[0]
     length = np.full(count, np.nan)
@@ -35,14 +39,15 @@ def add_springs(velocity, points, pairs, rest, laws, previous, period):
         length[k] = apart
         if apart < 1e-9:
             continue
-        stretch = apart - rest[k]
+        spring = springs[k]
+        stretch = apart - spring.rest
         if stretch < 0.0:
-            force = -laws[k, 0] * stretch * stretch
+            force = -spring.k_rep * stretch * stretch
         else:
-            force = min(laws[k, 1] * stretch * stretch, laws[k, 2])
+            force = min(spring.k_att * stretch * stretch, spring.dv_max_att)
         if not math.isnan(previous[k]):
             rate = (apart - previous[k]) / period
-            force += (laws[k, 3] if rate < 0.0 else laws[k, 4]) * rate
+            force += (spring.b_att if rate < 0.0 else spring.b_rep) * rate
         ux, uy = dx / apart * force, dy / apart * force
         velocity[a, 0] += ux
         velocity[a, 1] += uy
@@ -67,51 +72,6 @@ def sobel(speed, row, col):
             gu += dc * (2.0 - abs(dr)) * speed[r, c]
             gv += dr * (2.0 - abs(dc)) * speed[r, c]
     return gu / 8.0, gv / 8.0
-
-
-@njit(cache=True)
-def values_at(grid, points, cell):
-    """Values `(N,)` of a grid in the cells of points `(N, 2)`; 0 off the grid."""
-    out = np.zeros(points.shape[0])
-    for k in range(points.shape[0]):
-        row, col = int(math.floor(points[k, 1] / cell)), int(math.floor(points[k, 0] / cell))
-        if 0 <= row < grid.shape[0] and 0 <= col < grid.shape[1]:
-            out[k] = grid[row, col]
-    return out
-
-
-@njit(cache=True)
-def fitting_shift(shifts, places, bodies, region, needed, labels, distance, cell):
-    """Index of the first shift with which all places lie in a region, with room; -1 if none does.
-
-    Args:
-        shifts: `(K, 2)` m, in the order in which they are tried.
-        places: `(S, 2)` m, to lie in cells of the region.
-        bodies: `(S, B, 2)` m, to lie in cells with room.
-        region: Number of the region; -1 for any.
-        needed: Least distance to obstacles, m.
-        labels, distance: `(rows, cols)` regions, 0 for none, and distances to obstacles, m.
-        cell: Cell size, m.
-    """
-    rows, cols = labels.shape
-    for k in range(shifts.shape[0]):
-        fits = True
-        for i in range(places.shape[0]):
-            row = int(math.floor((places[i, 1] + shifts[k, 1]) / cell))
-            col = int(math.floor((places[i, 0] + shifts[k, 0]) / cell))
-            fits = 0 <= row < rows and 0 <= col < cols
-            fits = fits and labels[row, col] > 0 and (region < 0 or labels[row, col] == region)
-            for j in range(bodies.shape[1]):
-                if not fits:
-                    break
-                row = int(math.floor((bodies[i, j, 1] + shifts[k, 1]) / cell))
-                col = int(math.floor((bodies[i, j, 0] + shifts[k, 0]) / cell))
-                fits = 0 <= row < rows and 0 <= col < cols and distance[row, col] >= needed
-            if not fits:
-                break
-        if fits:
-            return k
-    return -1
 
 
 @njit(cache=True)
@@ -152,9 +112,9 @@ def limit_speeds(velocity, yaw, w, to_goal, limits):
         yaw: `(N,)` headings, rad.
         w: `(N,)` W_B at the robots.
         to_goal: `(N,)` distances to the robots' own goals, m; inf switches that limit off.
-        limits: v_max_x, v_max_y, v_min (m/s), d_slowdown (m).
+        limits: (v_max_x, v_max_y, v_min, d_slowdown), m/s and m.
     """
-    v_x, v_y, v_min, slowdown = limits[0], limits[1], limits[2], limits[3]
+    v_x, v_y, v_min, slowdown = limits
     for k in range(velocity.shape[0]):
         vx, vy = velocity[k, 0], velocity[k, 1]
         speed = math.hypot(vx, vy)

@@ -8,26 +8,25 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cavalcade.formation import FormationSettings
-from cavalcade.formation.ground import Ground
+from cavalcade.formation.planning_maps import PlanningMaps
 from cavalcade.world import Box, OccupancyMap
 
 CELL = 0.05
 SETTINGS = FormationSettings(d_safe_a=0.6, d_safe_b=0.3)
 
 
-def speeds(ground):
+def speeds(maps):
     """W_A and W_B as arrays, as the fields see them."""
-    delay = ground.leader._delay.reshape(ground.leader.rows + 2, -1)[1:-1, 1:-1]
-    return CELL / delay, ground.speed_b
+    return maps.leader.speed, maps.speed_b
 
 
-def assert_same(ground, fresh):
-    for a, b in zip(speeds(ground), speeds(fresh), strict=True):
+def assert_same(maps, fresh):
+    for a, b in zip(speeds(maps), speeds(fresh), strict=True):
         np.testing.assert_allclose(a, b, atol=1e-9)
     # What the filter asks of distances: exact as far as it looks.
-    near = fresh.distance < ground.radius + 0.5
-    np.testing.assert_allclose(ground.distance[near], fresh.distance[near], atol=1e-9)
-    assert (ground.distance[~near] >= ground.radius + 0.5 - 1e-9).all()
+    near = fresh.distance < maps.radius + 0.5
+    np.testing.assert_allclose(maps.distance[near], fresh.distance[near], atol=1e-9)
+    assert (maps.distance[~near] >= maps.radius + 0.5 - 1e-9).all()
 
 
 @st.composite
@@ -50,17 +49,17 @@ def changes(draw):
 @settings(max_examples=40, deadline=None)
 @given(changes())
 def test_a_changed_ground_equals_one_built_anew(states):
-    ground = Ground(states[0], CELL, SETTINGS)
+    maps = PlanningMaps(states[0], CELL, SETTINGS)
     for occupied in states[1:]:
-        ground = ground.changed(occupied)
-        assert_same(ground, Ground(occupied, CELL, SETTINGS))
+        maps = maps.changed(occupied)
+        assert_same(maps, PlanningMaps(occupied, CELL, SETTINGS))
 
 
 @settings(max_examples=10, deadline=None)
 @given(changes())
 def test_also_for_the_robots_of_a_tight_route(states):
-    ground = Ground(states[0], CELL, SETTINGS).changed(states[-1]).tightened(0.21)
-    assert_same(ground, Ground(states[-1], CELL, SETTINGS, 0.21))
+    maps = PlanningMaps(states[0], CELL, SETTINGS).changed(states[-1]).tightened(0.21)
+    assert_same(maps, PlanningMaps(states[-1], CELL, SETTINGS, 0.21))
 
 
 def test_also_where_the_followers_keep_the_larger_distance():
@@ -68,47 +67,47 @@ def test_also_where_the_followers_keep_the_larger_distance():
     occupied = np.zeros((160, 240), dtype=bool)
     changed = occupied.copy()
     changed[80, 120] = True
-    ground = Ground(occupied, CELL, settings_).changed(changed)
-    fresh = Ground(changed, CELL, settings_)
-    np.testing.assert_allclose(ground.speed_b, fresh.speed_b, atol=1e-9)
+    maps = PlanningMaps(occupied, CELL, settings_).changed(changed)
+    fresh = PlanningMaps(changed, CELL, settings_)
+    np.testing.assert_allclose(maps.speed_b, fresh.speed_b, atol=1e-9)
 
 
 def test_also_for_a_rigid_body_of_many_robots():
     occupied = np.zeros((240, 240), dtype=bool)
     changed = occupied.copy()
     changed[20, 20] = True
-    wide = Ground(occupied, CELL, SETTINGS).changed(changed).tightened(2.0)
+    wide = PlanningMaps(occupied, CELL, SETTINGS).changed(changed).tightened(2.0)
     np.testing.assert_allclose(
-        speeds(wide)[0], speeds(Ground(changed, CELL, SETTINGS, 2.0))[0], atol=1e-9
+        speeds(wide)[0], speeds(PlanningMaps(changed, CELL, SETTINGS, 2.0))[0], atol=1e-9
     )
 
 
 def test_without_a_change_it_is_the_same_ground():
-    ground = Ground(np.zeros((20, 30), dtype=bool), CELL, SETTINGS)
-    assert ground.changed(np.zeros((20, 30), dtype=bool)) is ground
+    maps = PlanningMaps(np.zeros((20, 30), dtype=bool), CELL, SETTINGS)
+    assert maps.changed(np.zeros((20, 30), dtype=bool)) is maps
 
 
 def test_the_velocity_maps_are_the_papers():
-    ground = Ground(np.zeros((100, 140), dtype=bool), CELL, FormationSettings())
+    maps = PlanningMaps(np.zeros((100, 140), dtype=bool), CELL, FormationSettings())
     distance = np.minimum.reduce(
         [np.broadcast_to(np.minimum(k + 0.5, n - 0.5 - k), (100, 140)) * CELL
          for k, n in ((np.arange(100)[:, None], 100), (np.arange(140)[None], 140))]
     )  # fmt: skip
-    np.testing.assert_allclose(ground.distance, distance)
-    leader, follower = speeds(ground)
+    np.testing.assert_allclose(maps.distance, distance)
+    leader, follower = speeds(maps)
     np.testing.assert_allclose(follower, np.clip((distance - 0.30) / 0.50, 0, 1), atol=1e-9)
     np.testing.assert_allclose(leader, np.clip((distance - 0.30) / 1.50, 0, 1), atol=1e-9)
 
 
 def test_off_the_map_nobody_may_drive():
-    ground = Ground(np.zeros((60, 80), dtype=bool), CELL, SETTINGS)
+    maps = PlanningMaps(np.zeros((60, 80), dtype=bool), CELL, SETTINGS)
     points = np.array([[-0.1, 1.0], [1.0, 3.1], [99.0, 99.0], [2.0, 1.5]])
-    assert ground.speed_at(points).tolist() == [0.0, 0.0, 0.0, 1.0]
+    assert maps.speed_at(points).tolist() == [0.0, 0.0, 0.0, 1.0]
 
 
 class TestRegions:
     MAP = OccupancyMap.empty((8.0, 4.0), CELL).with_shapes([Box((4.0, 2.0), (0.4, 4.0))])
-    GROUND = Ground(MAP.occupied, CELL, FormationSettings())
+    GROUND = PlanningMaps(MAP.occupied, CELL, FormationSettings())
 
     def test_the_sides_of_a_wall_are_two(self):
         left, right = (self.GROUND.component(np.array([x, 2.0])) for x in (2.0, 6.0))
@@ -120,8 +119,8 @@ class TestRegions:
         assert self.GROUND.component(np.array([3.7, 2.0])) == left
 
     def test_ground_that_is_all_occupied_has_none(self):
-        ground = Ground(np.ones((40, 40), dtype=bool), CELL, FormationSettings())
-        assert ground.component(np.array([1.0, 1.0])) == 0
+        maps = PlanningMaps(np.ones((40, 40), dtype=bool), CELL, FormationSettings())
+        assert maps.component(np.array([1.0, 1.0])) == 0
 
     def test_a_placement_is_found_in_the_wanted_region_only(self):
         left = self.GROUND.component(np.array([2.0, 2.0]))
@@ -158,7 +157,7 @@ class TestBodies:
     """Robots that stand for good are obstacles to find ways around."""
 
     GO1 = (0.65, 0.28)
-    FREE = Ground(np.zeros((80, 120), dtype=bool), CELL, SETTINGS)
+    FREE = PlanningMaps(np.zeros((80, 120), dtype=bool), CELL, SETTINGS)
 
     @settings(max_examples=40, deadline=None)
     @given(st.floats(0.5, 5.5), st.floats(0.5, 3.5), st.floats(-4.0, 4.0))
@@ -187,7 +186,7 @@ class TestBodies:
     def test_it_equals_one_built_with_the_bodies(self):
         poses = np.array([[2.0, 2.0, 0.3], [4.0, 1.0, -1.2]])
         other = self.FREE.with_bodies(poses, *self.GO1)
-        assert_same(other, Ground(other.occupied, CELL, SETTINGS))
+        assert_same(other, PlanningMaps(other.occupied, CELL, SETTINGS))
 
     @pytest.mark.parametrize("pose", [(-3.0, 2.0, 0.0), (99.0, 99.0, 1.0), (-0.6, -0.6, 0.8)])
     def test_bodies_off_the_map_are_nothing(self, pose):
@@ -203,7 +202,7 @@ class TestBodies:
         door = np.zeros((80, 120), dtype=bool)
         door[:, 58:62] = True
         door[32:48, 58:62] = False  # 0.80 m
-        open_ = Ground(door, CELL, SETTINGS)
+        open_ = PlanningMaps(door, CELL, SETTINGS)
         shut = open_.with_bodies(np.array([[3.0, 2.0, np.pi / 2]]), *self.GO1)
         left, right = np.array([1.0, 2.0]), np.array([5.0, 2.0])
         assert open_.component(left) == open_.component(right)

@@ -1,4 +1,4 @@
-"""The planner's view of the map: distances, velocity maps and what is connected with what.
+"""The planner's view of the world: distances, velocity maps, what is connected with what.
 
 Everything here is in the grid's own frame: x, y in m from the lower-left corner of cell [0, 0].
 """
@@ -10,19 +10,19 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from cavalcade.eikonal import TravelGrid, surface_distance, velocity_map
-from cavalcade.formation._kernels import fitting_shift, values_at
+from cavalcade.formation._placement import FreeSpace, fitting_shift, values_at
 from cavalcade.formation.settings import FormationSettings
 from cavalcade.geometry import Array, transform_points
 
 
-class Ground:
+class PlanningMaps:
     """Maps of one state of the world.
 
     Args:
         occupied: `(rows, cols)` cells with obstacles.
         cell: Cell size, m.
         settings: Inflation and safe distances.
-        radius: Inflation radius, m; the settings' unless a route needs less.
+        radius: Inflation radius, m; the settings' unless a path needs less.
 
     Attributes:
         distance: `(rows, cols)` from each cell's centre to the nearest obstacle's surface, m.
@@ -48,14 +48,14 @@ class Ground:
         self.follower = TravelGrid(self.speed_b, cell, beside=self.leader)
         self._labels: NDArray[np.int32] | None = None
 
-    def tightened(self, radius: float) -> Ground:
+    def tightened(self, radius: float) -> PlanningMaps:
         """The same world for robots inflated by another radius."""
         # Distances that were renewed piecewise are cut off where the maps saturate.
         known = self.distance if radius <= self.radius else None
-        return Ground(self.occupied, self.cell, self.settings, radius, known)
+        return PlanningMaps(self.occupied, self.cell, self.settings, radius, known)
 
-    def changed(self, occupied: NDArray[np.bool_]) -> Ground:
-        """The ground after some cells changed; distances are renewed only near the change."""
+    def changed(self, occupied: NDArray[np.bool_]) -> PlanningMaps:
+        """The maps after some cells changed; distances are renewed only near the change."""
         rows, cols = np.nonzero(occupied != self.occupied)
         if len(rows) == 0:
             return self
@@ -66,7 +66,7 @@ class Ground:
         top, left = max(rows.min() - reach, 0), max(cols.min() - reach, 0)
         bottom, right = min(rows.max() + reach + 1, height), min(cols.max() + reach + 1, width)
         if (bottom - top) * (right - left) > 0.5 * occupied.size:
-            return Ground(occupied, self.cell, self.settings, self.radius)
+            return PlanningMaps(occupied, self.cell, self.settings, self.radius)
         t, lf = max(top - reach, 0), max(left - reach, 0)
         b, rt = min(bottom + reach, height), min(right + reach, width)
         window = surface_distance(occupied[t:b, lf:rt], self.cell, border=False)
@@ -77,7 +77,7 @@ class Ground:
         distance[top:bottom, left:right] = np.minimum(
             np.minimum(inner, self._border(top, bottom, left, right)), far
         )
-        return Ground(occupied, self.cell, self.settings, self.radius, distance)
+        return PlanningMaps(occupied, self.cell, self.settings, self.radius, distance)
 
     def _border(self, top: int, bottom: int, left: int, right: int) -> Array:
         """Distance to the map's border of the cells of a window."""
@@ -113,8 +113,8 @@ class Ground:
                 here = int(labels[rows[0], cols[0]])
         return here
 
-    def with_bodies(self, poses: Array, length: float, width: float) -> Ground:
-        """The ground with standing robots as obstacles to go around.
+    def with_bodies(self, poses: Array, length: float, width: float) -> PlanningMaps:
+        """The maps with standing robots as obstacles to go around.
 
         Args:
             poses: `(K, 3)` x, y, yaw.
@@ -147,14 +147,12 @@ class Ground:
         Returns:
             The shift in m, zero if the slots fit as they are, or None if none fits.
         """
-        labels = self.regions()
+        space = FreeSpace(self.regions(), self.distance, self.cell)
         bodies = slots[:, None] + body[None]
         wanted = -1 if region is None else region
 
         def first_fit(shifts: Array) -> Array | None:
-            found = fitting_shift(
-                shifts, slots, bodies, wanted, needed, labels, self.distance, self.cell
-            )
+            found = fitting_shift(shifts, slots, bodies, wanted, needed, space)
             return None if found < 0 else np.asarray(shifts[found])
 
         unmoved = first_fit(np.zeros((1, 2)))

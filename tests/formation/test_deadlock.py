@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from cavalcade.formation import Formation
-from cavalcade.formation.standoff import PATIENCE, ProgressMonitor, StandoffWatch
+from cavalcade.formation.deadlock import PATIENCE, DeadlockMonitor, ProgressMonitor
 from cavalcade.formation.team import Team
 from cavalcade.world import OccupancyMap
 
@@ -57,7 +57,7 @@ class Story:
     """A watch, a cycle it looks at and a clock; the test says what the robots do."""
 
     def __init__(self, tools, seed=0, lookahead=5.0, poses=None, team=None):
-        self.watch = StandoffWatch(lookahead, np.random.default_rng(seed))
+        self.watch = DeadlockMonitor(lookahead, np.random.default_rng(seed))
         poses = np.column_stack([LINE.placed((2.0, 3.0, 0.0)), np.zeros(3)]) if poses is None \
             else poses  # fmt: skip
         self.cycle = tools.cycle_of(ROOM, LINE, poses, GOAL, team=team)
@@ -153,14 +153,14 @@ class TestStuck:
         """How many times anything was tried before it was given up."""
         count = 0
         for _ in range(1000):
-            before = story.watch._attempts
+            before = story.watch.attempts
             story.tell(eta)
             if story.state == "stuck":
                 return count
-            count += story.watch._attempts > before
+            count += story.watch.attempts > before
         raise AssertionError("never stuck")
 
-    def test_after_six_attempts_it_says_so(self, tools):
+    def test_after_sixattempts_it_says_so(self, tools):
         story = Story(tools)
         assert self.attempts(story) == 6
         assert story.cycle.time == pytest.approx(7 * PATIENCE, abs=7 * 2 * PERIOD)
@@ -184,7 +184,7 @@ class TestStuck:
         story.state = "partial"
         assert self.attempts(story) == 6
 
-    def test_a_team_that_got_well_away_has_all_attempts_again(self, tools):
+    def test_a_team_that_got_well_away_has_allattempts_again(self, tools):
         story = Story(tools)
         story.tell((40.0, 40.0, 40.0), 4 * 3.5)
         assert story.state == "resolving"
@@ -235,21 +235,26 @@ class TestAtTheGoal:
         story.tell((1.1, 3.0, 3.0), 3.5)
         assert story.state == "resolving"
         story.tell((1.05, 2.0, 2.0), PERIOD)
-        attempts = story.watch._attempts
+        attempts = story.watch.attempts
         for _ in range(24):  # two robots drive at 0.3 m/s
             story.cycle.points[1:, 0] += 0.3 * PERIOD
             story.tell((0.9, 2.0, 2.0))
-        assert story.watch._attempts == attempts
+        assert story.watch.attempts == attempts
 
 
 class TestSingleFile:
     def resolving(self, tools, seed=0, attempts=1, poses=None):
         story = Story(tools, seed, poses=poses)
         story.tell(ETA, 3.25 * attempts)
-        while story.watch._attempts < attempts or story.state != "resolving":
+        while story.watch.attempts < attempts or story.state != "resolving":
             story.tell(ETA)
-        assert story.watch._attempts == attempts
+        assert story.watch.attempts == attempts
         return story
+
+    def order(self, tools, seed, attempts):
+        """The precedence in that attempt."""
+        story = self.resolving(tools, seed, attempts)
+        return story.watch.single_file(story.cycle).rank.tolist()
 
     def test_each_goes_its_own_way_to_its_slot(self, tools):
         story = self.resolving(tools)
@@ -267,7 +272,7 @@ class TestSingleFile:
         assert story.watch.single_file(story.cycle).rank.tolist() == [2, 0, 1]
 
     def test_then_it_goes_by_lot(self, tools):
-        orders = {tuple(self.resolving(tools, seed, 2).watch._order.tolist()) for seed in range(20)}
+        orders = {tuple(self.order(tools, seed, 2)) for seed in range(20)}
         assert len(orders) > 3
         story = self.resolving(tools, 0, 2)
         rank = story.watch.single_file(story.cycle).rank
@@ -277,8 +282,7 @@ class TestSingleFile:
 
     def test_the_same_seed_draws_the_same_lots(self, tools):
         one, other = (
-            [self.resolving(tools, 7, attempts).watch._order.tolist() for attempts in (2, 3, 4, 5)]
-            for _ in range(2)
+            [self.order(tools, 7, attempts) for attempts in (2, 3, 4, 5)] for _ in range(2)
         )
         assert one == other
         assert len({tuple(order) for order in one}) > 1

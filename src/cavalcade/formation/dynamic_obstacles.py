@@ -7,12 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cavalcade.geometry import Array, inverse_transform_points, rotation
+from cavalcade.formation._clearance import ObstacleBoxes
+from cavalcade.geometry import inverse_transform_points, rotation
 from cavalcade.world import Box, Shape
 
 
 @dataclass(frozen=True)
-class MovingObstacle:
+class DynamicObstacle:
     """A shape where it is now, and its velocity.
 
     Attributes:
@@ -24,19 +25,10 @@ class MovingObstacle:
     velocity: tuple[float, float]
 
 
-def mover_arrays(
-    obstacles: Sequence[MovingObstacle], origin: Sequence[float]
-) -> tuple[Array, Array]:
-    """Enclosing rectangles and velocities in the grid's frame.
-
-    Args:
-        obstacles: M of them.
-        origin: The map's origin (x, y, yaw).
-
-    Returns:
-        `(M, 5)` pose, half length, half width (m, rad) and `(M, 2)` m/s.
-    """
-    boxes, speeds = np.zeros((len(obstacles), 5)), np.zeros((len(obstacles), 2))
+def obstacle_boxes(obstacles: Sequence[DynamicObstacle], origin: Sequence[float]) -> ObstacleBoxes:
+    """Rectangles around obstacles, in the frame of the grid whose origin is (x, y, yaw)."""
+    count = len(obstacles)
+    poses, half, velocities = np.zeros((count, 3)), np.zeros((count, 2)), np.zeros((count, 2))
     turn = rotation(-origin[2])
     for k, obstacle in enumerate(obstacles):
         shape = obstacle.shape
@@ -45,7 +37,8 @@ def mover_arrays(
         else:
             x0, y0, x1, y1 = shape.bounds
             centre, size, yaw = ((x0 + x1) / 2, (y0 + y1) / 2), (x1 - x0, y1 - y0), 0.0
-        boxes[k, :2] = inverse_transform_points(origin, np.array([centre]))[0]
-        boxes[k, 2:] = yaw - origin[2], size[0] / 2, size[1] / 2
-        speeds[k] = turn @ np.asarray(obstacle.velocity)
-    return boxes, speeds
+        poses[k, :2] = inverse_transform_points(origin, np.array([centre]))[0]
+        poses[k, 2] = yaw - origin[2]
+        half[k] = size[0] / 2, size[1] / 2
+        velocities[k] = turn @ np.asarray(obstacle.velocity)
+    return ObstacleBoxes(poses, half, velocities)

@@ -1,4 +1,4 @@
-"""Robots were wedged between the pillars and the slanting walls of a small arena.
+"""Robots were stuck between the pillars and the slanting walls of a small arena.
 
 In one trial a robot could not turn in its slot, in the others one could not turn on its way.
 """

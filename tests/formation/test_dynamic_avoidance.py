@@ -1,4 +1,4 @@
-"""Stepping aside for obstacles that move."""
+"""Stepping aside for dynamic obstacles."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cavalcade.formation import FormationSettings
-from cavalcade.formation.evasion import Evasion
-from cavalcade.formation.ground import Ground
+from cavalcade.eikonal import surface_distance
+from cavalcade.formation._clearance import Surroundings
+from cavalcade.formation.dynamic_avoidance import DynamicAvoidance
 from cavalcade.geometry import rotation
 from cavalcade.robots import robot_model
 from cavalcade.world import Box, OccupancyMap
@@ -29,11 +29,11 @@ def evaded(poses, wanted=None, mover=MOVER, speed=EAST, map=OPEN, active=None):
     wanted = np.zeros_like(poses) if wanted is None else np.array(wanted, dtype=float)
     wanted = wanted.reshape(-1, 3)
     active = np.arange(len(poses)) if active is None else np.array(active)
-    ground = Ground(map.occupied, CELL, FormationSettings())
     movers, speeds = np.array(mover).reshape(-1, 5), np.array(speed).reshape(-1, 2)
-    evasion = Evasion(robot_model("go1"), TOP)
+    distances = surface_distance(map.occupied, CELL)
+    around = Surroundings(distances, CELL, movers[:, :3].copy(), movers[:, 3:].copy(), speeds)
     still = np.zeros_like(poses)
-    evasion.apply(wanted, poses, still, active, movers, speeds, ground, 0.30)
+    DynamicAvoidance(robot_model("go1"), TOP).apply(wanted, poses, still, active, around, 0.30)
     return wanted
 
 

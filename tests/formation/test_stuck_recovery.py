@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from cavalcade.formation.cycle import Cycle
-from cavalcade.formation.ground import Ground
+from cavalcade.formation.planning_maps import PlanningMaps
 from cavalcade.formation.settings import IMPROVED
-from cavalcade.formation.wedging import WedgeWatch
+from cavalcade.formation.stuck_recovery import StuckRecovery
 from cavalcade.robots import robot_model
 from cavalcade.world import Box, OccupancyMap
 
@@ -21,13 +21,13 @@ GOAL = np.array([3.0, 3.0, math.pi])
 ALLEY = OccupancyMap.empty((6.0, 6.0)).with_shapes(
     [Box((4.0, 3.0 + side * 0.5), (3.0, 0.3)) for side in (1.0, -1.0)]
 )
-GROUND = Ground(ALLEY.occupied, ALLEY.resolution, IMPROVED)
+GROUND = PlanningMaps(ALLEY.occupied, ALLEY.resolution, IMPROVED)
 
 
 def cycle_at(pose: list[float], time: float, others: list[list[float]] = []) -> Cycle:  # noqa: B006
     """Robot 0 at a pose, in the state final; its slot is the goal's."""
     poses = np.array([pose, *others])
-    plan = SimpleNamespace(ground=GROUND, pose=GOAL)
+    plan = SimpleNamespace(maps=GROUND, pose=GOAL)
     active = np.array([0])
     cycle = Cycle(plan, SimpleNamespace(), poses, poses[:, :2].copy(), active, time)  # type: ignore[arg-type]
     cycle.roles = np.array([0] + [-1] * len(others))
@@ -35,9 +35,9 @@ def cycle_at(pose: list[float], time: float, others: list[list[float]] = []) -> 
     return cycle
 
 
-def watch(pose: list[float], seconds: float, **more: object) -> tuple[Cycle, WedgeWatch]:
+def watch(pose: list[float], seconds: float, **more: object) -> tuple[Cycle, StuckRecovery]:
     """The last cycle after a robot has stood somewhere for so long."""
-    wedges = WedgeWatch(GO1)
+    wedges = StuckRecovery(GO1)
     ways = more.pop("ways", None)
     for step in range(round(seconds / PERIOD) + 1):
         cycle = cycle_at(pose, step * PERIOD, **more)  # type: ignore[arg-type]
@@ -61,7 +61,7 @@ def test_one_that_is_right_or_not_there_is_left_alone(pose: list[float]) -> None
 
 
 def test_one_that_is_turning_is_left_alone() -> None:
-    wedges = WedgeWatch(GO1)
+    wedges = StuckRecovery(GO1)
     for step in range(100):
         cycle = cycle_at([3.0, 3.0, 0.06 * step / 2.0], step * PERIOD)
         wedges.update(cycle)
@@ -88,7 +88,7 @@ def test_a_place_where_another_robot_stands_is_not_taken() -> None:
 
 
 def test_it_gives_up_after_some_places() -> None:
-    wedges, tried, was = WedgeWatch(GO1), [], None
+    wedges, tried, was = StuckRecovery(GO1), [], None
     for step in range(round(90.0 / PERIOD)):
         cycle = cycle_at([3.0, 3.0, 0.0], step * PERIOD)
         wedges.update(cycle)

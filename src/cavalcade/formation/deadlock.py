@@ -1,4 +1,4 @@
-"""Stand-offs: noticing that a team gets nowhere, and sending it through one by one."""
+"""Deadlocks: noticing that a team gets nowhere, and sending it through one by one."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from cavalcade.formation.goals import GoalPlan, descend_from, eta_from
 from cavalcade.geometry import Array
 
 PATIENCE = 3.0
-"""s without progress after which a stand-off is assumed."""
+"""s without progress after which a deadlock is assumed."""
 _STEP = 0.10  # s of ETA, or m of distance, that count as progress
 _ATTEMPTS = 6  # at resolving before a team is reported as stuck
-_OVER = 8.0  # s of median ETA gained, after which a stand-off is past
+_OVER = 8.0  # s of median ETA gained, after which a deadlock is past
 _SETTLED = 0.09  # m from all slots: nothing left to gain
 _MAKE_ROOM = 2.0  # s for which robots step back in a repeated attempt
-_HOPELESS = 1e3  # s that stand for no way at all
+_NO_PATH = 1e3  # s that stand for no path at all
 _GAIN = 0.95  # share of the squared times to which an exchange must bring them
 _NEIGHBOUR = 1.3  # m between robots that may be in each other's way
 
@@ -29,7 +29,7 @@ class ProgressMonitor:
     """Watches a number that should fall while the team gets on.
 
     Args:
-        patience: Seconds without a new low after which the team counts as standing off.
+        patience: Seconds without a new low after which the team counts as deadlocked.
     """
 
     def __init__(self, patience: float = PATIENCE) -> None:
@@ -61,7 +61,7 @@ class SingleFile:
     Attributes:
         roles: `(N,)` final slots.
         rank: `(N,)` precedence.
-        paths: Per robot, its way to its slot.
+        paths: Per robot, its path to its slot.
         courses: `(N, 2)` wanted velocities as shares of the top speed.
     """
 
@@ -71,12 +71,16 @@ class SingleFile:
     courses: Array
 
 
-class StandoffWatch:
-    """Decides when the team resolves a stand-off, how, and when it is over.
+class DeadlockMonitor:
+    """Decides when the team resolves a deadlock, how, and when it is over.
 
     Args:
         lookahead: The paper's D_lookahead, s.
         rng: Of the precedence in repeated attempts.
+
+    Attributes:
+        attempts: How many times this deadlock has been tried to resolve.
+        late: Robots that are not in their slots, once the team is stuck.
     """
 
     def __init__(self, lookahead: float, rng: np.random.Generator) -> None:
@@ -89,7 +93,7 @@ class StandoffWatch:
         """Another goal, shape or team."""
         self.late: tuple[int, ...] = ()
         self._slots: SlotExchange | None = None
-        self._attempts = 0
+        self.attempts = 0
         self._begun = 0.0
         self._begun_eta = np.inf
         self._order: NDArray[np.int64] | None = None
@@ -106,7 +110,7 @@ class StandoffWatch:
         middle = median(eta.tolist())
         gained = self._begun_eta - middle
         if gained > _OVER and state == "partial":
-            self._attempts, self._begun_eta = 0, np.inf
+            self.attempts, self._begun_eta = 0, np.inf
         measure = float(eta.mean())
         near = state == "final" or (state == "resolving" and eta.min() < 1.0)
         if near != self._near:
@@ -118,7 +122,7 @@ class StandoffWatch:
                 self._monitor.reset()
                 return state
             measure = float(away.sum())
-        over = gained > 2.0 * (1 + self._attempts) and eta.min() > self._lookahead
+        over = gained > 2.0 * (1 + self.attempts) and eta.min() > self._lookahead
         if state == "resolving" and over:
             self._slots = None
             self._monitor.reset()
@@ -126,21 +130,21 @@ class StandoffWatch:
         if not self._monitor.stalled(measure, cycle.time):
             return state
         self._monitor.reset()
-        self._attempts += 1
-        if self._attempts > _ATTEMPTS:
+        self.attempts += 1
+        if self.attempts > _ATTEMPTS:
             away = cycle.plan_distances(roles)
             self.late = tuple(int(k) for k in cycle.active[away > _SETTLED])
-            self._attempts = 0
+            self.attempts = 0
             return "stuck"
         self._slots = None
         self._begun, self._begun_eta = cycle.time, middle
         # The first try goes by who is ahead; if that did not help, by lot.
-        repeated = self._attempts > 1
+        repeated = self.attempts > 1
         self._order = self._rng.permutation(len(cycle.points)) if repeated else None
         return "resolving"
 
     def single_file(self, cycle: Cycle) -> SingleFile:
-        """Ways, precedence and courses while resolving.
+        """Paths, precedence and courses while resolving.
 
         Robots are not unique, so two in each other's way need not pass: they exchange slots. The
         robot that is ahead goes first; those behind give way. In a repeated attempt those who are
@@ -176,17 +180,18 @@ def _step_back(
 
 
 class SlotExchange:
-    """Final slots in a stand-off: exchanged wherever two robots stand in each other's way.
+    """Final slots in a deadlock: exchanged wherever two robots stand in each other's way.
 
     After the target swapping of Okumura and Défago (2022). Each pair rests for a while after an
     exchange, so that it cannot go back and forth.
 
     Args:
         robots: Number of robots.
+        roles: `(N,)` slots to begin with; None for the least sum of squared times.
     """
 
-    def __init__(self, robots: int) -> None:
-        self._roles: NDArray[np.int64] | None = None
+    def __init__(self, robots: int, roles: NDArray[np.int64] | None = None) -> None:
+        self._roles = roles
         self._last = np.full((robots, robots), -np.inf)
 
     def assign(
@@ -221,7 +226,7 @@ class SlotExchange:
         if roles is None:
             return
         a, b = roles[i], roles[j]
-        times = np.minimum(eta, _HOPELESS)
+        times = np.minimum(eta, _NO_PATH)
         straight = times[i, a] ** 2 + times[j, b] ** 2
         crossed = times[i, b] ** 2 + times[j, a] ** 2
         if crossed < _GAIN * straight - _STEP:
@@ -232,6 +237,6 @@ class SlotExchange:
 def _by_time(eta: Array, active: NDArray[np.int64]) -> NDArray[np.int64]:
     """The bijection with the least sum of squared times."""
     roles = np.full(len(eta), -1, dtype=np.int64)
-    robots, slots = linear_sum_assignment(np.minimum(eta[active], _HOPELESS) ** 2)
+    robots, slots = linear_sum_assignment(np.minimum(eta[active], _NO_PATH) ** 2)
     roles[active[robots]] = slots
     return roles
