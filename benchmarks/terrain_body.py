@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from cavalcade.kinodynamic.obstruction import obstruction
-from cavalcade.kinodynamic.parameters import make_body
+from cavalcade.kinodynamic.parameters import make_body, make_space
 from cavalcade.kinodynamic.planner import plan_body
 from cavalcade.kinodynamic.settings import BodySettings
 from cavalcade.lattice.ground import Ground, make_ground
@@ -46,7 +46,7 @@ def drawn(
     ground: Ground, terrain: Terrain, model: RobotModel, seeds: int
 ) -> Iterator[tuple[Pose, Pose]]:
     """Valid poses near both ends, with any yaw."""
-    body = make_body(model, margin=0.01)
+    space = make_space(ground, make_body(model, margin=0.01))
     width, height = terrain.size
     for seed in range(seeds):
         rng = np.random.default_rng(seed)
@@ -55,7 +55,7 @@ def drawn(
             for _ in range(1_000):
                 y = rng.uniform(0.6, height - 0.6)
                 pose = (rng.uniform(low, high), y, rng.uniform(-math.pi, math.pi))
-                if not obstruction(ground, body, np.zeros((0, 3)), pose):
+                if not obstruction(space, pose):
                     poses.append(pose)
                     break
         if len(poses) == 2:

@@ -23,6 +23,7 @@ SAYS = {
     "09_plan_a_team": "clean",
     "10_plan_on_terrain": "in flight from",
     "11_walk_in_physics": "on its feet",
+    "14_plan_one_body": "on foot: infeasible",
 }
 
 WRITES = {
