@@ -10,10 +10,10 @@ from numba import njit
 from numpy.typing import NDArray
 
 from cavalcade.geometry import Array
-from cavalcade.kinodynamic._connect import make_walk, turns_too_fast, walk_problem
+from cavalcade.kinodynamic._connect import make_walk, turns_too_fast, walk_heading, walk_problem
 from cavalcade.kinodynamic._primitives import edge_yaw
 from cavalcade.kinodynamic._validity import may_turn
-from cavalcade.kinodynamic.parameters import END, MOTION, SIZE, START, copy_to
+from cavalcade.kinodynamic.parameters import END, MOTION, OK, SIZE, START, copy_to
 
 
 class Tree(NamedTuple):
@@ -98,16 +98,20 @@ def make_walk_from(space, tree, own, state, edge):
 
 
 @njit(cache=True)
-def try_walk(space, tree, node, state, edge, scratch):
-    """CONNECT between a node and a state, in the tree's direction of time.
+def connect(space, tree, node, state, edge, scratch):
+    """Add a CONNECT from a node to a state, in the tree's direction of time, if it is valid.
 
     Returns:
-        What is wrong with it, as `walk_problem`; and the time from the node on up to which
-        nothing is, s. The primitive stands in `edge`.
+        What is wrong with it, as `walk_problem`, `OK` if it is the tree's last node now; and the
+        time from the node on up to which nothing is, s. The primitive stands in `edge`.
     """
     own = tree.states[node]
     if not make_walk_from(space, tree, own, state, edge) or turns_too_fast(space.body, edge):
         return MOTION, -1.0
-    if not may_turn(space, own, tree.yaws[node], edge_yaw(edge, tree.backwards)):
+    cos, sin = walk_heading(edge, tree.backwards)
+    if not may_turn(space, own, tree.yaws[node], math.atan2(sin, cos)):
         return MOTION, -1.0
-    return walk_problem(space, edge, tree.backwards, scratch[:6])
+    found, until = walk_problem(space, edge, tree.backwards, scratch[:6])
+    if found == OK:
+        attach(tree, node, edge)
+    return found, until

@@ -12,21 +12,18 @@ from cavalcade.geometry import Array
 from cavalcade.kinodynamic._connect import walk_state
 from cavalcade.kinodynamic._leap_over_barrier import Line, find_barrier, leap_over
 from cavalcade.kinodynamic._leap_random import random_leap
-from cavalcade.kinodynamic._tree import attach, make_walk_from, try_walk
+from cavalcade.kinodynamic._tree import attach, connect, make_walk_from
 from cavalcade.kinodynamic._validity import stands_still
 from cavalcade.kinodynamic.parameters import END, GROUND, MOTION, OK, SIZE, START, TIME, copy_to
 from cavalcade.lattice.surface import surface
 
 TRAPPED, ADVANCED, REACHED = 0, 1, 2
 
-_LEAST_LENGTH = 0.1
-"""A straight part of a CONNECT that is shorter is not kept, m."""
-
 _BACK_UP = 0.5
 """Share that is kept of what is valid of a CONNECT that moves at an end."""
 
-_LEAST_STEPS = 7
-"""A part of it is as long as this many dt, or not kept."""
+_LEAST_LENGTH, _LEAST_STEPS = 0.1, 7
+"""Parts of a CONNECT that are shorter than this are not kept: straight ones in m, others in dt."""
 
 _DRAWS, _RANDOM_DRAWS = 18, 10
 """Tries of leaps: for each barrier, and at each node by the published planner."""
@@ -42,13 +39,12 @@ PLACES = 8 * (_BARRIERS + 1)
 
 
 class Work(NamedTuple):
-    """Arrays that an extension writes to: primitives `(SIZE,)` and states `(12,)`.
+    """Arrays that an extension writes to, made once.
 
     Attributes:
-        walk: The CONNECT towards the sample.
-        leap: The leap over what stops it.
-        link: The CONNECTs around the leap.
-        scratch: Room for two states.
+        walk, leap, link: `(SIZE,)` the CONNECT towards the sample, the leap over what stops it,
+            and the CONNECTs before and after the leap.
+        scratch: `(12,)` room for two states.
     """
 
     walk: Array
@@ -73,9 +69,9 @@ def extend(space, tree, node, state, rng):
     work = make_work()
     status = TRAPPED
     for _ in range(_BARRIERS):
-        found, until = try_walk(space, tree, node, state, work.walk, work.scratch)
+        found, until = connect(space, tree, node, state, work.walk, work.scratch)
         if found == OK:
-            return REACHED, attach(tree, node, work.walk)
+            return REACHED, tree.used[0] - 1
         if space.body.published:
             return _extend_published(space, tree, node, state, until, rng, work)
         over = -1
@@ -167,41 +163,23 @@ def _link(space, tree, node, target, line, work):
     Returns:
         The node at the leap, or -1.
     """
-    own = tree.states[node]
+    own, mid = tree.states[node], np.empty(6)
     back = _RUN_UP if tree.backwards else -_RUN_UP
     far = math.hypot(target[0] - own[0], target[1] - own[1]) > 1.5 * _RUN_UP
-    mid = np.empty(6)
-    if far:
-        _beside(space, target, line, back, space.body.v_nom, mid)
-        end = _link_over(space, tree, node, mid, target, work)
-        if end >= 0:
-            return end
-    found = _walk_to(space, tree, node, target, work)
-    if found == OK:
-        return tree.used[0] - 1
-    if found != MOTION and far:
-        return -1
-    _beside(space, target, line, back, 0.0, mid)
-    return _link_over(space, tree, node, mid, target, work)
-
-
-@njit(cache=True)
-def _link_over(space, tree, node, mid, target, work):
-    """Walk from a node to a state by another one: the last node, or -1."""
-    if _walk_to(space, tree, node, mid, work) != OK:
-        return -1
-    if _walk_to(space, tree, tree.used[0] - 1, target, work) != OK:
-        return -1
-    return tree.used[0] - 1
-
-
-@njit(cache=True)
-def _walk_to(space, tree, node, state, work):
-    """Add a CONNECT from a node to a state if it is valid; what is wrong with it."""
-    found, _ = try_walk(space, tree, node, state, work.link, work.scratch)
-    if found == OK:
-        attach(tree, node, work.link)
-    return found
+    for attempt in range(0 if far else 1, 3):
+        before = node
+        if attempt != 1:
+            _beside(space, target, line, back, space.body.v_nom if attempt == 0 else 0.0, mid)
+            found, _ = connect(space, tree, node, mid, work.link, work.scratch)
+            if found != OK:
+                continue
+            before = tree.used[0] - 1
+        found, _ = connect(space, tree, before, target, work.link, work.scratch)
+        if found == OK:
+            return tree.used[0] - 1
+        if attempt == 1 and far and found != MOTION:
+            break
+    return -1
 
 
 @njit(cache=True)
@@ -211,7 +189,8 @@ def _stop(space, tree, node, state, line, work):
     ahead = -1.0 if tree.backwards else 1.0
     for k in range(3):
         _beside(space, state, line, ahead * _RUN_UP * (1.0 - 0.25 * k), 0.0, rest)
-        if _walk_to(space, tree, node, rest, work) == OK:
+        found, _ = connect(space, tree, node, rest, work.link, work.scratch)
+        if found == OK:
             return
 
 
@@ -234,7 +213,8 @@ def walk_ahead(space, tree):
     step = -0.2 if tree.backwards else 0.2
     for k in range(8):
         _beside(space, root, line, step * (k + 1), 0.0, state)
-        if _walk_to(space, tree, 0, state, work) != OK:
+        found, _ = connect(space, tree, 0, state, work.link, work.scratch)
+        if found != OK:
             break
 
 

@@ -105,16 +105,8 @@ def solid_free(space, x, y, cos, sin):
         return False
     if covered_slack(space, x, y, cos, sin) > 0.0:
         return True
-    return pose_free(
-        (cell, ground.solid, ground.clearance),
-        x,
-        y,
-        math.atan2(sin, cos),
-        body.half_length,
-        body.half_width,
-        0.0,
-        body.margin,
-    )
+    grid, yaw = (cell, ground.solid, ground.clearance), math.atan2(sin, cos)
+    return pose_free(grid, x, y, yaw, body.half_length, body.half_width, 0.0, body.margin)
 
 
 @njit(cache=True)
