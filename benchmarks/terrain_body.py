@@ -42,7 +42,7 @@ def fixed(terrain: Terrain, seeds: int) -> Iterator[tuple[Pose, Pose]]:
     return (((2.0, y, 0.0), (7.0, y, 0.0)) for _ in range(seeds))
 
 
-def drawn(
+def random_poses(
     ground: Ground, terrain: Terrain, model: RobotModel, seeds: int
 ) -> Iterator[tuple[Pose, Pose]]:
     """Valid poses near both ends, with any yaw."""
@@ -79,7 +79,7 @@ def main() -> None:
         for robot in options.robots:
             model = robot_model(robot)
             problems = list(
-                drawn(ground, terrain, model, options.seeds)
+                random_poses(ground, terrain, model, options.seeds)
                 if options.random
                 else fixed(terrain, options.seeds)
             )

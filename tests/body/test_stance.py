@@ -17,7 +17,7 @@ from cavalcade.kinodynamic._connect import (
     walk_problem,
     walk_state,
 )
-from cavalcade.kinodynamic._tree_extension import cut
+from cavalcade.kinodynamic._tree_extension import truncate
 from cavalcade.kinodynamic.parameters import OK, SIZE, TIME, make_body, make_space
 from cavalcade.lattice.surface import bilinear, surface
 from cavalcade.robots import robot_model
@@ -86,7 +86,7 @@ def test_a_part_of_it_is_a_connect_along_the_same_way(rough, a, b, part, backwar
     span = walk[TIME]
     if span < 0.01:
         return
-    cut(space, piece, backwards, part * span, np.empty(12))
+    truncate(space, piece, backwards, part * span, np.empty(12))
     offset = (1.0 - part) * span if backwards else 0.0
     for share in (0.0, 0.4, 1.0):
         walk_state(space, piece, share * part * span, out)

@@ -66,7 +66,7 @@ def _planar_cubics(walk):
 
 
 @njit(cache=True)
-def lift(ground, s):
+def clearance_rate(ground, s):
     """Clearance over the smoothed ground and its rate in a state."""
     height, along_x, along_y = surface(ground, s[0], s[1])
     return s[2] - height, s[5] - along_x * s[3] - along_y * s[4]
@@ -85,8 +85,8 @@ def walk_state(space, walk, t, out):
         a2, a3 = cubic(s0[k], s0[k + 3], s1[k], s1[k + 3], span)
         out[k] = s0[k] + t * (s0[k + 3] + t * (a2 + t * a3))
         out[k + 3] = s0[k + 3] + t * (2.0 * a2 + 3.0 * t * a3)
-    c0, r0 = lift(ground, s0)
-    c1, r1 = lift(ground, s1)
+    c0, r0 = clearance_rate(ground, s0)
+    c1, r1 = clearance_rate(ground, s1)
     height, along_x, along_y = surface(ground, out[0], out[1])
     tangent = along_x * out[3] + along_y * out[4]
     if space.body.published:
@@ -131,8 +131,8 @@ def forces_allowed(space, walk):
     a2, a3, b2, b3 = _planar_cubics(walk)
     c2, c3 = 0.0, 0.0
     if not body.published:
-        c0, r0 = lift(space.ground, s0)
-        c1, r1 = lift(space.ground, s1)
+        c0, r0 = clearance_rate(space.ground, s0)
+        c1, r1 = clearance_rate(space.ground, s1)
         c2, c3 = cubic(c0, r0, c1, r1, span)
     for k in range(2):
         t = k * span

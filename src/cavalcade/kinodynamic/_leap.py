@@ -29,7 +29,7 @@ from cavalcade.kinodynamic.parameters import (
 
 
 @njit(cache=True)
-def push(state, force, span, t, out):
+def stance_state(state, force, span, t, out):
     """State after `t` s of a stance of `span` s with the peak force `(3,)`, written to `out`.
 
     `out` may be `state`.
@@ -45,7 +45,7 @@ def push(state, force, span, t, out):
 
 
 @njit(cache=True)
-def fly(state, t, out):
+def flight_state(state, t, out):
     """State after `t` s of flight, written to `out`, which may be `state`."""
     for k in range(3):
         out[k] = state[k] + state[k + 3] * t
@@ -74,15 +74,15 @@ def leap_duration(leap):
 def leap_state(leap, t, out):
     """State `(6,)` at time `t` after the start of the leap, written to `out`; returns the phase."""
     if t < leap[TIME]:
-        push(leap[START : START + 6], leap[FORCE : FORCE + 3], leap[TIME], t, out)
+        stance_state(leap[START : START + 6], leap[FORCE : FORCE + 3], leap[TIME], t, out)
         return TAKE_OFF
-    push(leap[START : START + 6], leap[FORCE : FORCE + 3], leap[TIME], leap[TIME], out)
+    stance_state(leap[START : START + 6], leap[FORCE : FORCE + 3], leap[TIME], leap[TIME], out)
     t -= leap[TIME]
     if t < leap[FLIGHT]:
-        fly(out, t, out)
+        flight_state(out, t, out)
         return FLYING
-    fly(out, leap[FLIGHT], out)
-    push(out, leap[BRAKE : BRAKE + 3], leap[LAND], min(t - leap[FLIGHT], leap[LAND]), out)
+    flight_state(out, leap[FLIGHT], out)
+    stance_state(out, leap[BRAKE : BRAKE + 3], leap[LAND], min(t - leap[FLIGHT], leap[LAND]), out)
     return LANDING
 
 
@@ -137,11 +137,11 @@ def leap_problem(space, leap, scratch):
         for k in range(count + 1):
             t = span * k / count
             if stage == 0:
-                push(begin, leap[FORCE : FORCE + 3], span, t, state)
+                stance_state(begin, leap[FORCE : FORCE + 3], span, t, state)
             elif stage == 1:
-                fly(begin, t, state)
+                flight_state(begin, t, state)
             else:
-                push(begin, leap[BRAKE : BRAKE + 3], span, t, state)
+                stance_state(begin, leap[BRAKE : BRAKE + 3], span, t, state)
             vx, vy = state[3], state[4]
             speed = math.sqrt(vx * vx + vy * vy)
             if speed < 0.05:

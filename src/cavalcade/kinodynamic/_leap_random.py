@@ -9,11 +9,11 @@ from numba import njit
 
 from cavalcade.kinodynamic._leap import (
     close_leap,
-    fly,
+    flight_state,
     leap_problem,
     peak_force,
-    push,
     reverse_leap,
+    stance_state,
 )
 from cavalcade.kinodynamic._leap_over_barrier import (
     LAND_ABOVE,
@@ -72,12 +72,12 @@ def random_leap(space, state, backwards, rng, leap, scratch):
     # The take-off, the flight, and the landing from where the flight comes down.
     if not _sample_stance(space, begin, span, True, rng, own, now):
         return False
-    push(begin, own[FORCE : FORCE + 3], own[TIME], own[TIME], now)
+    stance_state(begin, own[FORCE : FORCE + 3], own[TIME], own[TIME], now)
     flight = _flight_time(space, now, scratch[6:])
     if not flight > 0.0:
         return False
     own[FLIGHT] = flight
-    fly(now, flight, now)
+    flight_state(now, flight, now)
     begin = scratch[6:]
     copy_to(begin, now)
     if not _sample_stance(space, begin, span, False, rng, own, now):
@@ -111,7 +111,7 @@ def _sample_stance(space, begin, span, first, rng, leap, end):
         side = share * body.mu * nominal
         leap[force], leap[force + 1] = side * math.cos(angle), side * math.sin(angle)
         leap[force + 2] = 1.0
-        push(begin, leap[force : force + 3], span, span, end)
+        stance_state(begin, leap[force : force + 3], span, span, end)
         speed = math.hypot(end[3], end[4])
         wanted = surface(ground, end[0], end[1])[0] + body.h_nom
         if first:
@@ -142,7 +142,7 @@ def _flight_time(space, state, scratch):
     steps = int(_LONGEST_FLIGHT / dt)
     for k in range(steps + 1):
         t = k * dt
-        fly(state, t, scratch)
+        flight_state(state, t, scratch)
         clearance = scratch[2] - surface(ground, scratch[0], scratch[1])[0]
         if clearance > limit:
             above = True
@@ -151,7 +151,7 @@ def _flight_time(space, state, scratch):
             low, high = t - dt, t
             for _ in range(20):
                 mid = 0.5 * (low + high)
-                fly(state, mid, scratch)
+                flight_state(state, mid, scratch)
                 if scratch[2] - surface(ground, scratch[0], scratch[1])[0] > limit:
                     low = mid
                 else:

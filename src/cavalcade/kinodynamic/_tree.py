@@ -61,7 +61,7 @@ def enlarged(tree: Tree) -> Tree:
 
 
 @njit(cache=True)
-def attach(tree, parent, edge):
+def add_node(tree, parent, edge):
     """Add the far end of a primitive; returns its number."""
     node = tree.used[0]
     far = START if tree.backwards else END
@@ -113,5 +113,5 @@ def connect(space, tree, node, state, edge, scratch):
         return MOTION, -1.0
     found, until = walk_problem(space, edge, tree.backwards, scratch[:6])
     if found == OK:
-        attach(tree, node, edge)
+        add_node(tree, node, edge)
     return found, until

@@ -12,7 +12,7 @@ from cavalcade.geometry import Array
 from cavalcade.kinodynamic._connect import walk_state
 from cavalcade.kinodynamic._leap_over_barrier import Line, find_barrier, leap_over
 from cavalcade.kinodynamic._leap_random import random_leap
-from cavalcade.kinodynamic._tree import attach, connect, make_walk_from
+from cavalcade.kinodynamic._tree import add_node, connect, make_walk_from
 from cavalcade.kinodynamic._validity import stands_still
 from cavalcade.kinodynamic.parameters import END, GROUND, MOTION, OK, SIZE, START, TIME, copy_to
 from cavalcade.lattice.surface import surface
@@ -100,16 +100,16 @@ def _advance(space, tree, node, state, until, work):
         stop[2] = surface(space.ground, stop[0], stop[1])[0] + space.body.h_nom
         stop[3], stop[4], stop[5] = 0.0, 0.0, 0.0
         allowed = make_walk_from(space, tree, own, stop, edge)
-        return attach(tree, node, edge) if allowed else -1
+        return add_node(tree, node, edge) if allowed else -1
     until *= _BACK_UP
     if until <= _LEAST_STEPS * space.body.dt:
         return -1
-    cut(space, edge, tree.backwards, until, stop)
-    return attach(tree, node, edge)
+    truncate(space, edge, tree.backwards, until, stop)
+    return add_node(tree, node, edge)
 
 
 @njit(cache=True)
-def cut(space, edge, backwards, until, scratch):
+def truncate(space, edge, backwards, until, scratch):
     """Shorten a CONNECT to its first (`backwards`: last) `until` s; a part of a cubic is one."""
     walk_state(space, edge, edge[TIME] - until if backwards else until, scratch[:6])
     copy_to(edge[START:] if backwards else edge[END:], scratch[:6])
@@ -147,7 +147,7 @@ def _cross(space, tree, node, state, until, rng, work):
         if end < 0:
             tree.used[0] = before
             continue
-        end = attach(tree, end, leap)
+        end = add_node(tree, end, leap)
         # Come to rest behind it, for other paths on; the leap's end remains a node, too.
         _stop(space, tree, end, leap[far : far + 6], line, work)
         return end
@@ -234,7 +234,7 @@ def _extend_published(space, tree, node, state, until, rng, work):
             away = _apart(leap[at : at + 6], state)
             if away < least:
                 tree.used[0] = before
-                best, least = attach(tree, node, leap), away
+                best, least = add_node(tree, node, leap), away
     if best < 0:
         return TRAPPED, node
     return ADVANCED, best
