@@ -27,10 +27,12 @@ def warm_up() -> None:
     plan_body(ground, model, start, goal, BodySettings(iterations=300))
     published = BodySettings(iterations=300, variant="published", discs=np.zeros((1, 3)))
     plan_body(ground, model, start, goal, published)
-    # Round a wall, so that paths on the grid are looked for.
-    ground = trench([Box((2.7, 2.1), (0.15, 1.8))])
+    # Round a wall, so that paths on the grid are looked for; without a trench, strings are pulled.
+    wall = Box((2.7, 2.1), (0.15, 1.8))
     start, goal = (0.5, 2.0, 0.0), (3.5, 2.0, 0.0)
-    plan_body(ground, model, start, goal, BodySettings(iterations=300, improve=50))
+    level = make_ground(OccupancyMap.empty((4.5, 3.0)).with_shapes([wall]))
+    for ground in (level, trench([wall])):
+        plan_body(ground, model, start, goal, BodySettings(iterations=300, improve=50))
     find_path(make_space(ground, make_body(model, margin=0.01)), start, goal)
 
 
