@@ -24,6 +24,7 @@ SAYS = {
     "10_plan_on_terrain": "in flight from",
     "11_walk_in_physics": "on its feet",
     "12_safety_filter_alone": "they stand",
+    "14_plan_one_body": "on foot: infeasible",
 }
 
 WRITES = {

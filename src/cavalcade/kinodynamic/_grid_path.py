@@ -1,4 +1,4 @@
-"""Whether a goal can be reached at all, and roughly which way."""
+"""A path over the cells of a grid by breadth-first search from both ends."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ _COL = (1, -1, 0, 0, 1, -1, 1, -1)
 
 
 @njit(cache=True)
-def grid_way(passable, start, goal):
-    """The way with the fewest steps to neighbouring cells, of which each has eight.
+def grid_path(passable, start, goal):
+    """The path with the fewest steps to neighbouring cells, of which each has eight.
 
     Args:
         passable: `(rows, cols)`; the start's and the goal's cells count as passable.
         start, goal: (row, col).
 
     Returns:
-        `(K, 2)` rows and columns from the start to the goal, empty if there is no way. Both ends
+        `(K, 2)` rows and columns from the start to the goal, empty if there is no path. Both ends
         are searched from, so that a small enclosed area is soon known to be one.
     """
     rows, cols = passable.shape
@@ -33,12 +33,12 @@ def grid_way(passable, start, goal):
         source[ends[k]] = ends[k]
     if ends[0] == ends[1]:
         return np.array([[start[0], start[1]]], np.int64)
-    a, b = -1, -1
-    while a < 0:
+    while True:
         for k in range(2):
             if heads[k] == tails[k]:
                 return np.empty((0, 2), np.int64)
-            for _ in range(tails[k] - heads[k]):  # one ring
+            # One ring around this end; a cell of the other side joins both.
+            for _ in range(tails[k] - heads[k]):
                 at = queues[k, heads[k]]
                 heads[k] += 1
                 row, col = at // cols, at % cols
@@ -50,40 +50,34 @@ def grid_way(passable, start, goal):
                     if side[to] == k + 1 or (side[to] == 0 and not passable[i, j]):
                         continue
                     if side[to] != 0:
-                        a, b = (at, to) if k == 0 else (to, at)
-                        break
+                        return (
+                            _trace(source, cols, at, to) if k == 0 else _trace(source, cols, to, at)
+                        )
                     side[to] = k + 1
                     source[to] = at
                     queues[k, tails[k]] = to
                     tails[k] += 1
-                if a >= 0:
-                    break
-            if a >= 0:
-                break
-    return _trace(source, a, b, cols)
 
 
 @njit(cache=True)
-def _trace(source, a, b, cols):
-    count = 2
-    at = a
+def _trace(source, cols, a, b):
+    """Cells from the root of `a` over `a` and `b` to the root of `b`."""
+    before, after = _steps(source, a), _steps(source, b)
+    path = np.empty((before + after, 2), np.int64)
+    for k in range(before - 1, -1, -1):
+        path[k, 0], path[k, 1] = a // cols, a % cols
+        a = source[a]
+    for k in range(before, before + after):
+        path[k, 0], path[k, 1] = b // cols, b % cols
+        b = source[b]
+    return path
+
+
+@njit(cache=True)
+def _steps(source, at):
+    """Number of cells from one to its root, both included."""
+    count = 1
     while source[at] != at:
         at = source[at]
         count += 1
-    ahead = count - 1
-    at = b
-    while source[at] != at:
-        at = source[at]
-        count += 1
-    way = np.empty((count, 2), np.int64)
-    at, k = a, ahead - 1
-    way[k, 0], way[k, 1] = at // cols, at % cols
-    while source[at] != at:
-        at, k = source[at], k - 1
-        way[k, 0], way[k, 1] = at // cols, at % cols
-    at, k = b, ahead
-    way[k, 0], way[k, 1] = at // cols, at % cols
-    while source[at] != at:
-        at, k = source[at], k + 1
-        way[k, 0], way[k, 1] = at // cols, at % cols
-    return way
+    return count
