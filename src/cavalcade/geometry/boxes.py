@@ -134,9 +134,9 @@ class Footprint(NamedTuple):
 
 
 @njit(cache=True)
-def footprint_row(row):
-    """The footprint that a row of a table (half length, half width, 1 for a disc) describes."""
-    return Footprint(row[0], row[1], row[2] > 0.0)
+def footprint_at(shapes, k):
+    """Row `k` of a table `(K, 3)`: half length, half width, 1 for a disc."""
+    return Footprint(shapes[k, 0], shapes[k, 1], shapes[k, 2] > 0.0)
 
 
 @njit(cache=True)

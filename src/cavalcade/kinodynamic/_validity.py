@@ -6,9 +6,10 @@ import math
 
 from numba import njit
 
+from cavalcade.geometry.boxes import Footprint
 from cavalcade.geometry.trajectory import FLIGHT, TAKE_OFF
 from cavalcade.kinodynamic.parameters import GROUND, MOTION, OK, SOLID
-from cavalcade.lattice.collision import pose_free
+from cavalcade.lattice.collision import Grid, pose_free
 from cavalcade.lattice.surface import blend, corner
 
 LEAST_TRAVERSABILITY = 0.3
@@ -80,13 +81,11 @@ def solid_free(ground, body, discs, x, y, cos, sin):
     if covered_slack(ground, body, discs, x, y, cos, sin) > 0.0:
         return True
     return pose_free(
-        (cell, ground.solid, ground.clearance),
+        Grid(cell, ground.solid, ground.clearance),
+        Footprint(body.half_length, body.half_width, False),
         x,
         y,
         math.atan2(sin, cos),
-        body.half_length,
-        body.half_width,
-        0.0,
         body.margin,
     )
 
