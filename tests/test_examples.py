@@ -23,6 +23,7 @@ SAYS = {
     "09_plan_a_team": "clean",
     "10_plan_on_terrain": "in flight from",
     "11_walk_in_physics": "on its feet",
+    "12_plan_team_without_files": "all at their goals after",
 }
 
 WRITES = {
