@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cavalcade.coordination.budget import Budget
-from cavalcade.coordination.problem import PlanSettings, TeamProblem
-from cavalcade.coordination.robot_planner import EFFORT, Span
+from cavalcade.coordination.problem import PlanSettings
+from cavalcade.coordination.robot_planner import EFFORT, RobotPlanner, Span
 from cavalcade.coordination.solution import RobotPath
 from cavalcade.geometry import Array
 from cavalcade.kinodynamic.planner import plan_body
@@ -32,16 +32,14 @@ _SPACING = 4
 
 
 @dataclass(frozen=True, eq=False)
-class PublishedPlanner:
-    """See `RobotPlanner`.
+class PublishedPlanner(RobotPlanner):
+    """Robots with legs by the paper's trees, with others as discs.
 
     Attributes:
-        problem: The team's; robots with legs.
         settings: Whether to leap.
         seed: Of the trees.
     """
 
-    problem: TeamProblem
     settings: PlanSettings
     seed: int
 
@@ -76,14 +74,6 @@ class PublishedPlanner:
     ) -> RobotPath | None:
         """The paper's robots don't wait."""
         return None
-
-    def standing(self, robot: int) -> Array:
-        """See `RobotPlanner`."""
-        return np.array(self.problem.starts[robot])[None]
-
-    def refusal(self, robot: int) -> str:
-        """See `RobotPlanner`."""
-        return ""
 
     def _discs(self, robot: int, span: Span) -> Array:
         track = span.track[::_SPACING]

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
@@ -52,9 +53,17 @@ class Span(NamedTuple):
     scale: float = 1.0
 
 
-class RobotPlanner(Protocol):
-    """Plans one robot of the team at a time."""
+@dataclass(frozen=True, eq=False)
+class RobotPlanner(ABC):
+    """Plans one robot of the team at a time.
 
+    Attributes:
+        problem: The team's.
+    """
+
+    problem: TeamProblem
+
+    @abstractmethod
     def plan(
         self, robot: int, spans: Sequence[Span], budget: Budget, effort: int = EFFORT
     ) -> RobotPath | None:
@@ -67,6 +76,7 @@ class RobotPlanner(Protocol):
             effort: Iterations at most.
         """
 
+    @abstractmethod
     def delayed(
         self, robot: int, spans: Sequence[Span], delay: float, budget: Budget
     ) -> RobotPath | None:
@@ -74,21 +84,21 @@ class RobotPlanner(Protocol):
 
     def standing(self, robot: int) -> Array:
         """The track `(1, 3)` of a robot that stays at its start."""
+        return np.array(self.problem.starts[robot])[None]
 
     def refusal(self, robot: int) -> str:
         """A proof, found on the way, that the robot has no path even alone; else empty."""
+        return ""
 
 
-@dataclass(frozen=True)
-class FlatPlanner:
+@dataclass(frozen=True, eq=False)
+class FlatPlanner(RobotPlanner):
     """Robots of any kind on ground that is even, or walked on as if it were.
 
     Attributes:
-        problem: The team's.
         lattice: The search.
     """
 
-    problem: TeamProblem
     lattice: SpaceTimePlanner
 
     def plan(
@@ -97,7 +107,7 @@ class FlatPlanner:
         """See `RobotPlanner`."""
         others = others_among(self.problem, spans)
         for margins in MARGINS:
-            if margins is not MARGINS[-1] and not self._roomy(robot, others, margins):
+            if margins is not MARGINS[-1] and not self._keeps(robot, others, margins):
                 continue
             before = budget.used
             path = self._search(robot, others, margins, budget, effort)
@@ -127,11 +137,7 @@ class FlatPlanner:
                 return RobotPath(path, self.lattice.cost(path))
         return None
 
-    def standing(self, robot: int) -> Array:
-        """See `RobotPlanner`."""
-        return np.array(self.problem.starts[robot])[None]
-
-    def _roomy(self, robot: int, others: Others, margins: Margins) -> bool:
+    def _keeps(self, robot: int, others: Others, margins: Margins) -> bool:
         """Whether start and goal keep the margins: otherwise no search with them can end well."""
         shape, grid = footprint(self.problem.models[robot]), self.lattice.grid
         for pose, time in ((self.problem.starts[robot], 0.0), (self.problem.goals[robot], _LATE)):
@@ -155,10 +161,6 @@ class FlatPlanner:
         )
         budget.spend(expansions)
         return path
-
-    def refusal(self, robot: int) -> str:
-        """See `RobotPlanner`."""
-        return ""
 
 
 def others_among(problem: TeamProblem, spans: Sequence[Span]) -> Others:

@@ -14,8 +14,14 @@ import numpy as np
 
 from cavalcade.coordination._conflicts import first_conflict
 from cavalcade.coordination.budget import Budget
-from cavalcade.coordination.problem import PlanSettings, TeamProblem
-from cavalcade.coordination.robot_planner import EFFORT, FlatPlanner, Span, others_among
+from cavalcade.coordination.problem import PlanSettings
+from cavalcade.coordination.robot_planner import (
+    EFFORT,
+    FlatPlanner,
+    RobotPlanner,
+    Span,
+    others_among,
+)
 from cavalcade.coordination.solution import RobotPath
 from cavalcade.eikonal import surface_distance
 from cavalcade.geometry import Array
@@ -47,18 +53,16 @@ _LEAST_TRAVERSABILITY = 0.3
 
 
 @dataclass(frozen=True, eq=False)
-class TerrainPlanner:
-    """See `RobotPlanner`.
+class TerrainPlanner(RobotPlanner):
+    """Robots with legs on uneven ground: the cheaper of a walk and a trajectory of the trees.
 
     Attributes:
-        problem: The team's.
         settings: Whether to leap.
         seed: Of the trees.
         walking: Over the ground that feet may stand on; by the model.
         trees: Answers of the body planner so far, by robot.
     """
 
-    problem: TeamProblem
     settings: PlanSettings
     seed: int
     walking: dict[RobotModel, FlatPlanner] = field(default_factory=dict)
@@ -83,10 +87,6 @@ class TerrainPlanner:
         paths = [self._walking(robot).delayed(robot, spans, delay, budget)]
         paths.append(self._by_trees(robot, spans, budget, delay))
         return _cheapest(paths)
-
-    def standing(self, robot: int) -> Array:
-        """See `RobotPlanner`."""
-        return np.array(self.problem.starts[robot])[None]
 
     def refusal(self, robot: int) -> str:
         """Why the robot has no path even alone, as far as its poses or its trees prove it."""
