@@ -33,8 +33,8 @@ if TYPE_CHECKING:
     )
     from cavalcade.geometry.trajectory import Trajectory
     from cavalcade.jobs.planning import plan
-    from cavalcade.jobs.running import RunResult, run
-    from cavalcade.metrics.plan_result import PlanResult
+    from cavalcade.jobs.result import JobResult
+    from cavalcade.jobs.running import run
     from cavalcade.recording.mcap_reader import read_recording
     from cavalcade.robots import RobotModel, robot_model
     from cavalcade.scenario import (
@@ -68,17 +68,16 @@ _HOME = {
     "FormationSettings": "formation",
     "Imperfections": "formation",
     "InputError": "errors",
+    "JobResult": "jobs",
     "MapError": "errors",
     "MovingObstacle": "formation",
     "MujocoFleet": "fleet.physics",
     "OccupancyMap": "world",
     "OutputError": "errors",
-    "PlanResult": "metrics.plan_result",
     "Polygon": "world",
     "RecordingError": "errors",
     "Report": "checking",
     "RobotModel": "robots",
-    "RunResult": "jobs",
     "Scenario": "scenario",
     "ScenarioError": "errors",
     "TeamPlan": "coordination.result",
@@ -113,17 +112,16 @@ __all__ = [
     "FormationSettings",
     "Imperfections",
     "InputError",
+    "JobResult",
     "MapError",
     "MovingObstacle",
     "MujocoFleet",
     "OccupancyMap",
     "OutputError",
-    "PlanResult",
     "Polygon",
     "RecordingError",
     "Report",
     "RobotModel",
-    "RunResult",
     "Scenario",
     "ScenarioError",
     "TeamPlan",

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
         Move,
         Obstacle,
         PlannerSection,
+        ResolvedScenario,
         Scenario,
     )
     from cavalcade.scenario.shipped import scenario_descriptions, scenario_names
@@ -31,6 +32,7 @@ _HOME = {
     "Move": "model",
     "Obstacle": "model",
     "PlannerSection": "model",
+    "ResolvedScenario": "model",
     "Scenario": "model",
     "ObstacleSpan": "timeline",
     "World": "worlds",
@@ -53,6 +55,7 @@ __all__ = [
     "Obstacle",
     "ObstacleSpan",
     "PlannerSection",
+    "ResolvedScenario",
     "Scenario",
     "World",
     "build_world",

@@ -10,14 +10,10 @@ from typing import Any
 import yaml
 
 from cavalcade.errors import OutputError
+from cavalcade.scenario.fields import OneLine
+from cavalcade.scenario.kinds import RULES, plain_formation
 from cavalcade.scenario.model import Scenario
-from cavalcade.scenario.settings import FORMATION_KEYS, TEAM_KEYS
-from cavalcade.scenario.task import INDIVIDUAL
 from cavalcade.scenario.worlds import resolve_scenario
-
-
-class _OneLine(dict[str, Any]):
-    """A mapping that is written on one line."""
 
 
 class _Dumper(yaml.SafeDumper):  # type: ignore[misc]  # PyYAML has no types
@@ -28,7 +24,7 @@ class _Dumper(yaml.SafeDumper):  # type: ignore[misc]  # PyYAML has no types
 
 
 _Dumper.add_representer(
-    _OneLine,
+    OneLine,
     lambda dumper, data: dumper.represent_mapping(
         "tag:yaml.org,2002:map", data.items(), flow_style=True
     ),
@@ -89,24 +85,17 @@ def _plain(scenario: Scenario, folder: Path) -> dict[str, Any]:
         world["generate"] = scenario.world.generate.words
     if scenario.world.movingai is not None:
         world["movingai"]["file"] = _relative(scenario.world.movingai.file, folder)
-    world["obstacles"] = [_OneLine(obstacle) for obstacle in world["obstacles"]]
+    world["obstacles"] = [OneLine(obstacle) for obstacle in world["obstacles"]]
     robots = [
-        _OneLine(robot.model_dump(mode="json", exclude_none=True)) for robot in scenario.robots
+        OneLine(robot.model_dump(mode="json", exclude_none=True)) for robot in scenario.robots
     ]
     for words, robot in zip(robots, scenario.robots, strict=True):
         if robot.mjcf is not None:
             words["mjcf"] = _relative(robot.mjcf, folder)
-    task, planner = data["task"], data["planner"]
-    if scenario.task.commands is not None:
-        data["task"] = _commands(task)
-    elif scenario.task.individual:
-        task = data["task"] = {"goals": INDIVIDUAL}
-    else:
-        data["task"] = {"formation": _formation(task["formation"]), "goals": task["goals"]}
-    others: tuple[str, ...] = FORMATION_KEYS if scenario.task.individual else TEAM_KEYS
-    if scenario.task.commands is not None:
-        others = (*FORMATION_KEYS, *TEAM_KEYS)
-    data["planner"] = {key: value for key, value in planner.items() if key not in others}
+    rules = RULES[scenario.task.kind]
+    data["task"] = rules.plain_task(data["task"])
+    planner = data["planner"]
+    data["planner"] = {k: value for k, value in planner.items() if k not in rules.unused_keys}
     execution = data["execution"]
     execution["events"] = [_event(event) for event in execution["events"]]
     head = {key: data[key] for key in ("version", "name", "description")}
@@ -116,29 +105,13 @@ def _plain(scenario: Scenario, folder: Path) -> dict[str, Any]:
 _TAIL = ("task", "planner", "execution")
 
 
-def _commands(task: dict[str, Any]) -> dict[str, Any]:
-    said = [
-        _OneLine({key: value for key, value in command.items() if value is not None})
-        for command in task["commands"]
-    ]
-    return {"commands": said, "duration": task["duration"]}
-
-
-def _formation(formation: dict[str, Any]) -> dict[str, Any]:
-    said = {key: value for key, value in formation.items() if value is not None}
-    joints = formation["connections"]
-    # Null stands for the shape's own springs: that is a choice, and is written out.
-    said["connections"] = joints if joints is None else [_OneLine(joint) for joint in joints]
-    return said
-
-
 def _event(event: dict[str, Any]) -> dict[str, Any]:
-    said = _OneLine({key: value for key, value in event.items() if value is not None})
+    said = OneLine({key: value for key, value in event.items() if value is not None})
     for kind in ("add", "remove", "move"):
         if kind in said:
             said[kind] = {key: value for key, value in said[kind].items() if value is not None}
     if "formation" in said:
-        said["formation"] = _formation(said["formation"])
+        said["formation"] = plain_formation(said["formation"])
     return said
 
 

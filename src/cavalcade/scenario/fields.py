@@ -98,3 +98,7 @@ Point = Annotated[tuple[Coordinate, Coordinate], _numbers("x, y")]
 Size = Annotated[tuple[Length, Length], _numbers("width, height")]
 Pose = Annotated[tuple[Coordinate, Coordinate, Coordinate], _numbers("x, y, yaw")]
 File = Annotated[Path, BeforeValidator(_path), AfterValidator(_below_file)]
+
+
+class OneLine(dict[str, Any]):
+    """A mapping that is written to a file on one line."""

@@ -35,6 +35,7 @@ _SIZE_KEY = {
 _SIZES = {"triangle": 1.15}  # the paper's; 1 m for all others
 _SLOTS = {"square": 4, "triangle": 3}
 INDIVIDUAL = "individual"
+Kind = Literal["formation", "individual", "commands"]
 
 
 class RobotSection(Section):
@@ -200,17 +201,25 @@ class TaskSection(Section):
             return self
         if self.duration is not None:
             raise expected("is for commands", key="duration")
-        if self.individual and self.formation is not None:
+        individual = self.kind == INDIVIDUAL
+        if individual and self.formation is not None:
             raise expected("individual goals take no formation", key="formation")
-        if not self.individual and self.formation is None:
+        if not individual and self.formation is None:
             wanted = ", ".join(FormationSection.model_fields)
             raise expected(f"missing; expected a mapping with {wanted}", key="formation")
         return self
 
     @property
-    def individual(self) -> bool:
-        """Whether each robot has its own goal."""
-        return not self.goals and self.commands is None
+    def kind(self) -> Kind:
+        """What is to be done: keep a `formation`, reach `individual` goals, follow `commands`."""
+        return kind_of(self.commands, self.goals)
+
+    @property
+    def headline(self) -> str:
+        """What is to be done, in a word or two."""
+        if self.commands is not None:
+            return "commanded"
+        return "individual goals" if self.formation is None else self.formation.shape
 
     @property
     def length(self) -> float:
@@ -229,6 +238,13 @@ class TaskSection(Section):
         if self.formation is None:
             raise InputError("goals are individual; expected a formation", key="task.formation")
         return self.formation
+
+
+def kind_of(commands: object, goals: object) -> Kind:
+    """The kind of a task with these commands, None for none, and goals of the formation, if any."""
+    if commands is not None:
+        return "commands"
+    return "formation" if goals else "individual"
 
 
 def check_formation(
