@@ -49,7 +49,7 @@ def warm_up(joint: bool, terrain: bool) -> None:
         solve_joint(problem, planner, Budget(10_000), np.random.default_rng(0))
     if terrain and not first_conflict.signatures:
         _trees()
-        surface_along(read_only(problem.ground), track[:, :2])
+        surface_along(read_only(problem.ground), np.zeros((2, 6))[:, :2])  # not contiguous
         first_conflict(NOBODY, shape, track, 0.0, 0.0, 1.0)
 
 
