@@ -16,9 +16,9 @@ from itertools import count
 
 from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.conflicts import Conflict, conflicts_of
-from cavalcade.coordination.problem import PlanSettings, TeamProblem
+from cavalcade.coordination.problem import PlanSettings
 from cavalcade.coordination.robot_planner import RobotPlanner, Span
-from cavalcade.coordination.solution import RobotPath, Solution
+from cavalcade.coordination.solution import Paths, Solution
 from cavalcade.lattice.planner import TRACK_STEP
 
 _PAD = 0.5
@@ -37,13 +37,13 @@ _PAIRS = 3
 """So many pairs in conflict are looked at to find the most telling conflict."""
 
 
-Merge = Callable[[tuple[int, int]], tuple[RobotPath, ...] | None]
+Merge = Callable[[tuple[int, int]], Paths | None]
 """Paths of two robots that avoid each other, or None."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Node:
-    paths: tuple[RobotPath, ...]
+    paths: Paths
     avoid: tuple[tuple[Span, ...], ...]
     conflicts: list[Conflict]
     met: Mapping[tuple[int, int], int]
@@ -54,10 +54,9 @@ class _Node:
 
 
 def conflict_search(
-    problem: TeamProblem,
     planner: RobotPlanner,
     settings: PlanSettings,
-    root: tuple[RobotPath, ...],
+    root: Paths,
     budget: Budget,
     most_nodes: int = 400,
     merge: Merge | None = None,
@@ -65,7 +64,6 @@ def conflict_search(
     """Resolve the conflicts of paths that were planned regardless of each other.
 
     Args:
-        problem: The team's.
         planner: Of one robot.
         settings: `conflict` and `constraints`.
         root: A path for each robot.
@@ -76,12 +74,12 @@ def conflict_search(
     order = count()
 
     def node(
-        paths: tuple[RobotPath, ...],
+        paths: Paths,
         avoid: tuple[tuple[Span, ...], ...],
         met: Mapping[tuple[int, int], int],
     ) -> _Node:
         tracks = [path.track for path in paths]
-        found = conflicts_of(tracks, problem.models, distance=settings.distance)
+        found = conflicts_of(tracks, planner.problem.models, distance=settings.distance)
         return _Node(paths, avoid, found, met)
 
     def child(parent: _Node, conflict: Conflict, robot: int, other: int) -> _Node | None:

@@ -20,7 +20,7 @@ from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.conflicts import conflicts_of
 from cavalcade.coordination.problem import TeamProblem
 from cavalcade.coordination.robot_planner import RobotPlanner, spans_of
-from cavalcade.coordination.solution import RobotPath, total_cost
+from cavalcade.coordination.solution import Paths, RobotPath, total_cost
 from cavalcade.geometry import Array
 from cavalcade.lattice.collision import Margins
 from cavalcade.lattice.motion_limits import team_limits
@@ -49,7 +49,7 @@ def solve_joint(
     budget: Budget,
     rng: np.random.Generator,
     polish: bool = True,
-) -> tuple[RobotPath, ...] | None:
+) -> Paths | None:
     """Paths without conflicts, or None if the budget was spent first.
 
     Args:
@@ -61,7 +61,7 @@ def solve_joint(
     """
     attempt = _ATTEMPT
     state = rng.integers(0, 2**63, size=1, dtype=np.int64).astype(np.uint64)
-    best: tuple[RobotPath, ...] | None = None
+    best: Paths | None = None
     while best is None and not budget.spent:
         for margins in MARGINS:
             best = _searched(problem, lattice, budget, state, margins, attempt, polish)
@@ -89,7 +89,7 @@ def _searched(
     margins: Margins,
     attempt: int,
     polish: bool,
-) -> tuple[RobotPath, ...] | None:
+) -> Paths | None:
     """What one pair of trees finds within so many extensions."""
     limits = [lattice.limits(model) for model in problem.models]
     mean_speed = float(np.cumsum([robot.speed for robot in limits])[-1] / len(limits))
@@ -152,32 +152,24 @@ def _polished(
 
 
 def solve_merged(
-    problem: TeamProblem,
     lattice: SpaceTimePlanner,
     planner: RobotPlanner,
-    alone: tuple[RobotPath, ...],
+    alone: Paths,
     budget: Budget,
     rng: np.random.Generator,
-) -> tuple[RobotPath, ...] | None:
+) -> Paths | None:
     """Robots whose own paths conflict planned as one, the others one by one past them.
 
     Args:
-        problem: The team's.
         lattice: Whose ground, limits and costs are used.
         planner: Of one robot.
         alone: Each robot's path regardless of the others.
         budget: Of the call.
         rng: Seeds the trees.
     """
-    conflicts = conflicts_of([path.track for path in alone], problem.models, 1)
+    conflicts = conflicts_of([path.track for path in alone], planner.problem.models, 1)
     group = sorted({robot for conflict in conflicts for robot in (conflict.i, conflict.j)})
-    part = TeamProblem(
-        problem.ground,
-        tuple(problem.models[k] for k in group),
-        tuple(problem.starts[k] for k in group),
-        tuple(problem.goals[k] for k in group),
-    )
-    together = solve_joint(part, lattice, budget, rng)
+    together = solve_joint(planner.problem.part(group), lattice, budget, rng)
     if together is None:
         return None
     paths = dict(zip(group, together, strict=True))

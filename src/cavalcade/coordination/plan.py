@@ -19,7 +19,7 @@ from cavalcade.coordination.problem import PlanSettings, TeamProblem
 from cavalcade.coordination.published import DISTANCE, PublishedPlanner
 from cavalcade.coordination.result import TeamPlan
 from cavalcade.coordination.robot_planner import EFFORT, FlatPlanner, RobotPlanner
-from cavalcade.coordination.solution import RobotPath, Solution, total_cost
+from cavalcade.coordination.solution import Paths, RobotPath, Solution, total_cost
 from cavalcade.coordination.terrain import TerrainPlanner, walkable
 from cavalcade.coordination.warm import warm_up
 from cavalcade.errors import InputError
@@ -136,7 +136,7 @@ class _Call:
             return FlatPlanner(self.problem, self.lattice)
         return TerrainPlanner(self.problem, self.settings, self.seed)
 
-    def _joint(self) -> tuple[RobotPath, ...] | None:
+    def _joint(self) -> Paths | None:
         lattice = self.lattice
         if not self.problem.ground.flat:
             ground = self.problem.ground
@@ -145,20 +145,16 @@ class _Call:
             lattice = SpaceTimePlanner(ground)
         return solve_joint(self.problem, lattice, self.budget, self.rng, not self.published)
 
-    def _solve(self, alone: tuple[RobotPath, ...]) -> Solution:
-        problem, planner, settings, budget = (
-            self.problem,
-            self.planner,
-            self.settings,
-            self.budget,
-        )
+    def _solve(self, alone: Paths) -> Solution:
+        planner, settings, budget, rng = self.planner, self.settings, self.budget, self.rng
         if self.method == "auto":
-            together = partial(self._together, alone) if problem.ground.flat else None
-            return solve_auto(problem, planner, settings, alone, budget, self.rng, together)
+            flat = self.problem.ground.flat
+            together = partial(solve_merged, self.lattice, planner, alone, rng=rng)
+            return solve_auto(planner, settings, alone, budget, rng, together if flat else None)
         if self.method == "sequential":
-            return solve_sequential(problem, planner, settings, alone, budget)
+            return solve_sequential(planner, settings, alone, budget)
         merge = None if self.published else self._pair
-        return conflict_search(problem, planner, settings, alone, budget, merge=merge)
+        return conflict_search(planner, settings, alone, budget, merge=merge)
 
     def _checked(self, solution: Solution) -> Solution:
         """What is called solved has no conflicts; if it has some after all, they are resolved."""
@@ -166,29 +162,15 @@ class _Call:
         distance = self.settings.distance
         if not solution.solved or not conflicts_of(tracks, self.problem.models, 1, distance):
             return solution
-        return conflict_search(
-            self.problem, self.planner, self.settings, solution.paths, self.budget
-        )
+        return conflict_search(self.planner, self.settings, solution.paths, self.budget)
 
-    def _together(
-        self, alone: tuple[RobotPath, ...], budget: Budget
-    ) -> tuple[RobotPath, ...] | None:
-        """The robots in conflict as one, and the others past them."""
-        return solve_merged(self.problem, self.lattice, self.planner, alone, budget, self.rng)
-
-    def _pair(self, pair: tuple[int, int]) -> tuple[RobotPath, ...] | None:
+    def _pair(self, pair: tuple[int, int]) -> Paths | None:
         """Two robots as one, regardless of the others."""
         if not self.problem.ground.flat:
             return None
-        part = replace(
-            self.problem,
-            models=tuple(self.problem.models[k] for k in pair),
-            starts=tuple(self.problem.starts[k] for k in pair),
-            goals=tuple(self.problem.goals[k] for k in pair),
-        )
-        return solve_joint(part, self.lattice, self.budget, self.rng)
+        return solve_joint(self.problem.part(pair), self.lattice, self.budget, self.rng)
 
-    def _improved(self, solution: Solution, alone: tuple[RobotPath, ...]) -> Solution:
+    def _improved(self, solution: Solution, alone: Paths) -> Solution:
         """Robot by robot anew among the others, more patiently, until nothing gets cheaper."""
         planner = self.planner
         if isinstance(planner, FlatPlanner):

@@ -13,9 +13,9 @@ import numpy as np
 from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.cbs import conflict_search
 from cavalcade.coordination.conflicts import conflicts_of
-from cavalcade.coordination.problem import PlanSettings, TeamProblem
+from cavalcade.coordination.problem import PlanSettings
 from cavalcade.coordination.robot_planner import EFFORT, RobotPlanner, Span, spans_of
-from cavalcade.coordination.solution import RobotPath, Solution
+from cavalcade.coordination.solution import Paths, RobotPath, Solution
 
 _DELAYS = (2.0, 4.0, 8.0, 16.0)
 """s that robots wait at their starts where no order helps."""
@@ -74,10 +74,9 @@ def in_order(
 
 
 def solve_sequential(
-    problem: TeamProblem,
     planner: RobotPlanner,
     settings: PlanSettings,
-    alone: tuple[RobotPath, ...],
+    alone: Paths,
     budget: Budget,
 ) -> Solution:
     """One robot after the other, in the order of the problem (the paper's Algorithm 2).
@@ -85,7 +84,6 @@ def solve_sequential(
     Each avoids the paths of all before it; conflicts that are left become constraints.
 
     Args:
-        problem: The team's.
         planner: Of one robot.
         settings: Of the constraints.
         alone: Each robot's path regardless of the others.
@@ -99,10 +97,11 @@ def solve_sequential(
         if failed is None:
             break
     root = tuple(paths.get(k, alone[k]) for k in order)
-    if not conflicts_of([path.track for path in root], problem.models, 1, settings.distance):
+    tracks = [path.track for path in root]
+    if not conflicts_of(tracks, planner.problem.models, 1, settings.distance):
         return Solution(root, True, "sequential")
     # Somebody found no path past those before, or the trees' paths still meet.
-    outcome = conflict_search(problem, planner, settings, root, budget)
+    outcome = conflict_search(planner, settings, root, budget)
     return Solution(outcome.paths, outcome.solved, "sequential", outcome.counts)
 
 

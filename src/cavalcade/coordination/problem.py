@@ -135,6 +135,15 @@ class TeamProblem:
 
         return cls(make_ground(map, terrain), team, local(starts), local(goals), map.origin)
 
+    def part(self, robots: Sequence[int]) -> TeamProblem:
+        """The problem of these robots alone."""
+        return replace(
+            self,
+            models=tuple(self.models[k] for k in robots),
+            starts=tuple(self.starts[k] for k in robots),
+            goals=tuple(self.goals[k] for k in robots),
+        )
+
     def in_map(self, trajectory: Trajectory) -> Trajectory:
         """A trajectory of the ground's frame, seen in the map's."""
         if self.origin == (0.0, 0.0, 0.0):

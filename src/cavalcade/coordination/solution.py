@@ -42,6 +42,10 @@ class RobotPath:
         return self.motion
 
 
+Paths = tuple[RobotPath, ...]
+"""A path for each robot of a team, in their order."""
+
+
 @dataclass(frozen=True)
 class Solution:
     """What a method ended with, solved or not.
@@ -54,13 +58,13 @@ class Solution:
         history: Iterations and summed cost as the plan got better.
     """
 
-    paths: tuple[RobotPath, ...]
+    paths: Paths
     solved: bool
     method: str
     counts: Mapping[str, int] = field(default_factory=dict)
     history: tuple[tuple[int, float], ...] = ()
 
 
-def total_cost(paths: Mapping[int, RobotPath] | tuple[RobotPath, ...]) -> float:
+def total_cost(paths: Mapping[int, RobotPath] | Paths) -> float:
     """Summed over the robots."""
     return sum(path.cost for path in (paths if isinstance(paths, tuple) else paths.values()))
