@@ -108,8 +108,7 @@ def judge(
     violations += misplaced(tracks, scenario.starts)
     violations += incomplete(tracks, scenario.execution.rate, _number(summary, "sim_time_s"))
     violations += _unfinished(scenario, tracks, summary, IDEAL)
-    duration = float(ticks[-1] - ticks[0])
-    return _report(violations, _figures(efforts, duration, gap))
+    return make_report(violations, efforts, float(ticks[-1] - ticks[0]), gap)
 
 
 def judge_physics(
@@ -184,6 +183,16 @@ def _figures(efforts: list[Effort], duration: float, gap: float) -> Figures:
         max_acceleration=largest("acceleration"),
         max_yaw_acceleration=largest("yaw_acceleration"),
     )
+
+
+def make_report(
+    violations: list[Violation],
+    efforts: list[Effort] | None = None,
+    duration: float = 0.0,
+    gap: float = math.inf,
+) -> Report:
+    """The verdict on planar motion; without efforts it could not be measured."""
+    return _report(violations, None if efforts is None else _figures(efforts, duration, gap))
 
 
 def _report(violations: list[Violation], figures: Figures | None) -> Report:

@@ -78,7 +78,7 @@ def expected_of(scenario: Scenario) -> Imperfections:
     stray = said.stray
     if stray is None:
         legs = execution.backend == "mujoco"
-        stray = max(model.stray for model in scenario.models) if legs else 0.0
+        stray = max(model.tracking_error for model in scenario.models) if legs else 0.0
     return Imperfections(noise.position, noise.heading, delay.mean, delay.jitter, delay.drop, stray)
 
 

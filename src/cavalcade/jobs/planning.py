@@ -82,7 +82,7 @@ def _require_own_goals(scenario: Scenario) -> None:
     Raises:
         InputError: It is one.
     """
-    if scenario.task.kind != "individual":
+    if not scenario.goals:
         raise InputError(
             "plan is for robots with goals of their own (task.goals: individual); "
             "use `cavalcade run` for formations",

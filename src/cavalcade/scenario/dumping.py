@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from pathlib import Path
 from typing import Any
 
 import yaml
 
-from cavalcade.errors import OutputError
+from cavalcade.files import write_file
+from cavalcade.robots import is_model_file
 from cavalcade.scenario.fields import OneLine
 from cavalcade.scenario.kinds import RULES, plain_formation
 from cavalcade.scenario.model import Scenario
@@ -35,29 +35,15 @@ def dump_scenario(scenario: Scenario, path: str | Path) -> None:
     """Write a scenario with every default and override written out.
 
     A `generate` or `barn` source becomes `empty` with the obstacles listed, so that the file
-    alone says where they stand; generated terrain is written with its seed. Names of map and
-    terrain files are written relative to the new file. Reading the file gives
+    alone says where they stand; generated terrain is written with its seed. Names of maps,
+    terrains and robot models are written relative to the new file. Reading the file gives
     `resolve_scenario(scenario)`.
 
     Raises:
         ScenarioError, MapError: The world cannot be made.
         OutputError: The file cannot be written.
     """
-    target = Path(path)
-    text = scenario_text(scenario, target.parent)
-    temporary: Path | None = None
-    try:
-        handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}-")
-        temporary = Path(name)
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as stream:
-            stream.write(text)
-        temporary.chmod(0o644)
-        os.replace(temporary, target)
-    except OSError as error:
-        if temporary is not None:
-            temporary.unlink(missing_ok=True)
-        reason = error.strerror or error
-        raise OutputError(f"{target}: cannot be written: {reason}") from None
+    write_file(path, scenario_text(scenario, Path(path).parent))
 
 
 def scenario_text(scenario: Scenario, folder: str | Path) -> str:
@@ -92,6 +78,8 @@ def _plain(scenario: Scenario, folder: Path) -> dict[str, Any]:
     for words, robot in zip(robots, scenario.robots, strict=True):
         if robot.mjcf is not None:
             words["mjcf"] = _relative(robot.mjcf, folder)
+        if is_model_file(robot.model):
+            words["model"] = _relative(Path(robot.model), folder)
     rules = RULES[scenario.task.kind]
     data["task"] = rules.plain_task(data["task"])
     planner = data["planner"]

@@ -14,7 +14,7 @@ from pydantic import Field, PrivateAttr, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from cavalcade.errors import ScenarioError
-from cavalcade.robots import MODELS, RobotModel
+from cavalcade.robots import RobotModel
 from cavalcade.scenario.backends import BACKENDS, check_backend
 from cavalcade.scenario.events import Event, Move
 from cavalcade.scenario.fields import Section, expected
@@ -166,7 +166,7 @@ class Scenario(Section):
     @property
     def models(self) -> tuple[RobotModel, ...]:
         """The model of each robot."""
-        return self._models or tuple(MODELS[robot.model] for robot in self.robots)
+        return self._models or tuple(robot.the_model for robot in self.robots)
 
     @property
     def starts(self) -> tuple[tuple[float, float, float], ...]:

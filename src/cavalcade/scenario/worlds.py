@@ -194,9 +194,4 @@ def _obstacle(shape: Shape) -> Obstacle:
 
 def _at(scenario: Scenario, key: str, error: InputError) -> ScenarioError:
     """The error as one of the scenario file's `key`."""
-    text = str(error)
-    if error.file is not None:
-        text = text.removeprefix(f"{error.file}: ")
-    if error.key is not None:
-        text = text.removeprefix(f"{error.key}: ")
-    return ScenarioError(text, file=scenario.file, key=key)
+    return ScenarioError(error.message, file=scenario.file, key=key, choices=error.choices)

@@ -48,7 +48,7 @@ class ShippedDraw(Section):
 
     @model_validator(mode="after")
     def _kind(self) -> Self:
-        self._own_goals = self._loaded(0).task.kind == "individual"
+        self._own_goals = bool(self._loaded(0).goals)
         return self
 
     @property
