@@ -47,7 +47,7 @@ def in_order(
         alone: Paths of robots regardless of others, to begin with.
         leave: For so long the starts of those who are still to be planned are taken, s.
         shy: Robots keep off the middle of the paths that later ones have alone, so that both give
-            way where there is room for two, but not beside one that keeps to the middle.
+            way where there is space for two, but not beside one that keeps to the middle.
         effort: Iterations that each robot may take.
 
     Returns:

@@ -43,7 +43,7 @@ class Span(NamedTuple):
         robot: The other robot.
         track: Its poses `(K, 3)` every `TRACK_STEP` s; it stands at the last for good.
         begin, end: s.
-        scale: Of its body's length and width: a smaller one asks for less room than it needs.
+        scale: Of its body's length and width: a smaller one asks for less space than it needs.
     """
 
     robot: int
