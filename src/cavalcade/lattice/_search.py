@@ -15,7 +15,7 @@ import numpy as np
 from numba import njit
 
 from cavalcade.geometry import Array
-from cavalcade.lattice._queue import doubled, doubled_line, pop, push, slot_of
+from cavalcade.lattice._queue import doubled, pop, push, slot_of
 from cavalcade.lattice.collision import move_free, moves_free, occupied_until
 from cavalcade.lattice.dubins import (
     MOST_MOVES,
@@ -301,8 +301,8 @@ def search(scene, start, goal, primitives, to_go, settings):
         if used + len(primitives) >= state.shape[0]:
             state = doubled(state)
             link = doubled(link)
-            heap = doubled_line(heap)
-            keys = doubled_line(keys)
+            heap = doubled(heap)
+            keys = doubled(keys)
         for p in range(len(primitives)):
             row = primitives[p]
             if row[FROM_MOVING] != moving:
