@@ -25,6 +25,7 @@ SAYS = {
     "11_walk_in_physics": "on its feet",
     "12_safety_filter_alone": "they stand",
     "14_plan_one_body": "on foot: infeasible",
+    "12_plan_team_without_files": "all at their goals after",
 }
 
 WRITES = {

@@ -1,4 +1,4 @@
-"""Bodies grown for planning, by less where that leaves no plan."""
+"""Bodies inflated for planning, by less where that leaves no plan."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 
 from cavalcade.coordination import PlanSettings, TeamProblem, plan_team
 from cavalcade.coordination.conflicts import conflicts_of
-from cavalcade.coordination.room import grown
+from cavalcade.coordination.inflation import inflated
 from cavalcade.errors import InputError
 from cavalcade.lattice.ground import make_ground
 from cavalcade.robots import MODELS
@@ -26,14 +26,14 @@ def clear(problem, found, margin):
     end = max(path.duration for path in found.trajectories)
     times = np.arange(0.0, end + 0.02, 0.02)
     tracks = [path.poses_at(times) for path in found.trajectories]
-    models = [grown(model, margin) for model in problem.models]
+    models = [inflated(model, margin) for model in problem.models]
     return not any(
         conflicts_of([tracks[i], tracks[j]], (models[i], models[j]), 1)
         for i, j in combinations(range(len(tracks)), 2)
     )
 
 
-def test_bodies_keep_the_room_that_is_asked_for():
+def test_bodies_keep_the_margin_that_is_asked_for():
     bare = plan_team(SWAP)
     found = plan_team(SWAP, settings=PlanSettings(margin=0.15))
     assert found.solved

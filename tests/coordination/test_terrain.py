@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from cavalcade.coordination import PlanSettings, TeamPlan, TeamProblem, plan_team
-from cavalcade.coordination.uneven import begun_later, walkable
+from cavalcade.coordination.terrain import delayed, walkable
 from cavalcade.errors import InputError
 from cavalcade.lattice.ground import make_ground
 from cavalcade.robots import robot_model
@@ -117,7 +117,7 @@ def test_walkable_ground_is_solid_where_no_foot_may_stand():
 def test_begun_later_is_the_same_after_standing(delay):
     plan = plan_team(_problem("gap", PAIR[:1], width=0.3))
     before = plan.trajectories[0]
-    after = begun_later(before, delay)
+    after = delayed(before, delay)
     assert after.duration == pytest.approx(before.duration + delay)
     assert np.diff(after.time).min() > 0.0
     assert np.diff(after.time).max() <= 0.03 + 1e-9

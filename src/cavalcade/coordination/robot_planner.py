@@ -3,25 +3,25 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from cavalcade.coordination.budget import Budget
-from cavalcade.coordination.course import Course
 from cavalcade.coordination.problem import TeamProblem
+from cavalcade.coordination.solution import RobotPath
 from cavalcade.geometry import Array
-from cavalcade.lattice.collision import move_free, place_free, pose_free
+from cavalcade.lattice.collision import Margins, Others, move_free, place_free, pose_free
+from cavalcade.lattice.motion_limits import footprint
 from cavalcade.lattice.planner import (
-    CAREFUL,
+    MARGINS,
     NOBODY,
     TRACK_STEP,
-    Care,
-    Others,
-    TimedPlanner,
-    Way,
+    SpaceTimePlanner,
+    TimedPath,
     others_of,
 )
 from cavalcade.lattice.primitives import DURATION
@@ -29,10 +29,8 @@ from cavalcade.lattice.primitives import DURATION
 EFFORT = 20_000
 """Expansions that one call may take; more are tried only where everything else has failed."""
 
-
 _CRAMPED = 50
 """A search that ends within so few expansions was shut in: the margins are what is too large."""
-
 
 _LATE = 1e9
 """When everybody stands for good, s."""
@@ -45,7 +43,7 @@ class Span(NamedTuple):
         robot: The other robot.
         track: Its poses `(K, 3)` every `TRACK_STEP` s; it stands at the last for good.
         begin, end: s.
-        scale: Of its body's length and width: a smaller one asks for less room than it needs.
+        scale: Of its body's length and width: a smaller one asks for less space than it needs.
     """
 
     robot: int
@@ -55,13 +53,21 @@ class Span(NamedTuple):
     scale: float = 1.0
 
 
-class RobotPlanner(Protocol):
-    """Plans one robot of the team at a time."""
+@dataclass(frozen=True, eq=False)
+class RobotPlanner(ABC):
+    """Plans one robot of the team at a time.
 
+    Attributes:
+        problem: The team's.
+    """
+
+    problem: TeamProblem
+
+    @abstractmethod
     def plan(
         self, robot: int, spans: Sequence[Span], budget: Budget, effort: int = EFFORT
-    ) -> Course | None:
-        """The cheapest course found that avoids all spans; None if there is none.
+    ) -> RobotPath | None:
+        """The cheapest path found that avoids all spans; None if there is none.
 
         Args:
             robot: Which one.
@@ -70,115 +76,91 @@ class RobotPlanner(Protocol):
             effort: Iterations at most.
         """
 
+    @abstractmethod
     def delayed(
         self, robot: int, spans: Sequence[Span], delay: float, budget: Budget
-    ) -> Course | None:
+    ) -> RobotPath | None:
         """The same, standing at the start for `delay` s first."""
 
     def standing(self, robot: int) -> Array:
         """The track `(1, 3)` of a robot that stays at its start."""
+        return np.array(self.problem.starts[robot])[None]
 
     def refusal(self, robot: int) -> str:
-        """A proof, found on the way, that the robot has no way even alone; else empty."""
+        """A proof, found on the way, that the robot has no path even alone; else empty."""
+        return ""
 
 
-@dataclass(frozen=True)
-class EvenPlanner:
+@dataclass(frozen=True, eq=False)
+class FlatPlanner(RobotPlanner):
     """Robots of any kind on ground that is even, or walked on as if it were.
 
     Attributes:
-        problem: The team's.
-        timed: The search.
+        lattice: The search.
     """
 
-    problem: TeamProblem
-    timed: TimedPlanner
+    lattice: SpaceTimePlanner
 
     def plan(
         self, robot: int, spans: Sequence[Span], budget: Budget, effort: int = EFFORT
-    ) -> Course | None:
+    ) -> RobotPath | None:
         """See `RobotPlanner`."""
         others = others_among(self.problem, spans)
-        for care in CAREFUL:
-            if care is not CAREFUL[-1] and not self._roomy(robot, others, care):
+        for margins in MARGINS:
+            if margins is not MARGINS[-1] and not self._keeps(robot, others, margins):
                 continue
             before = budget.used
-            way = self._search(robot, others, care, budget, effort)
-            if way is not None:
-                return Course(way, self.timed.cost(way))
-            if budget.spent or (care is CAREFUL[1] and budget.used - before > _CRAMPED):
+            path = self._search(robot, others, margins, budget, effort)
+            if path is not None:
+                return RobotPath(path, self.lattice.cost(path))
+            if budget.spent or (margins is MARGINS[1] and budget.used - before > _CRAMPED):
                 break
         return None
 
     def delayed(
         self, robot: int, spans: Sequence[Span], delay: float, budget: Budget
-    ) -> Course | None:
+    ) -> RobotPath | None:
         """See `RobotPlanner`."""
         others = others_among(self.problem, spans)
         skip = round(delay / TRACK_STEP)
         delay = skip * TRACK_STEP
-        model = self.problem.models[robot]
-        x, y, yaw = self.problem.starts[robot]
+        scene = self.lattice.scene(self.problem.models[robot], others, MARGINS[-1])
         stand = np.zeros(6)
         stand[DURATION] = delay
-        care = CAREFUL[-1]
-        if not move_free(
-            self.timed.grid,
-            tuple(others),
-            x,
-            y,
-            yaw,
-            stand,
-            self.timed.mover(model),
-            0.0,
-            np.array([care.ground, care.others]),
-            np.array(care.steps),
-            True,
-        ):
+        if not move_free(scene, self.problem.starts[robot], stand, 0.0, True):
             return None
         later = _later(others, skip)
-        for care in CAREFUL:
-            way = self._search(robot, later, care, budget, EFFORT)
-            if way is not None:
-                moves = np.concatenate([stand[None], way.moves])
-                way = Way(way.start, moves, way.mover, way.model)
-                return Course(way, self.timed.cost(way))
+        for margins in MARGINS:
+            path = self._search(robot, later, margins, budget, EFFORT)
+            if path is not None:
+                path = replace(path, moves=np.concatenate([stand[None], path.moves]))
+                return RobotPath(path, self.lattice.cost(path))
         return None
 
-    def standing(self, robot: int) -> Array:
-        """See `RobotPlanner`."""
-        return np.array(self.problem.starts[robot], dtype=float)[None]
-
-    def _roomy(self, robot: int, others: Others, care: Care) -> bool:
+    def _keeps(self, robot: int, others: Others, margins: Margins) -> bool:
         """Whether start and goal keep the margins: otherwise no search with them can end well."""
-        model = self.problem.models[robot]
-        mover, grid = self.timed.mover(model), self.timed.grid
-        shape = (model.length / 2.0, model.width / 2.0, float(model.round))
+        shape, grid = footprint(self.problem.models[robot]), self.lattice.grid
         for pose, time in ((self.problem.starts[robot], 0.0), (self.problem.goals[robot], _LATE)):
-            if not pose_free(grid, *pose, *shape, care.ground):
+            if not pose_free(grid, shape, *pose, margins.ground):
                 return False
-            if not place_free(tuple(others), *pose, mover, time, care.others):
+            if not place_free(others, shape, pose, time, margins.others):
                 return False
         return True
 
     def _search(
-        self, robot: int, others: Others, care: Care, budget: Budget, effort: int
-    ) -> Way | None:
+        self, robot: int, others: Others, margins: Margins, budget: Budget, effort: int
+    ) -> TimedPath | None:
         problem = self.problem
-        way, _, expansions = self.timed.plan(
+        path, _, expansions = self.lattice.plan(
             problem.models[robot],
-            np.array(problem.starts[robot], dtype=float),
-            np.array(problem.goals[robot], dtype=float),
+            np.array(problem.starts[robot]),
+            np.array(problem.goals[robot]),
             others,
             budget.most(effort),
-            care,
+            margins,
         )
         budget.spend(expansions)
-        return way
-
-    def refusal(self, robot: int) -> str:
-        """See `RobotPlanner`."""
-        return ""
+        return path
 
 
 def others_among(problem: TeamProblem, spans: Sequence[Span]) -> Others:
@@ -192,9 +174,9 @@ def others_among(problem: TeamProblem, spans: Sequence[Span]) -> Others:
     return others
 
 
-def spans_of(courses: Iterable[tuple[int, Course]]) -> list[Span]:
-    """The whole courses of other robots, to be avoided from the start and for good."""
-    return [Span(robot, course.track) for robot, course in courses]
+def spans_of(paths: Iterable[tuple[int, RobotPath]]) -> list[Span]:
+    """The whole paths of other robots, to be avoided from the start and for good."""
+    return [Span(robot, path.track) for robot, path in paths]
 
 
 def _later(others: Others, skip: int) -> Others:

@@ -1,8 +1,8 @@
 """Robots with legs on uneven ground: on foot where that goes, else by leaps that wait their turn.
 
-On foot means the search in space and time over the ground that feet may stand on. Where it finds
-no way, or a dearer one, trajectories of the body planner's trees count, each begun as late as the
-others' bodies ask for.
+On foot means space-time A* over the ground that feet may stand on. Where it finds no path, or a
+dearer one, trajectories of the body planner's trees count, each begun as late as the others'
+bodies ask for.
 """
 
 from __future__ import annotations
@@ -12,11 +12,17 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from cavalcade.coordination._meeting import first_meeting
+from cavalcade.coordination._conflicts import first_conflict
 from cavalcade.coordination.budget import Budget
-from cavalcade.coordination.course import Course
-from cavalcade.coordination.problem import PlanSettings, TeamProblem
-from cavalcade.coordination.single import EFFORT, EvenPlanner, Span, others_among
+from cavalcade.coordination.problem import PlanSettings
+from cavalcade.coordination.robot_planner import (
+    EFFORT,
+    FlatPlanner,
+    RobotPlanner,
+    Span,
+    others_among,
+)
+from cavalcade.coordination.solution import RobotPath
 from cavalcade.eikonal import surface_distance
 from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import STEP, WALK, Trajectory
@@ -24,8 +30,9 @@ from cavalcade.kinodynamic.obstruction import obstruction
 from cavalcade.kinodynamic.parameters import make_body, make_space
 from cavalcade.kinodynamic.planner import BodyPlan, plan_body
 from cavalcade.kinodynamic.settings import BodySettings
-from cavalcade.lattice.ground import Ground
-from cavalcade.lattice.planner import TRACK_STEP, TimedPlanner
+from cavalcade.lattice.ground import Ground, read_only
+from cavalcade.lattice.motion_limits import footprint
+from cavalcade.lattice.planner import TRACK_STEP, SpaceTimePlanner
 from cavalcade.robots import RobotModel
 
 _POOL = 12
@@ -46,49 +53,43 @@ _LEAST_TRAVERSABILITY = 0.3
 
 
 @dataclass(frozen=True, eq=False)
-class UnevenPlanner:
-    """See `RobotPlanner`.
+class TerrainPlanner(RobotPlanner):
+    """Robots with legs on uneven ground: the cheaper of a walk and a trajectory of the trees.
 
     Attributes:
-        problem: The team's.
         settings: Whether to leap.
         seed: Of the trees.
         walking: Over the ground that feet may stand on; by the model.
         trees: Answers of the body planner so far, by robot.
     """
 
-    problem: TeamProblem
     settings: PlanSettings
     seed: int
-    walking: dict[RobotModel, EvenPlanner] = field(default_factory=dict)
+    walking: dict[RobotModel, FlatPlanner] = field(default_factory=dict)
     trees: dict[int, list[BodyPlan]] = field(default_factory=dict)
 
     def plan(
         self, robot: int, spans: Sequence[Span], budget: Budget, effort: int = EFFORT
-    ) -> Course | None:
+    ) -> RobotPath | None:
         """See `RobotPlanner`."""
-        found = [self._by_trees(robot, spans, budget, 0.0)]
+        paths = [self._by_trees(robot, spans, budget, 0.0)]
         if self.refusal(robot):
             return None
-        if found[0] is not None:
+        if paths[0] is not None:
             effort = min(effort, EFFORT // 4)
-        found.append(self._walking(robot).plan(robot, spans, budget, effort))
-        return min((c for c in found if c is not None), key=lambda c: c.cost, default=None)
+        paths.append(self._walking(robot).plan(robot, spans, budget, effort))
+        return _cheapest(paths)
 
     def delayed(
         self, robot: int, spans: Sequence[Span], delay: float, budget: Budget
-    ) -> Course | None:
+    ) -> RobotPath | None:
         """See `RobotPlanner`."""
-        found = [self._walking(robot).delayed(robot, spans, delay, budget)]
-        found.append(self._by_trees(robot, spans, budget, delay))
-        return min((c for c in found if c is not None), key=lambda c: c.cost, default=None)
-
-    def standing(self, robot: int) -> Array:
-        """See `RobotPlanner`."""
-        return np.array(self.problem.starts[robot], dtype=float)[None]
+        paths = [self._walking(robot).delayed(robot, spans, delay, budget)]
+        paths.append(self._by_trees(robot, spans, budget, delay))
+        return _cheapest(paths)
 
     def refusal(self, robot: int) -> str:
-        """Why the robot has no way even alone, as far as its poses or its trees prove it."""
+        """Why the robot has no path even alone, as far as its poses or its trees prove it."""
         pool = self.trees.get(robot)
         if pool:
             return pool[0].detail if pool[0].reason == "infeasible" else ""
@@ -100,51 +101,50 @@ class UnevenPlanner:
                 return f"the {name} {why}"
         return ""
 
-    def _walking(self, robot: int) -> EvenPlanner:
+    def _walking(self, robot: int) -> FlatPlanner:
         model = self.problem.models[robot]
         if model not in self.walking:
             ground = walkable(self.problem.ground, model)
-            self.walking[model] = EvenPlanner(
-                replace(self.problem, ground=ground), TimedPlanner(ground)
+            self.walking[model] = FlatPlanner(
+                replace(self.problem, ground=ground), SpaceTimePlanner(ground)
             )
         return self.walking[model]
 
     def _by_trees(
         self, robot: int, spans: Sequence[Span], budget: Budget, delay: float
-    ) -> Course | None:
+    ) -> RobotPath | None:
         """The cheapest of the trees' trajectories and waits that meets nobody."""
-        timed = self._walking(robot).timed
-        mover = timed.mover(self.problem.models[robot])
-        price = timed.price_for(mover)
-        others = tuple(others_among(self.problem, spans))
+        model, lattice = self.problem.models[robot], self._walking(robot).lattice
+        metre_cost = lattice.metre_cost_for(lattice.limits(model).speed)
+        others = others_among(self.problem, spans)
         pool = self.trees.setdefault(robot, [])
-        best: Course | None = None
+        best: RobotPath | None = None
         met: list[float] = []
         for number in range(_POOL):
             if number == len(pool):
                 if budget.spent or best is not None:
                     break
                 discs = self._keep_off(robot, spans, met) if number else _NO_DISCS
-                pool.append(self._grown(robot, number, discs, budget))
+                pool.append(self._new_tree(robot, number, discs, budget))
             trajectory = pool[number].trajectory
             if trajectory is None:
                 if not number and pool[number].reason == "infeasible":
                     break
                 continue
-            course = Course(trajectory, trajectory.duration + price * trajectory.length)
+            path = RobotPath(trajectory, trajectory.duration + metre_cost * trajectory.length)
             for wait in _WAITS:
                 late = delay + wait
-                if best is not None and course.cost + late >= best.cost:
+                if best is not None and path.cost + late >= best.cost:
                     break
-                meeting = first_meeting(
-                    others, course.track, TRACK_STEP, late, mover, _MARGIN, _LOOK
+                conflict = first_conflict(
+                    others, footprint(model), path.track, late, _MARGIN, _LOOK
                 )
-                if meeting < 0.0:
-                    best = Course(begun_later(trajectory, late), course.cost + late)
+                if conflict < 0.0:
+                    best = RobotPath(delayed(trajectory, late), path.cost + late)
                     break
                 if wait == 0.0:
-                    met.append(meeting)
-                if meeting <= late:  # it cannot even wait
+                    met.append(conflict)
+                if conflict <= late:  # it cannot even wait
                     break
         return best
 
@@ -161,12 +161,12 @@ class UnevenPlanner:
             last = len(span.track) - 1
             at = [0, last, *(min(int(time / TRACK_STEP), last) for time in met)]
             for x, y in span.track[at, :2]:
-                room = float(np.hypot(*(own - (x, y)).T).min()) - 0.02
-                if room > model.width:
-                    discs.append((x, y, min(model.length + 0.05, room)))
+                free = float(np.hypot(*(own - (x, y)).T).min()) - 0.02
+                if free > model.width:
+                    discs.append((x, y, min(model.length + 0.05, free)))
         return np.array(discs).reshape(-1, 3)
 
-    def _grown(self, robot: int, number: int, discs: Array, budget: Budget) -> BodyPlan:
+    def _new_tree(self, robot: int, number: int, discs: Array, budget: Budget) -> BodyPlan:
         seed = (self.seed * 1_000_003 + robot) * 1_000 + number
         settings = BodySettings(
             iterations=budget.most(BodySettings.iterations if number == 0 else _LATER),
@@ -187,6 +187,10 @@ class UnevenPlanner:
         return answer
 
 
+def _cheapest(paths: Sequence[RobotPath | None]) -> RobotPath | None:
+    return min((p for p in paths if p is not None), key=lambda p: p.cost, default=None)
+
+
 def walkable(ground: Ground, model: RobotModel) -> Ground:
     """The ground with everything solid that a foot may not stand on or the belly would touch.
 
@@ -205,7 +209,7 @@ def walkable(ground: Ground, model: RobotModel) -> Ground:
     return ground._replace(solid=solid, clearance=surface_distance(solid, ground.cell))
 
 
-def begun_later(trajectory: Trajectory, delay: float) -> Trajectory:
+def delayed(trajectory: Trajectory, delay: float) -> Trajectory:
     """The same after standing at the start for `delay` s."""
     if delay <= 0.0:
         return trajectory

@@ -1,4 +1,4 @@
-"""Plans with room around the bodies, for robots that do not go exactly where they are sent."""
+"""Plans for inflated bodies, for robots that do not go exactly where they are sent."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from cavalcade.coordination.result import TeamPlan
 from cavalcade.robots import RobotModel
 
 _SMALLEST = 0.2
-"""Room less than this part of what was asked for is none."""
+"""A margin less than this part of what was asked for is none."""
 
 _SHARE = 0.5
-"""Part of what is left of the budget for a search with room, of which there may be another."""
+"""Part of what is left of the budget for a search with margins, of which there may be another."""
 
 
-def plan_with_room(
+def plan_inflated(
     problem: TeamProblem,
     settings: PlanSettings,
     plan: Callable[[TeamProblem, PlanSettings], TeamPlan],
 ) -> TeamPlan:
-    """The plan for bodies that are grown by `settings.margin`, or by less where that has none.
+    """The plan for bodies that are inflated by `settings.margin`, or by less where that has none.
 
-    Where start, goal or ground leave a robot no such room, its margin is halved, then given up;
+    Where start, goal or ground leave a robot no space for it, its margin is halved, then given up;
     where the search finds nothing, those of all robots are.
 
     Args:
@@ -36,19 +36,19 @@ def plan_with_room(
     budget = Budget(settings.iterations, settings.seconds)
     searching = 0.0
     while True:
-        roomy = any(margins)
-        share = budget.share(_SHARE if roomy else 1.0)
-        found = plan(
-            replace(problem, models=tuple(map(grown, problem.models, margins))),
+        inflating = any(margins)
+        share = budget.share(_SHARE if inflating else 1.0)
+        answer = plan(
+            replace(problem, models=tuple(map(inflated, problem.models, margins))),
             replace(settings, iterations=share.iterations, seconds=share.seconds, margin=0.0),
         )
-        budget.spend(found.iterations)
-        searching += found.planning_time
-        refused = found.reason == "infeasible"
-        tight = [k for k in found.involved if margins[k]] if refused else range(len(margins))
-        if found.solved or not roomy or not tight:
+        budget.spend(answer.iterations)
+        searching += answer.planning_time
+        refused = answer.reason == "infeasible"
+        tight = [k for k in answer.involved if margins[k]] if refused else range(len(margins))
+        if answer.solved or not inflating or not tight:
             return replace(
-                found,
+                answer,
                 iterations=budget.used,
                 planning_time=searching,
                 margins=tuple(margins),
@@ -57,7 +57,7 @@ def plan_with_room(
             margins[k] = _smaller(margins[k], settings.margin)
 
 
-def grown(model: RobotModel, margin: float) -> RobotModel:
+def inflated(model: RobotModel, margin: float) -> RobotModel:
     """The robot with a footprint that is `margin` m wider on all sides."""
     if not margin:
         return model
