@@ -24,9 +24,9 @@ from cavalcade.checking.physics.leaps import Leap, LeapVerdict, judge_leap
 from cavalcade.checking.physics.record import RobotRecord, Touch
 from cavalcade.checking.plans.heights import Heights
 from cavalcade.fleet import LeapRequest
-from cavalcade.fleet.physics import PhysicsGround, PhysicsSettings
-from cavalcade.fleet.physics.fleet import MujocoFleet
-from cavalcade.fleet.physics.leaping import APPROACH
+from cavalcade.fleet.mujoco import PhysicsGround, PhysicsSettings
+from cavalcade.fleet.mujoco.fleet import MujocoFleet
+from cavalcade.fleet.mujoco.leaping import APPROACH
 from cavalcade.locomotion.leap import LeapSettings
 from cavalcade.robots import RobotModel, robot_model
 from cavalcade.running.plans.leaping import leaps_of, request_of

@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.fleet.physics import TeamSimulator
+from cavalcade.fleet.mujoco import TeamSimulator
 from cavalcade.locomotion.control import LegControl
 from cavalcade.locomotion.settings import GaitSettings
 from cavalcade.robots import robot_model

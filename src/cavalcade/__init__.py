@@ -23,7 +23,7 @@ if TYPE_CHECKING:
         RecordingError,
         ScenarioError,
     )
-    from cavalcade.fleet.physics import MujocoFleet
+    from cavalcade.fleet.mujoco import MujocoFleet
     from cavalcade.formation import (
         Connection,
         Formation,
@@ -68,7 +68,7 @@ _HOME = {
     "InputError": "errors",
     "MapError": "errors",
     "MovingObstacle": "formation",
-    "MujocoFleet": "fleet.physics",
+    "MujocoFleet": "fleet.mujoco",
     "OccupancyMap": "world",
     "OutputError": "errors",
     "PlanResult": "running.plans",

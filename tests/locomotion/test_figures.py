@@ -31,7 +31,7 @@ def changed(leg, joint=None, foot=None, **values):
 @pytest.mark.parametrize("name", ["go1", "go2"])
 def test_a_locked_robot_weighs_what_mujoco_says(name):
     mujoco = pytest.importorskip("mujoco")
-    from cavalcade.fleet.physics import TeamSimulator
+    from cavalcade.fleet.mujoco import TeamSimulator
 
     simulator = TeamSimulator([robot_model(name)], [[0.0, 0.0, 0.0]])
     model, data, rng = simulator.model, simulator.data, np.random.default_rng(1)

@@ -34,7 +34,7 @@ def random_state(description, rng, tilt=0.4):
 @pytest.mark.parametrize("seed", range(5))
 def test_the_mass_is_where_mujoco_has_it_and_moves_as_there(name, seed):
     mujoco = pytest.importorskip("mujoco")
-    from cavalcade.fleet.physics import TeamSimulator
+    from cavalcade.fleet.mujoco import TeamSimulator
 
     model = robot_model(name)
     simulator = TeamSimulator([model], [[0.0, 0.0, 0.0]])

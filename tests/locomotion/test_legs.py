@@ -40,7 +40,7 @@ def rates_of(body, qvel):
 def robot(request):
     """MuJoCo's modules, its simulator of one robot, and the controller's figures of it."""
     mujoco = pytest.importorskip("mujoco")
-    from cavalcade.fleet.physics import TeamSimulator
+    from cavalcade.fleet.mujoco import TeamSimulator
 
     simulator = TeamSimulator([robot_model(request.param)], [[0.0, 0.0, 0.0]])
     return mujoco, simulator, robot_figures(simulator.descriptions[0])[()]

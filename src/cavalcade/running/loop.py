@@ -89,7 +89,7 @@ def run(
     loaded = load_for_running(scenario, seed, overrides, backend)
     in_physics = loaded.execution.backend == "mujoco" and fleet is None
     if in_physics:
-        from cavalcade.fleet.physics.engine import load_mujoco
+        from cavalcade.fleet.mujoco.engine import load_mujoco
         from cavalcade.running.physics.robots import with_own_robots
 
         load_mujoco()

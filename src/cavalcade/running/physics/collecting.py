@@ -8,7 +8,7 @@ from cavalcade.running.physics.track import ContactEvent, FallEvent, PhysicsTrac
 
 def track_of(fleet: Fleet, start: float) -> PhysicsTrack | None:
     """The track of a fleet since its clock showed `start` s; None of one that keeps none."""
-    from cavalcade.fleet.physics.fleet import MujocoFleet
+    from cavalcade.fleet.mujoco.fleet import MujocoFleet
 
     if not isinstance(fleet, MujocoFleet):
         return None

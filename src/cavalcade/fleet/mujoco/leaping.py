@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.errors import InputError
-from cavalcade.fleet.physics._postures import planar_poses
+from cavalcade.fleet.mujoco._postures import planar_poses
 from cavalcade.fleet.protocol import LeapRequest
 from cavalcade.geometry import Array
 from cavalcade.locomotion.approach import DONE, FAILED, LEAP, WALK, LeapPilot

@@ -14,8 +14,8 @@ from cavalcade.checking.physics.record import RobotRecord, Touch
 from cavalcade.checking.plans.heights import Heights
 from cavalcade.errors import InputError
 from cavalcade.fleet import LeapingFleet, LeapRequest
-from cavalcade.fleet.physics import PhysicsGround, PhysicsSettings
-from cavalcade.fleet.physics.fleet import MujocoFleet
+from cavalcade.fleet.mujoco import PhysicsGround, PhysicsSettings
+from cavalcade.fleet.mujoco.fleet import MujocoFleet
 from cavalcade.locomotion.leap import LeapManoeuvre
 from cavalcade.robots import robot_model
 from cavalcade.world import OccupancyMap

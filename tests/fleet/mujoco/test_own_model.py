@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cavalcade.errors import InputError
-from cavalcade.fleet.physics import ContactRecorder, TeamSimulator, own_robot
+from cavalcade.fleet.mujoco import ContactRecorder, TeamSimulator, own_robot
 from cavalcade.robots import robot_model
 
 pytest.importorskip("mujoco")
@@ -120,7 +120,7 @@ def test_shapes_hang_on_the_right_parts(written):
 
 
 def test_our_own_robot_comes_back_from_its_file(written):
-    from cavalcade.fleet.physics.robot_spec import robot_spec
+    from cavalcade.fleet.mujoco.robot_spec import robot_spec
 
     spec = robot_spec(GO1.description, (1, 1), 0.8).spec
     spec.compile()

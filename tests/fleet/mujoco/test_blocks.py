@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from cavalcade.fleet.physics._rectangles import cover
-from cavalcade.fleet.physics.blocks import blocks_of_map, blocks_of_shape, shifted
-from cavalcade.fleet.physics.ground_spec import clusters
+from cavalcade.fleet.mujoco._rectangles import cover
+from cavalcade.fleet.mujoco.blocks import blocks_of_map, blocks_of_shape, shifted
+from cavalcade.fleet.mujoco.ground_spec import clusters
 from cavalcade.geometry import inverse_transform_points
 from cavalcade.world import Box, Circle, OccupancyMap, Polygon
 

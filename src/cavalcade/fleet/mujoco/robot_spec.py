@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from cavalcade.fleet.physics.engine import load_mujoco
-from cavalcade.fleet.physics.own_model import read_own_model
+from cavalcade.fleet.mujoco.engine import load_mujoco
+from cavalcade.fleet.mujoco.own_model import read_own_model
 from cavalcade.robots.description import JOINTS, LEGS, BodyShape, QuadrupedDescription
 from cavalcade.robots.inertial import Inertial
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cavalcade.fleet.physics.filtering import WORLD_AFFINITY, WORLD_TYPE, robot_bits
+from cavalcade.fleet.mujoco.filtering import WORLD_AFFINITY, WORLD_TYPE, robot_bits
 
 
 def touch(one, other):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cavalcade.errors import InputError
-from cavalcade.fleet.physics import PhysicsSettings, TeamSimulator
+from cavalcade.fleet.mujoco import PhysicsSettings, TeamSimulator
 from cavalcade.robots import robot_model
 
 pytest.importorskip("mujoco")

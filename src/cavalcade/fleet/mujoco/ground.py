@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cavalcade.fleet.physics.blocks import (
+from cavalcade.fleet.mujoco.blocks import (
     HEIGHT,
     Block,
     blocks_of_map,

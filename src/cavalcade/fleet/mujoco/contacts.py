@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cavalcade.fleet.physics._contacts import OTHERS, add_contacts
-from cavalcade.fleet.physics.simulator import TeamSimulator
+from cavalcade.fleet.mujoco._contacts import OTHERS, add_contacts
+from cavalcade.fleet.mujoco.simulator import TeamSimulator
 from cavalcade.geometry import Array
 from cavalcade.robots.description import PARTS
 

@@ -7,9 +7,9 @@ from operator import attrgetter
 
 import numpy as np
 
-from cavalcade.fleet.physics._sampling import keep_peaks
-from cavalcade.fleet.physics.contacts import Contact, ContactRecorder
-from cavalcade.fleet.physics.simulator import TeamSimulator
+from cavalcade.fleet.mujoco._sampling import keep_peaks
+from cavalcade.fleet.mujoco.contacts import Contact, ContactRecorder
+from cavalcade.fleet.mujoco.simulator import TeamSimulator
 from cavalcade.geometry import Array
 
 SAMPLE_PERIOD = 0.02

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cavalcade.fleet.physics import Contact, ContactRecorder, PhysicsGround, TeamSimulator
+from cavalcade.fleet.mujoco import Contact, ContactRecorder, PhysicsGround, TeamSimulator
 from cavalcade.robots import PARTS, robot_model
 from cavalcade.world import OccupancyMap, Terrain
 

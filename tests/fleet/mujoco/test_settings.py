@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cavalcade.errors import InputError
-from cavalcade.fleet.physics import PhysicsSettings
+from cavalcade.fleet.mujoco import PhysicsSettings
 
 
 def test_one_value_for_all_or_one_per_robot():

@@ -12,7 +12,7 @@ import sys
 sys.modules["mujoco"] = None  # what is None cannot be imported
 import cavalcade
 from cavalcade.errors import InputError
-from cavalcade.fleet.physics import PhysicsGround, PhysicsSettings, TeamSimulator
+from cavalcade.fleet.mujoco import PhysicsGround, PhysicsSettings, TeamSimulator
 from cavalcade.robots import robot_model
 ground, settings = PhysicsGround.flat(), PhysicsSettings()
 try:
@@ -31,6 +31,6 @@ def test_one_line_says_what_to_install():
 
 def test_importing_the_package_does_not_load_the_engine():
     pytest.importorskip("mujoco")
-    code = "import sys, cavalcade.fleet.physics; print('mujoco' in sys.modules)"
+    code = "import sys, cavalcade.fleet.mujoco; print('mujoco' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "False\n"

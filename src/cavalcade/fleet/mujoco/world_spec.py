@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.errors import InputError
-from cavalcade.fleet.physics.engine import load_mujoco
-from cavalcade.fleet.physics.filtering import robot_bits
-from cavalcade.fleet.physics.ground import PhysicsGround
-from cavalcade.fleet.physics.ground_spec import add_ground
-from cavalcade.fleet.physics.robot_spec import RobotSpec, robot_spec
-from cavalcade.fleet.physics.settings import PhysicsSettings
+from cavalcade.fleet.mujoco.engine import load_mujoco
+from cavalcade.fleet.mujoco.filtering import robot_bits
+from cavalcade.fleet.mujoco.ground import PhysicsGround
+from cavalcade.fleet.mujoco.ground_spec import add_ground
+from cavalcade.fleet.mujoco.robot_spec import RobotSpec, robot_spec
+from cavalcade.fleet.mujoco.settings import PhysicsSettings
 from cavalcade.geometry import Array
 from cavalcade.robots.description import PARTS, QuadrupedDescription
 from cavalcade.robots.model import RobotModel

@@ -9,10 +9,10 @@ import pytest
 
 from cavalcade.errors import InputError
 from cavalcade.fleet import CommandDelay, FallingFleet, Fleet, LocalisationNoise
-from cavalcade.fleet.physics import PhysicsGround, PhysicsSettings
-from cavalcade.fleet.physics.blocks import blocks_of_shape
-from cavalcade.fleet.physics.fleet import MujocoFleet
-from cavalcade.fleet.physics.sensing import SensingErrors
+from cavalcade.fleet.mujoco import PhysicsGround, PhysicsSettings
+from cavalcade.fleet.mujoco.blocks import blocks_of_shape
+from cavalcade.fleet.mujoco.fleet import MujocoFleet
+from cavalcade.fleet.mujoco.sensing import SensingErrors
 from cavalcade.robots import robot_model
 from cavalcade.scenario import Obstacle, ObstacleSpan
 from cavalcade.world import Circle

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from cavalcade.fleet.physics._rectangles import cover
+from cavalcade.fleet.mujoco._rectangles import cover
 from cavalcade.geometry import Array, transform_points
 from cavalcade.world import Box, Circle, OccupancyMap, Shape, rasterise
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from cavalcade.errors import InputError
-from cavalcade.fleet.physics import PhysicsGround, TeamSimulator
-from cavalcade.fleet.physics.ground import movable_spans
+from cavalcade.fleet.mujoco import PhysicsGround, TeamSimulator
+from cavalcade.fleet.mujoco.ground import movable_spans
 from cavalcade.robots import robot_model
 from cavalcade.scenario import build_world, load_scenario
 from cavalcade.world import OccupancyMap, Terrain

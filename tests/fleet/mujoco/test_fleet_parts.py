@@ -12,14 +12,14 @@ from hypothesis.extra.numpy import arrays
 from scipy.spatial.transform import Rotation
 
 from cavalcade.errors import InputError
-from cavalcade.fleet.physics._postures import (
+from cavalcade.fleet.mujoco._postures import (
     angles_of,
     find_falls,
     planar_poses,
     planar_velocities,
 )
-from cavalcade.fleet.physics._sampling import keep_peaks
-from cavalcade.fleet.physics.sensing import Sensing, SensingErrors, turned
+from cavalcade.fleet.mujoco._sampling import keep_peaks
+from cavalcade.fleet.mujoco.sensing import Sensing, SensingErrors, turned
 
 ANGLES = arrays(float, (5, 3), elements=st.floats(-1.5, 1.5))
 

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from cavalcade.fleet.physics.engine import load_mujoco
-from cavalcade.fleet.physics.own_model import AXES, OwnModel, links_of, read_own_model, zero_state
+from cavalcade.fleet.mujoco.engine import load_mujoco
+from cavalcade.fleet.mujoco.own_model import AXES, OwnModel, links_of, read_own_model, zero_state
 from cavalcade.robots.description import (
     BodyShape,
     JointDescription,
@@ -29,7 +29,7 @@ _PARTS: tuple[PartName, ...] = ("trunk", "hip", "thigh", "calf")
 
 
 def own_robot(file: str | Path, like: RobotModel) -> RobotModel:
-    """The robot of a MuJoCo model; see `cavalcade.fleet.physics.own_model` for what it must be.
+    """The robot of a MuJoCo model; see `cavalcade.fleet.mujoco.own_model` for what it must be.
 
     Masses, joints, torques and shapes are those of the file. It says nothing of the speed of
     motors, which is not limited therefore.

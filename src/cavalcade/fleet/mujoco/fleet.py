@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.body.ground import Ground
 from cavalcade.errors import InputError
-from cavalcade.fleet.physics._postures import find_falls, planar_poses, planar_velocities
-from cavalcade.fleet.physics.ground import PhysicsGround
-from cavalcade.fleet.physics.leaping import APPROACH, Leapers
-from cavalcade.fleet.physics.sampling import Sampler, Samples
-from cavalcade.fleet.physics.sensing import Sensing, SensingErrors
-from cavalcade.fleet.physics.settings import PhysicsSettings
-from cavalcade.fleet.physics.simulator import TeamSimulator
+from cavalcade.fleet.mujoco._postures import find_falls, planar_poses, planar_velocities
+from cavalcade.fleet.mujoco.ground import PhysicsGround
+from cavalcade.fleet.mujoco.leaping import APPROACH, Leapers
+from cavalcade.fleet.mujoco.sampling import Sampler, Samples
+from cavalcade.fleet.mujoco.sensing import Sensing, SensingErrors
+from cavalcade.fleet.mujoco.settings import PhysicsSettings
+from cavalcade.fleet.mujoco.simulator import TeamSimulator
 from cavalcade.fleet.protocol import Fall, LeapRequest, Observation
 from cavalcade.fleet.radio import CommandDelay, LocalisationNoise, Radio, start_poses
 from cavalcade.geometry import Array

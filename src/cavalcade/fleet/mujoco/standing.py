@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cavalcade.fleet.physics.ground import PhysicsGround
+from cavalcade.fleet.mujoco.ground import PhysicsGround
 from cavalcade.geometry import Array, transform_points
 from cavalcade.robots.description import QuadrupedDescription
 

@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cavalcade.errors import InputError
-from cavalcade.fleet.physics._motors import limit_torques
-from cavalcade.fleet.physics.engine import load_mujoco
-from cavalcade.fleet.physics.ground import PhysicsGround
-from cavalcade.fleet.physics.ground_spec import AWAY
-from cavalcade.fleet.physics.settings import PhysicsSettings
-from cavalcade.fleet.physics.standing import standing_states
-from cavalcade.fleet.physics.world_spec import build_team, descriptions_of
+from cavalcade.fleet.mujoco._motors import limit_torques
+from cavalcade.fleet.mujoco.engine import load_mujoco
+from cavalcade.fleet.mujoco.ground import PhysicsGround
+from cavalcade.fleet.mujoco.ground_spec import AWAY
+from cavalcade.fleet.mujoco.settings import PhysicsSettings
+from cavalcade.fleet.mujoco.standing import standing_states
+from cavalcade.fleet.mujoco.world_spec import build_team, descriptions_of
 from cavalcade.geometry import Array
 from cavalcade.robots.model import RobotModel
 

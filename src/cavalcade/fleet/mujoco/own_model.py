@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from cavalcade.errors import InputError
-from cavalcade.fleet.physics.engine import load_mujoco
+from cavalcade.fleet.mujoco.engine import load_mujoco
 from cavalcade.robots.description import JOINTS, LEGS
 
 AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 1.0, 0.0))

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from cavalcade.fleet.physics.blocks import Block
-from cavalcade.fleet.physics.engine import load_mujoco
-from cavalcade.fleet.physics.filtering import WORLD_AFFINITY, WORLD_TYPE
-from cavalcade.fleet.physics.ground import PhysicsGround
+from cavalcade.fleet.mujoco.blocks import Block
+from cavalcade.fleet.mujoco.engine import load_mujoco
+from cavalcade.fleet.mujoco.filtering import WORLD_AFFINITY, WORLD_TYPE
+from cavalcade.fleet.mujoco.ground import PhysicsGround
 from cavalcade.world import Terrain
 
 AWAY = (0.0, 0.0, -1000.0)
