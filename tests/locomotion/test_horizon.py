@@ -13,18 +13,18 @@ from hypothesis import strategies as st
 from cavalcade.locomotion import _horizon
 from cavalcade.locomotion._horizon import STILL, approach, solve_walk, swing_share, wish
 from cavalcade.locomotion._legs import BODY, look
-from cavalcade.locomotion.figures import robot_figures
+from cavalcade.locomotion.parameters import robot_parameters
 from cavalcade.locomotion.records import STANDING, STATE, STEPS, TROTTING
 from cavalcade.locomotion.settings import GaitSettings
 from cavalcade.robots import robot_model
 
 GO1 = robot_model("go1").description
-FIGURES = robot_figures(GO1)[()]
+PARAMETERS = robot_parameters(GO1)[()]
 ACROSS = [1, 0, 3, 2]
 WEIGHT = GO1.mass * 9.81
 
 # A robot that is its own mirror image; Go1 itself carries some things on one side.
-EVEN = robot_figures(GO1)
+EVEN = robot_parameters(GO1)
 EVEN["centre"][1] = 0.0
 for _a, _b in ((0, 1), (1, 2)):
     EVEN["inertia"][_a, _b] = EVEN["inertia"][_b, _a] = 0.0
@@ -43,7 +43,7 @@ def turn(yaw):
 
 
 def walking(mode, time=0.1, velocity=(0.0, 0.0, 0.0), wanted=None, pose=(0.0, 0.0, 0.0),
-            figures=FIGURES, values=None):  # fmt: skip
+            parameters=PARAMETERS, values=None):  # fmt: skip
     """A robot at its nominal height; feet are in the air by the trot's clock, which began at 0.
 
     Velocities are in the body's frame; `wanted` is what it gets to hear, the same by default.
@@ -55,7 +55,7 @@ def walking(mode, time=0.1, velocity=(0.0, 0.0, 0.0), wanted=None, pose=(0.0, 0.
     qpos = np.array([x, y, GO1.stand_height, np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)])
     qpos = np.concatenate([qpos, GO1.standing])
     qvel = np.concatenate([world, [0.0, 0.0, velocity[2]], np.zeros(12)])
-    look(figures, qpos, qvel, body)
+    look(parameters, qpos, qvel, body)
     state["mode"], state["time"], state["heard"], state["idle"] = mode, time, time, time
     state["velocity"] = velocity
     state["wanted"] = velocity if wanted is None else wanted
@@ -67,12 +67,12 @@ def walking(mode, time=0.1, velocity=(0.0, 0.0, 0.0), wanted=None, pose=(0.0, 0.
     return body, state
 
 
-def forces(mode, figures=FIGURES, values=None, change=None, **options):
+def forces(mode, parameters=PARAMETERS, values=None, change=None, **options):
     values = gait() if values is None else values
-    body, state = walking(mode, figures=figures, values=values, **options)
+    body, state = walking(mode, parameters=parameters, values=values, **options)
     if change is not None:
         change(body, state)
-    solve_walk(figures, values, body, state)
+    solve_walk(parameters, values, body, state)
     return state["forces"].copy()
 
 
@@ -90,7 +90,7 @@ def question(values, body, state):
 
     code = solve_walk.py_func.__code__
     scope = {**vars(_horizon), "solve_mpc": catch}
-    rows = [np.array([row]).view(np.recarray)[0] for row in (FIGURES, values, body, state)]
+    rows = [np.array([row]).view(np.recarray)[0] for row in (PARAMETERS, values, body, state)]
     types.FunctionType(code, scope)(*rows)
     return asked
 

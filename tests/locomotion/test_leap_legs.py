@@ -8,8 +8,8 @@ import pytest
 from cavalcade.locomotion._centroid import centroid
 from cavalcade.locomotion._leap_legs import foot_way, keep_clear
 from cavalcade.locomotion._legs import BODY, look
-from cavalcade.locomotion.figures import robot_figures
-from cavalcade.locomotion.leap import LeapManoeuvre, LeapSettings, lay_out
+from cavalcade.locomotion.parameters import robot_parameters
+from cavalcade.locomotion.leap import LeapManoeuvre, LeapSettings, plan_leap
 from cavalcade.locomotion.leap_records import FLIGHT, LEAP
 from cavalcade.locomotion.records import ROBOT
 from cavalcade.robots import robot_model
@@ -17,7 +17,7 @@ from cavalcade.robots import robot_model
 
 def row_of(name):
     rows = np.zeros(1, ROBOT)
-    rows[0] = robot_figures(robot_model(name).description)
+    rows[0] = robot_parameters(robot_model(name).description)
     return rows
 
 
@@ -76,13 +76,13 @@ def test_a_body_whose_joints_rest_turns_as_its_trunk():
 
 def leap_row():
     description = robot_model("go1").description
-    figures = robot_figures(description)
+    parameters = robot_parameters(description)
     feet = np.column_stack(
-        [figures["hip"][:, 0], figures["hip"][:, 1] + figures["side"], np.full(4, 0.02)]
+        [parameters["hip"][:, 0], parameters["hip"][:, 1] + parameters["side"], np.full(4, 0.02)]
     )
     leap = LeapManoeuvre((0.0, 0.0, 0.0, 0.0), (0.75, 0.0, 0.0, 0.0), (0.23, 0.53))
     row = np.zeros(1, LEAP)
-    row[0] = lay_out(leap, figures, 0.28, feet, 0.0, LeapSettings())
+    row[0] = plan_leap(leap, parameters, 0.28, feet, 0.0, LeapSettings())
     row["left"][0] = feet
     return row
 

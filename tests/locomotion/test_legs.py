@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from cavalcade.locomotion._joints import carry, push
 from cavalcade.locomotion._legs import BODY, look
-from cavalcade.locomotion.figures import composite, robot_figures
+from cavalcade.locomotion.parameters import composite, robot_parameters
 from cavalcade.robots import robot_model
 
 LEGS = ("FL", "FR", "RL", "RR")
@@ -24,9 +24,9 @@ def drawn(seed, robot):
     return qpos, rng.normal(size=18)
 
 
-def seen(figures, qpos, qvel):
+def seen(parameters, qpos, qvel):
     body = np.zeros(1, BODY)[0]
-    look(figures, qpos, qvel, body)
+    look(parameters, qpos, qvel, body)
     return body
 
 
@@ -38,22 +38,22 @@ def rates_of(body, qvel):
 
 @pytest.fixture(scope="module", params=["go1", "go2"])
 def robot(request):
-    """MuJoCo's modules, its simulator of one robot, and the controller's figures of it."""
+    """MuJoCo's modules, its simulator of one robot, and the controller's parameters of it."""
     mujoco = pytest.importorskip("mujoco")
     from cavalcade.fleet.mujoco import TeamSimulator
 
     simulator = TeamSimulator([robot_model(request.param)], [[0.0, 0.0, 0.0]])
-    return mujoco, simulator, robot_figures(simulator.descriptions[0])[()]
+    return mujoco, simulator, robot_parameters(simulator.descriptions[0])[()]
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_feet_and_their_velocities_are_those_of_mujoco(robot, seed):
-    mujoco, simulator, figures = robot
+    mujoco, simulator, parameters = robot
     model, data = simulator.model, simulator.data
     qpos, qvel = drawn(seed, simulator.descriptions[0])
     data.qpos[:], data.qvel[:] = qpos, qvel
     mujoco.mj_forward(model, data)
-    body = seen(figures, qpos, qvel)
+    body = seen(parameters, qpos, qvel)
     twist, rates = np.empty(6), rates_of(body, qvel)
     for leg, name in enumerate(LEGS):
         foot = model.geom(f"robot_0/{name}_foot").id
@@ -65,30 +65,30 @@ def test_feet_and_their_velocities_are_those_of_mujoco(robot, seed):
 
 @pytest.mark.parametrize("seed", range(5))
 def test_the_torques_of_the_legs_weight_are_those_of_mujoco(robot, seed):
-    mujoco, simulator, figures = robot
+    mujoco, simulator, parameters = robot
     qpos, _ = drawn(seed, simulator.descriptions[0])
     data = simulator.data
     data.qpos[:], data.qvel[:] = qpos, 0.0
     mujoco.mj_forward(simulator.model, data)
-    body, torques = seen(figures, qpos, np.zeros(18)), np.zeros(12)
+    body, torques = seen(parameters, qpos, np.zeros(18)), np.zeros(12)
     for leg in range(4):
-        carry(figures, body, leg, qpos, torques)
+        carry(parameters, body, leg, qpos, torques)
     np.testing.assert_allclose(torques, data.qfrc_bias[6:], atol=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_pushed_feet_let_joints_rest_in_mujoco(robot, seed):
     """With the foot's force applied to it, torques of `push` leave nothing to move the joints."""
-    mujoco, simulator, figures = robot
+    mujoco, simulator, parameters = robot
     model, data = simulator.model, simulator.data
     qpos, _ = drawn(seed, simulator.descriptions[0])
     data.qpos[:], data.qvel[:] = qpos, 0.0
     mujoco.mj_forward(model, data)
-    body, torques = seen(figures, qpos, np.zeros(18)), np.zeros(12)
+    body, torques = seen(parameters, qpos, np.zeros(18)), np.zeros(12)
     forces = np.random.default_rng(seed).normal(0.0, 50.0, (4, 3))
     felt = np.zeros(model.nv)
     for leg, name in enumerate(LEGS):
-        push(figures, body, leg, forces[leg], qpos, np.zeros(18), torques)
+        push(parameters, body, leg, forces[leg], qpos, np.zeros(18), torques)
         calf = model.body(f"robot_0/{name}_calf").id
         mujoco.mj_applyFT(model, data, forces[leg], np.zeros(3), body["foot"][leg], calf, felt)
     np.testing.assert_allclose((torques + felt[6:] - data.qfrc_bias[6:]), 0.0, atol=1e-8)
@@ -96,22 +96,22 @@ def test_pushed_feet_let_joints_rest_in_mujoco(robot, seed):
 
 def test_pushing_joints_make_up_for_their_losses():
     go1 = robot_model("go1").description
-    figures = robot_figures(go1)[()]
+    parameters = robot_parameters(go1)[()]
     qpos, _ = drawn(0, go1)
     still, turning = np.zeros(18), np.zeros(18)
     turning[6:] = 3.0
-    body, without, torques = seen(figures, qpos, still), np.zeros(12), np.zeros(12)
+    body, without, torques = seen(parameters, qpos, still), np.zeros(12), np.zeros(12)
     for leg in range(4):
-        push(figures, body, leg, np.zeros(3), qpos, still, without)
-        push(figures, body, leg, np.zeros(3), qpos, turning, torques)
-    losses = figures["damping"] * 3.0 + figures["friction"]
+        push(parameters, body, leg, np.zeros(3), qpos, still, without)
+        push(parameters, body, leg, np.zeros(3), qpos, turning, torques)
+    losses = parameters["damping"] * 3.0 + parameters["friction"]
     np.testing.assert_allclose(torques - without, losses, atol=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(10))
 def test_velocities_are_derivatives_of_places(seed):
     go1 = robot_model("go1").description
-    figures = robot_figures(go1)[()]
+    parameters = robot_parameters(go1)[()]
     qpos, qvel = drawn(seed, go1)
     half, ends = 5e-7, []
     for time in (-half, half):
@@ -120,8 +120,8 @@ def test_velocities_are_derivatives_of_places(seed):
         turn = Rotation.from_quat(np.roll(qpos[3:7], -1)) * Rotation.from_rotvec(time * qvel[3:6])
         moved[3:7] = np.roll(turn.as_quat(), 1)
         moved[7:] += time * qvel[6:]
-        ends.append(seen(figures, moved, qvel))
-    body = seen(figures, qpos, qvel)
+        ends.append(seen(parameters, moved, qvel))
+    body = seen(parameters, qpos, qvel)
     feet = (ends[1]["foot"] - ends[0]["foot"]) / (2.0 * half)
     np.testing.assert_allclose(rates_of(body, qvel), feet, atol=1e-7)
     centre = (ends[1]["centre"] - ends[0]["centre"]) / (2.0 * half)
@@ -131,7 +131,7 @@ def test_velocities_are_derivatives_of_places(seed):
 def test_the_centre_of_mass_is_that_of_the_standing_robot():
     go1 = robot_model("go1").description
     qpos = np.concatenate([[1.0, 2.0, 0.3, 1.0, 0.0, 0.0, 0.0], go1.standing])
-    body = seen(robot_figures(go1)[()], qpos, np.zeros(18))
+    body = seen(robot_parameters(go1)[()], qpos, np.zeros(18))
     np.testing.assert_allclose(
         body["centre"], [1.0, 2.0, 0.3] + np.array(composite(go1, go1.standing).center)
     )

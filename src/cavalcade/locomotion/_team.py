@@ -4,31 +4,25 @@ from __future__ import annotations
 
 from numba import njit
 
-from cavalcade.locomotion._control import control
-from cavalcade.locomotion._leap import leap_on
-from cavalcade.locomotion.records import LEAPING
+from cavalcade.locomotion._leap import step_leap
+from cavalcade.locomotion._walk import step_walk
+from cavalcade.locomotion.records import LEAPING, Measured
 
 
 @njit(cache=True)
-def move_team(robots, gaits, states, leaps, bodies, ground, frame, time, qpos, qvel, feet,
-              torques):  # fmt: skip
-    """Torques for every robot: `control` for those that walk, `leap_on` for those that leap.
+def step_team(team, footing, measured, torques):
+    """Torques for all robots: `step_leap` for those that leap, `step_walk` for the others.
 
     Args:
-        robots, gaits, states, leaps: `(N,)` of `ROBOT`, `GAIT`, `STATE`, `LEAP`; the last two
-            change.
-        bodies: `(N,)` of `BODY`, overwritten; a row of an array made here would be freed while it
-            is in use, as rows do not keep their array alive.
-        ground, frame: `Ground`, and the pose of its grid in the world `(3,)`.
-        time: Now, s.
-        qpos, qvel: `(N, 19)`, `(N, 18)` as MuJoCo has them.
-        feet: `(N, 4)` normal forces on the feet, N.
+        team: The rows of all robots, a `Team`; states, leaps and bodies change.
+        footing: What feet stand on, a `Footing`.
+        measured: Of all robots, a `Measured`.
         torques: `(N, 12)`, overwritten, N m.
     """
-    for n in range(robots.shape[0]):
-        if states[n].mode == LEAPING:
-            leap_on(robots[n], states[n], leaps[n], bodies[n], time, qpos[n], qvel[n], feet[n],
-                    torques[n])  # fmt: skip
+    for n in range(team.robots.shape[0]):
+        own = Measured(measured.time, measured.qpos[n], measured.qvel[n], measured.feet[n])
+        robot, state, body = team.robots[n], team.states[n], team.bodies[n]
+        if state.mode == LEAPING:
+            step_leap(robot, state, team.leaps[n], body, own, torques[n])
         else:
-            control(robots[n], gaits[n], states[n], bodies[n], ground, frame, time, qpos[n],
-                    qvel[n], feet[n], torques[n])  # fmt: skip
+            step_walk(robot, team.gaits[n], state, body, footing, own, torques[n])

@@ -10,14 +10,14 @@ from numpy.typing import ArrayLike, NDArray
 from cavalcade.body.ground import Ground, make_ground, read_only
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array
-from cavalcade.locomotion._legs import BODY
-from cavalcade.locomotion._team import move_team
-from cavalcade.locomotion.figures import robot_figures
-from cavalcade.locomotion.leap import LeapManoeuvre, LeapSettings, lay_out
-from cavalcade.locomotion.leap_records import LEAP
+from cavalcade.locomotion._team import step_team
+from cavalcade.locomotion.leap import LeapManoeuvre, LeapSettings, plan_leap
+from cavalcade.locomotion.parameters import robot_parameters
 from cavalcade.locomotion.records import (
+    BODY,
     FALLEN,
     GAIT,
+    LEAP,
     LEAPING,
     LYING,
     RISING,
@@ -25,6 +25,9 @@ from cavalcade.locomotion.records import (
     SINKING,
     STANDING,
     STATE,
+    Footing,
+    Measured,
+    Team,
 )
 from cavalcade.locomotion.settings import GaitSettings
 from cavalcade.robots import RobotModel
@@ -62,17 +65,18 @@ class LegControl:
         self._gaits = np.zeros(len(models), GAIT)
         self._states = np.zeros(len(models), STATE)
         self._leaps = np.zeros(len(models), LEAP)
-        self._bodies = np.zeros(len(models), BODY)
+        bodies = np.zeros(len(models), BODY)
+        self._team = Team(self._robots, self._gaits, self._states, self._leaps, bodies)
         for number, model in enumerate(models):
             if model.description is None:
                 raise InputError(f"there is no description of the legs of {model.name}")
-            self._robots[number] = robot_figures(model.description)
+            self._robots[number] = robot_parameters(model.description)
             height = model.description.stand_height
             self._gaits[number] = settings.row(model.description.mass, height)
-        self._ground = read_only(ground if ground is not None else _flat())
-        self._frame = np.array(origin, dtype=float)
-        if self._frame.shape != (3,) or not np.isfinite(self._frame).all():
+        frame = np.array(origin, dtype=float)
+        if frame.shape != (3,) or not np.isfinite(frame).all():
             raise InputError("expected finite x, y, yaw", key="origin")
+        self._footing = Footing(read_only(ground if ground is not None else _flat()), frame)
         self._torques = np.zeros((len(models), 12))
         self._shapes = tuple((len(models), count) for count in (19, 18, 4))
 
@@ -162,7 +166,7 @@ class LegControl:
         state = self._states[robot]
         if state["mode"] != STANDING:
             raise InputError(f"robot {robot} must stand before it leaps")
-        self._leaps[robot] = lay_out(
+        self._leaps[robot] = plan_leap(
             manoeuvre,
             self._robots[robot],
             float(self._gaits[robot]["height"]),
@@ -190,10 +194,7 @@ class LegControl:
         """
         if (qpos.shape, qvel.shape, feet.shape) != self._shapes:
             raise InputError("expected qpos, qvel, feet of shapes {}, {}, {}".format(*self._shapes))
-        move_team(
-            self._robots, self._gaits, self._states, self._leaps, self._bodies, self._ground,
-            self._frame, time, qpos, qvel, feet, self._torques,
-        )  # fmt: skip
+        step_team(self._team, self._footing, Measured(time, qpos, qvel, feet), self._torques)
         return self._torques
 
     def _posture(self, robot: int, qpos: Array, mode: int) -> None:

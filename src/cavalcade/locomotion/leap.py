@@ -9,11 +9,8 @@ import numpy as np
 
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array, wrap_angle
-from cavalcade.locomotion.leap_records import LEAP
-from cavalcade.locomotion.records import Row
+from cavalcade.locomotion.records import GRAVITY, LEAP, Row
 from cavalcade.locomotion.settings import Weights
-
-GRAVITY = 9.81
 
 Pose = tuple[float, float, float, float]
 
@@ -120,7 +117,7 @@ class LeapSettings:
     touch: float = 8.0
 
 
-def lay_out(
+def plan_leap(
     manoeuvre: LeapManoeuvre,
     robot: Row,
     height: float,

@@ -1,4 +1,4 @@
-"""A robot's description as the row of figures that the compiled controller takes."""
+"""A robot's description as the row of parameters that the compiled controller takes."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _STRAIGHT = 5e-3  # m
 _AXES = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]])
 
 
-def robot_figures(description: QuadrupedDescription) -> Row:
+def robot_parameters(description: QuadrupedDescription) -> Row:
     """A row `()` of `ROBOT`.
 
     Raises:
@@ -24,23 +24,27 @@ def robot_figures(description: QuadrupedDescription) -> Row:
             same lengths in all legs.
     """
     _check_legs(description)
-    figures = np.zeros((), ROBOT)
+    row = np.zeros((), ROBOT)
     offsets = description.joint_offsets
     whole = composite(description, description.standing)
-    figures["mass"], figures["centre"], figures["inertia"] = whole.mass, whole.center, whole.matrix
+    row["mass"], row["centre"], row["inertia"] = (
+        whole.mass,
+        whole.center,
+        whole.matrix,
+    )
     trunk = description.trunk
-    figures["trunk_mass"], figures["trunk_centre"] = trunk.mass, trunk.center
-    figures["hip"] = offsets[:, 0]
-    figures["side"] = offsets[:, 1:, 1].sum(axis=1)
-    figures["thigh"], figures["calf"] = -offsets[0, 2:, 2]
-    figures["foot_radius"] = description.foot_radius
-    figures["link_mass"] = [[link.mass for link in leg.links] for leg in description.legs]
-    figures["link_centre"] = [[link.center for link in leg.links] for leg in description.legs]
-    figures["lowest"], figures["highest"] = description.joint_range.T
-    figures["torque"] = description.torque_limits
-    figures["damping"] = [joint.damping for joint in description.joints]
-    figures["friction"] = [joint.friction for joint in description.joints]
-    return figures
+    row["trunk_mass"], row["trunk_centre"] = trunk.mass, trunk.center
+    row["hip"] = offsets[:, 0]
+    row["side"] = offsets[:, 1:, 1].sum(axis=1)
+    row["thigh"], row["calf"] = -offsets[0, 2:, 2]
+    row["foot_radius"] = description.foot_radius
+    row["link_mass"] = [[link.mass for link in leg.links] for leg in description.legs]
+    row["link_centre"] = [[link.center for link in leg.links] for leg in description.legs]
+    row["lowest"], row["highest"] = description.joint_range.T
+    row["torque"] = description.torque_limits
+    row["damping"] = [joint.damping for joint in description.joints]
+    row["friction"] = [joint.friction for joint in description.joints]
+    return row
 
 
 def composite(description: QuadrupedDescription, joints: ArrayLike) -> Inertial:

@@ -1,4 +1,4 @@
-"""The controller's figures of a robot against MuJoCo's, and robots whose legs it cannot move."""
+"""The controller's parameters of a robot against MuJoCo's, and robots whose legs it cannot move."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cavalcade.errors import InputError
-from cavalcade.locomotion.figures import composite, robot_figures
+from cavalcade.locomotion.parameters import composite, robot_parameters
 from cavalcade.robots import robot_model
 
 GO1 = robot_model("go1").description
@@ -54,7 +54,7 @@ def test_a_locked_robot_weighs_what_mujoco_says(name):
 
 
 def test_figures_are_those_of_the_description():
-    row = robot_figures(GO1)
+    row = robot_parameters(GO1)
     assert row["mass"] == pytest.approx(GO1.mass)
     assert row["mass"] == pytest.approx(row["trunk_mass"] + row["link_mass"].sum())
     assert (row["thigh"], row["calf"]) == (0.213, 0.213)
@@ -74,4 +74,4 @@ def test_figures_are_those_of_the_description():
 )
 def test_legs_of_another_kind_are_refused(robot, words):
     with pytest.raises(InputError, match=words):
-        robot_figures(robot)
+        robot_parameters(robot)

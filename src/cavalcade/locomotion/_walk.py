@@ -1,7 +1,7 @@
-"""One step of the controller for one robot, compiled: from measured state to joint torques.
+"""One step of one robot that walks, stands, rises or lies down, compiled: its joint torques.
 
-Below, `robot, gait, state, body` are rows of `ROBOT`, `GAIT`, `STATE` and `BODY`, and `ground,
-frame` a `Ground` and the pose of its grid in the world `(3,)`.
+Below, `robot, gait, state, body` are rows of `ROBOT`, `GAIT`, `STATE` and `BODY`, of which the last
+two change; `footing` is a `Footing`, and `measured` what is `Measured` of the robot.
 """
 
 from __future__ import annotations
@@ -11,10 +11,16 @@ import math
 import numpy as np
 from numba import njit
 
-from cavalcade.locomotion._horizon import approach, solve_walk, swing_share, wish
-from cavalcade.locomotion._joints import bend, carry, go_limp, limit, push, reach
-from cavalcade.locomotion._kinematics import leg_inverse, wrapped
-from cavalcade.locomotion._legs import look
+from cavalcade.locomotion._horizon import approach, commanded_velocity, solve_walk, swing_share
+from cavalcade.locomotion._joints import (
+    add_leg_weight,
+    go_limp,
+    limit_torques,
+    stance_torques,
+    track_foot,
+    track_posture,
+)
+from cavalcade.locomotion._kinematics import leg_inverse, measure_body, wrapped
 from cavalcade.locomotion._swing import choose_foothold, swing_point
 from cavalcade.locomotion.records import (
     FALLEN,
@@ -23,6 +29,7 @@ from cavalcade.locomotion.records import (
     SINKING,
     STANDING,
     TROTTING,
+    FootTarget,
 )
 
 FALL = 1.0
@@ -60,49 +67,42 @@ FOLDED = (0.0, 1.25, -2.7)
 
 
 @njit(cache=True)
-def control(robot, gait, state, body, ground, frame, time, qpos, qvel, feet, torques):
-    """Torques for one robot that does not leap.
-
-    Args:
-        robot, gait, state, body: What it is and does; the last two change.
-        ground, frame: What it walks on.
-        time: Now, s.
-        qpos, qvel: `(19,)`, `(18,)` as MuJoCo has them.
-        feet: `(4,)` normal forces on the feet, N.
-        torques: `(12,)`, overwritten, N m.
-    """
-    passed = time - state.time
-    state.time = time
-    look(robot, qpos, qvel, body)
+def step_walk(robot, gait, state, body, footing, measured, torques):
+    """Torques `(12,)`, overwritten, N m, for a robot that does not leap."""
+    passed = measured.time - state.time
+    state.time = measured.time
+    measure_body(robot, measured, body)
+    # Robots that have fallen or lie only brake; those between lying and standing fold their legs.
     if max(abs(body.angles[0]), abs(body.angles[1])) > FALL:
         state.mode = FALLEN
     if state.mode == FALLEN or state.mode == LYING:
-        go_limp(qvel, torques)
+        go_limp(measured, torques)
         return
     if state.mode == RISING or state.mode == SINKING:
-        posture(robot, gait, state, qpos, qvel, torques)
-        limit(robot, torques)
-        if time - state.began >= POSTURE:
+        posture_torques(robot, gait, state, measured, torques)
+        limit_torques(robot, torques)
+        if state.time - state.began >= POSTURE:
             if state.mode == SINKING:
                 state.mode = LYING
             else:
                 stand(state, body)
                 sense_ground(robot, state, body, 1.0)
         return
+    # The others follow the command: reference, gait and ground first, then forces, then torques.
     follow(gait, state, body, passed)
-    changed = step_gait(robot, gait, state, body, feet, ground, frame)
+    changed = step_gait(robot, gait, state, body, measured.feet, footing)
     # On a slope the ground below changes with every step; the estimate would lag behind.
     state.ground += passed * (state.slope[0] * body.velocity[0] + state.slope[1] * body.velocity[1])
     sense_ground(robot, state, body, min(passed / SENSING, 1.0))
-    if changed or time - state.solved >= gait.interval - 1e-9:
+    if changed or state.time - state.solved >= gait.interval - 1e-9:
         solve_walk(robot, gait, body, state)
-        state.solved = time
+        state.solved = state.time
     for leg in range(4):
         if state.contact[leg] == 1:
-            push(robot, body, leg, state.forces[leg], qpos, qvel, torques)
+            stance_torques(robot, body, leg, state.forces[leg], measured, torques)
         else:
-            swing(robot, gait, state, body, leg, qpos, qvel, torques)
-    limit(robot, torques)
+            swing_torques(robot, gait, state, body, leg, measured, torques)
+    limit_torques(robot, torques)
 
 
 @njit(cache=True)
@@ -126,7 +126,7 @@ def follow(gait, state, body, passed):
 
     The reference stays within a leash of the robot: one that is held back does not run after it.
     """
-    vx, vy, wz = wish(gait, state)
+    vx, vy, wz = commanded_velocity(gait, state)
     approach(gait, state.velocity, vx, vy, wz, passed)
     if vx != 0.0 or vy != 0.0 or wz != 0.0 or disturbed(state, body):
         state.idle = state.time
@@ -153,8 +153,8 @@ def disturbed(state, body):
 
 
 @njit(cache=True)
-def step_gait(robot, gait, state, body, feet, ground, frame):
-    """Set which feet swing and which stand; whether that changed."""
+def step_gait(robot, gait, state, body, feet, footing):
+    """Set which feet swing and which stand by `feet` `(4,)`, N; whether that changed."""
     if state.mode == STANDING:
         if state.idle < state.time:
             return False
@@ -167,6 +167,7 @@ def step_gait(robot, gait, state, body, feet, ground, frame):
         return True
     changed = False
     for leg in range(4):
+        # By the gait's clock a swing begins or ends.
         share = swing_share(gait, clock, leg)
         if share < 1.0 and state.swinging[leg] == 0 and not stopping:
             changed = True
@@ -177,6 +178,7 @@ def step_gait(robot, gait, state, body, feet, ground, frame):
             changed = True
             state.swinging[leg] = 0
             state.late[leg] = state.time
+        # By its force a foot has met the ground: after its swing, or early in its last part.
         touches = feet[leg] > gait.touch
         if state.contact[leg] == 0 and touches and (state.swinging[leg] == 0 or share > EARLY):
             changed = True
@@ -185,7 +187,7 @@ def step_gait(robot, gait, state, body, feet, ground, frame):
                 state.stood[leg, a] = body.foot[leg, a]
         if state.swinging[leg] == 1 and state.contact[leg] == 0 and share < FIXED:
             left = (1.0 - share) * (1.0 - gait.duty) * gait.period
-            choose_foothold(robot, gait, body, state, leg, left, ground, frame)
+            choose_foothold(robot, gait, body, state, leg, left, footing)
     return changed
 
 
@@ -231,8 +233,8 @@ def sense_ground(robot, state, body, share):
 
 
 @njit(cache=True)
-def swing(robot, gait, state, body, leg, qpos, qvel, torques):
-    """Torques of a leg in the air: along its way, then down until it meets the ground."""
+def swing_torques(robot, gait, state, body, leg, measured, torques):
+    """Torques of a leg in the air: along its swing, then down until it meets the ground."""
     place, velocity = np.empty(3), np.empty(3)
     lasts = (1.0 - gait.duty) * gait.period
     swinging = state.swinging[leg] == 1
@@ -244,14 +246,13 @@ def swing(robot, gait, state, body, leg, qpos, qvel, torques):
         down = min(SINK * (state.time - state.late[leg]), LOST)
         place[2] -= down
         velocity[2] = -SINK if down < LOST else 0.0
-    reach(
-        robot, body, leg, place, velocity, gait.stiffness, gait.joint_damping, qpos, qvel, torques
-    )
-    carry(robot, body, leg, qpos, torques)
+    target = FootTarget(place, velocity, gait.stiffness, gait.joint_damping)
+    track_foot(robot, body, leg, target, measured, torques)
+    add_leg_weight(robot, body, leg, measured, torques)
 
 
 @njit(cache=True)
-def posture(robot, gait, state, qpos, qvel, torques):
+def posture_torques(robot, gait, state, measured, torques):
     """Torques that fold or unfold the legs under a robot that lies down or gets up."""
     share = min((state.time - state.began) / POSTURE, 1.0)
     share = share * share * (3.0 - 2.0 * share)
@@ -264,4 +265,4 @@ def posture(robot, gait, state, qpos, qvel, torques):
         if state.mode == SINKING:
             for j in range(3):
                 goal[3 * leg + j] = FOLDED[j]
-    bend(goal, state.fold, share, qpos, qvel, torques)
+    track_posture(state.fold, goal, share, measured, torques)
