@@ -7,12 +7,12 @@ import types
 
 import numpy as np
 import pytest
+from cavalcade.locomotion._legs import BODY, look
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cavalcade.locomotion import _horizon
 from cavalcade.locomotion._horizon import STILL, approach, solve_walk, swing_share, wish
-from cavalcade.locomotion._legs import BODY, look
 from cavalcade.locomotion.parameters import robot_parameters
 from cavalcade.locomotion.records import STANDING, STATE, STEPS, TROTTING
 from cavalcade.locomotion.settings import GaitSettings

@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from cavalcade.locomotion.leap_records import CROUCH, FLIGHT, LANDING, LEAP, PUSH
 
 from cavalcade.errors import InputError
 from cavalcade.locomotion._leap_horizon import foothold, way
-from cavalcade.locomotion.parameters import robot_parameters
 from cavalcade.locomotion.leap import GRAVITY, LeapManoeuvre, LeapSettings, plan_leap
-from cavalcade.locomotion.leap_records import CROUCH, FLIGHT, LANDING, LEAP, PUSH
+from cavalcade.locomotion.parameters import robot_parameters
 from cavalcade.robots import robot_model
 
 GO1 = robot_model("go1").description

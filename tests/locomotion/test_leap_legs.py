@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cavalcade.locomotion._legs import BODY, look
+from cavalcade.locomotion.leap_records import FLIGHT, LEAP
 
 from cavalcade.locomotion._centroid import centroid
 from cavalcade.locomotion._leap_legs import foot_way, keep_clear
-from cavalcade.locomotion._legs import BODY, look
-from cavalcade.locomotion.parameters import robot_parameters
 from cavalcade.locomotion.leap import LeapManoeuvre, LeapSettings, plan_leap
-from cavalcade.locomotion.leap_records import FLIGHT, LEAP
+from cavalcade.locomotion.parameters import robot_parameters
 from cavalcade.locomotion.records import ROBOT
 from cavalcade.robots import robot_model
 

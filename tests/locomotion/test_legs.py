@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cavalcade.locomotion._legs import BODY, look
 from scipy.spatial.transform import Rotation
 
 from cavalcade.locomotion._joints import carry, push
-from cavalcade.locomotion._legs import BODY, look
 from cavalcade.locomotion.parameters import composite, robot_parameters
 from cavalcade.robots import robot_model
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
+from cavalcade.locomotion._mpc_build import GRAVITY, build_qp
 
 from cavalcade.locomotion._mpc import solve_mpc
-from cavalcade.locomotion._mpc_build import GRAVITY, build_qp
 
 STEPS = 10
 HIPS = np.array([[0.19, 0.13], [0.19, -0.13], [-0.19, 0.13], [-0.19, -0.13]])

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cavalcade.locomotion._legs import BODY, look
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cavalcade.body.ground import Ground, make_ground, read_only
-from cavalcade.locomotion._legs import BODY, look
 from cavalcade.locomotion._swing import (
     LEANING,
     LEAST,

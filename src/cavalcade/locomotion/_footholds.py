@@ -1,7 +1,7 @@
 """Where feet may stand, compiled. Metres; x, y from the lower-left corner of cell [0, 0].
 
-`ground` is a `cavalcade.body.ground.Ground`; its cells carry a foot from the traversability `least`
-on, and a foot may be put up to `reach` from its wanted place.
+`ground` is a `Footing`; its cells carry a foot from the traversability `least` on, and a foot may
+be put up to `reach` from its wanted place.
 """
 
 from __future__ import annotations

@@ -35,10 +35,10 @@ def to_ground(frame, x, y):
 @njit(cache=True)
 def ground_height(footing, x, y):
     """Height of the ground at a place of the world, m; `footing` is a `Footing`."""
-    if footing.ground.flat:
+    if footing.flat:
         return 0.0
     u, v = to_ground(footing.frame, x, y)
-    return interpolate(u, v, footing.ground.cell, footing.ground.height)
+    return interpolate(u, v, footing.cell, footing.height)
 
 
 @njit(cache=True)
@@ -69,7 +69,7 @@ def choose_foothold(robot, gait, body, state, leg, left, footing):
     y = body.trunk[1] + vy * left + s * ahead + c * aside
     x += 0.5 * stance * vx + gait.capture * (vx - wanted_x)
     y += 0.5 * stance * vy + gait.capture * (vy - wanted_y)
-    if not footing.ground.flat:
+    if not footing.flat:
         for trial in range(2 * SHIFTS + 1):
             # 0, 1, -1, 2, -2, ... steps along the heading.
             shift = SHIFT * ((trial + 1) // 2) * (1 if trial % 2 else -1)
@@ -104,10 +104,10 @@ def place_foot(robot, gait, state, leg, x, y, footing):
     """Let a leg's swing end at (x, y) or at the nearest place that carries it."""
     start = state.lifted[leg]
     z = highest = 0.0
-    if not footing.ground.flat:
+    if not footing.flat:
         frame = footing.frame
         u, v = to_ground(frame, x, y)
-        a, b, found = nearest_place(u, v, footing.ground, LEAST, SEARCH)
+        a, b, found = nearest_place(u, v, footing, LEAST, SEARCH)
         if found:
             c, s = math.cos(frame[2]), math.sin(frame[2])
             x, y = frame[0] + c * a - s * b, frame[1] + s * a + c * b

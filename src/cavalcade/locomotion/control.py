@@ -7,27 +7,22 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cavalcade.body.ground import Ground, make_ground, read_only
+from cavalcade.body.ground import Ground, make_ground
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array
 from cavalcade.locomotion._team import step_team
 from cavalcade.locomotion.leap import LeapManoeuvre, LeapSettings, plan_leap
 from cavalcade.locomotion.parameters import robot_parameters
 from cavalcade.locomotion.records import (
-    BODY,
     FALLEN,
-    GAIT,
-    LEAP,
     LEAPING,
     LYING,
     RISING,
-    ROBOT,
     SINKING,
     STANDING,
     STATE,
+    TEAM,
     Footing,
-    Measured,
-    Team,
 )
 from cavalcade.locomotion.settings import GaitSettings
 from cavalcade.robots import RobotModel
@@ -61,22 +56,19 @@ class LegControl:
         settings: GaitSettings | None = None,
     ) -> None:
         settings = settings or GaitSettings()
-        self._robots = np.zeros(len(models), ROBOT)
-        self._gaits = np.zeros(len(models), GAIT)
-        self._states = np.zeros(len(models), STATE)
-        self._leaps = np.zeros(len(models), LEAP)
-        bodies = np.zeros(len(models), BODY)
-        self._team = Team(self._robots, self._gaits, self._states, self._leaps, bodies)
+        self._team = np.zeros(len(models), TEAM)
+        # Views of it.
+        self._robots, self._gaits = self._team["robot"], self._team["gait"]
+        self._states, self._leaps = self._team["state"], self._team["leap"]
         for number, model in enumerate(models):
             if model.description is None:
                 raise InputError(f"there is no description of the legs of {model.name}")
             self._robots[number] = robot_parameters(model.description)
             height = model.description.stand_height
             self._gaits[number] = settings.row(model.description.mass, height)
-        frame = np.array(origin, dtype=float)
-        if frame.shape != (3,) or not np.isfinite(frame).all():
+        if np.shape(origin) != (3,) or not np.isfinite(origin).all():
             raise InputError("expected finite x, y, yaw", key="origin")
-        self._footing = Footing(read_only(ground if ground is not None else _flat()), frame)
+        self._footing = Footing.of(ground if ground is not None else _flat(), origin)
         self._torques = np.zeros((len(models), 12))
         self._shapes = tuple((len(models), count) for count in (19, 18, 4))
 
@@ -194,7 +186,7 @@ class LegControl:
         """
         if (qpos.shape, qvel.shape, feet.shape) != self._shapes:
             raise InputError("expected qpos, qvel, feet of shapes {}, {}, {}".format(*self._shapes))
-        step_team(self._team, self._footing, Measured(time, qpos, qvel, feet), self._torques)
+        step_team(self._team, self._footing, time, qpos, qvel, feet, self._torques)
         return self._torques
 
     def _posture(self, robot: int, qpos: Array, mode: int) -> None:

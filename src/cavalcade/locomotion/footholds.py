@@ -13,12 +13,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.body.ground import Ground, read_only
+from cavalcade.body.ground import Ground
 from cavalcade.body.trajectory import FLIGHT, LANDING, TAKE_OFF, Trajectory
 from cavalcade.geometry import Array, inverse_transform_points, transform_points
 from cavalcade.locomotion import _footholds as kernels
 from cavalcade.locomotion.gait import stances
-from cavalcade.locomotion.records import GRAVITY
+from cavalcade.locomotion.records import GRAVITY, Footing
 from cavalcade.robots import RobotModel
 from cavalcade.robots.legs import LegModel
 
@@ -63,15 +63,15 @@ def plan_footholds(
     legs = model.legs
     times = stances(trajectory, legs)
     wanted = inverse_transform_points(origin, _wanted(trajectory, legs, times))
-    ground = read_only(ground)
+    footing = Footing.of(ground, origin)
     places = kernels.place_feet(
-        np.ascontiguousarray(wanted), ground, LEAST_TRAVERSABILITY, FARTHEST
+        np.ascontiguousarray(wanted), footing, LEAST_TRAVERSABILITY, FARTHEST
     )
     feet = np.column_stack([times[:, 2], places])
     hips = _hips(trajectory, legs, ground, origin)
     hips[..., :2] = inverse_transform_points(origin, hips[..., :2].reshape(-1, 2)).reshape(-1, 4, 2)
     standing = _standing(trajectory, hips, times, feet)
-    kernels.bring_in_reach(standing, longest_leg(legs), ground, LEAST_TRAVERSABILITY, FARTHEST)
+    kernels.bring_in_reach(standing, longest_leg(legs), footing, LEAST_TRAVERSABILITY, FARTHEST)
     feet[:, 1:3] = transform_points(origin, feet[:, 1:3])
     return np.column_stack([times[:, :2], feet])
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -99,22 +99,23 @@ def _checked(problem: MpcProblem) -> MpcProblem:
         "state": (12,), "reference": (steps, 12), "contacts": (steps, 4), "levers": (steps, 4, 3),
         "yaws": (steps,), "dts": (steps,), "inertia": (3, 3), "weights": (12,),
     }  # fmt: skip
-    arrays = {}
+    fields: dict[str, Any] = {}
     for name, shape in shapes.items():
         kind = np.int64 if name == "contacts" else np.float64
         value = np.ascontiguousarray(getattr(problem, name), dtype=kind)
         if value.shape != shape or not np.isfinite(value).all():
             raise InputError(f"expected finite numbers of shape {shape}", key=name)
-        arrays[name] = value
-    numbers = {
-        name: float(getattr(problem, name)) for name in ("mass", "force_weight", "mu", "max_force")
-    }
-    for name, values in {"dts": arrays["dts"], **numbers}.items():
-        if not np.all(np.greater(values, 0.0)) or (name != "max_force" and np.isinf(values).any()):
-            raise InputError("expected positive numbers", key=name)
-    if (arrays["weights"] < 0.0).any():
+        fields[name] = value
+    for name in ("mass", "force_weight", "mu", "max_force"):
+        fields[name] = float(getattr(problem, name))
+        most = math.inf if name == "max_force" else np.finfo(float).max
+        if not 0.0 < fields[name] <= most:
+            raise InputError("expected a positive number", key=name)
+    if (fields["dts"] <= 0.0).any():
+        raise InputError("expected positive numbers", key="dts")
+    if (fields["weights"] < 0.0).any():
         raise InputError("expected numbers, none of them negative", key="weights")
-    inertia = arrays["inertia"]
+    inertia = fields["inertia"]
     if not np.allclose(inertia, inertia.T) or np.linalg.eigvalsh(inertia)[0] <= 0.0:
         raise InputError("expected a symmetric positive definite matrix", key="inertia")
-    return problem._replace(**arrays, **numbers)
+    return MpcProblem(**fields)

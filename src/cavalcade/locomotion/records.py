@@ -6,12 +6,13 @@ thigh, calf.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.body.ground import Ground
+from cavalcade.body.ground import Ground, read_only
 from cavalcade.geometry import Array
 
 GRAVITY = 9.81
@@ -164,16 +165,26 @@ LEAP = np.dtype(
 )
 """A leap that is under way, and the last one's outcome."""
 
+TEAM = np.dtype(
+    [("robot", ROBOT), ("gait", GAIT), ("state", STATE), ("leap", LEAP), ("body", BODY)],
+    align=True,
+)
+"""A robot of a team: all that its controller knows, in one row.
+
+Bodies are kept although every step overwrites them: a row of an array made in a kernel would be
+freed while it is in use, as rows do not keep their array alive.
+"""
+
 
 class Measured(NamedTuple):
-    """What is measured of a team at one moment; of one robot without the first axis.
+    """What is measured of one robot at one moment.
 
     Attributes:
         time: Now, s.
-        qpos: `(N, 19)` position of the trunk (m), quaternion w, x, y, z, joint angles (rad).
-        qvel: `(N, 18)` velocity of the trunk (world, m/s), its angular velocity (trunk frame,
+        qpos: `(19,)` position of the trunk (m), quaternion w, x, y, z, joint angles (rad).
+        qvel: `(18,)` velocity of the trunk (world, m/s), its angular velocity (trunk frame,
             rad/s), joint rates (rad/s).
-        feet: `(N, 4)` normal forces on the feet, N.
+        feet: `(4,)` normal forces on the feet, N.
     """
 
     time: float
@@ -182,25 +193,27 @@ class Measured(NamedTuple):
     feet: Array
 
 
-class Team(NamedTuple):
-    """All robots' rows `(N,)` of `ROBOT`, `GAIT`, `STATE`, `LEAP` and `BODY`.
+class Footing(NamedTuple):
+    """What feet stand on: the part of a `Ground` that matters to them, and where its grid lies.
 
-    Bodies are kept although every step overwrites them: a row of an array made in a kernel would
-    be freed while it is in use, as rows do not keep their array alive.
+    Attributes:
+        cell, solid, flat, height, traversability: As of `Ground`.
+        frame: `(3,)` pose x, y, yaw of the grid in the world, m and rad.
     """
 
-    robots: Row
-    gaits: Row
-    states: Row
-    leaps: Row
-    bodies: Row
-
-
-class Footing(NamedTuple):
-    """What feet stand on: the ground, and the pose `(3,)` x, y, yaw of its grid in the world."""
-
-    ground: Ground
+    cell: float
+    solid: NDArray[np.bool_]
+    flat: bool
+    height: Array
+    traversability: Array
     frame: Array
+
+    @classmethod
+    def of(cls, ground: Ground, frame: Sequence[float]) -> Footing:
+        """The footing of a ground; its arrays are of one type for all, so kernels compile once."""
+        own = read_only(ground)
+        pose = np.array(frame, dtype=float)
+        return cls(own.cell, own.solid, own.flat, own.height, own.traversability, pose)
 
 
 class Centroid(NamedTuple):

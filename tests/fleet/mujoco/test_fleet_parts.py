@@ -18,7 +18,7 @@ from cavalcade.fleet.mujoco._postures import (
     planar_poses,
     planar_velocities,
 )
-from cavalcade.fleet.mujoco._sampling import keep_peaks
+from cavalcade.fleet.mujoco._step import keep_peaks
 from cavalcade.fleet.mujoco.sensing import Sensing, SensingErrors, turned
 
 ANGLES = arrays(float, (5, 3), elements=st.floats(-1.5, 1.5))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cavalcade.fleet.mujoco._contacts import OTHERS, add_contacts
+from cavalcade.fleet.mujoco._step import OTHERS, add_contacts
 from cavalcade.fleet.mujoco.simulator import TeamSimulator
 from cavalcade.geometry import Array
 from cavalcade.robots.description import PARTS
@@ -78,15 +78,16 @@ class ContactRecorder:
     def touching(self, steps: int) -> list[Contact]:
         """What was in contact during the last `steps` recorded steps, at the last time of each."""
         since = max(self._steps - steps, 0)
-        begin = self._simulator.time - self._steps * self._simulator.settings.step
+        step, seen = self._simulator.settings.step, self._seen
+        begin = self._simulator.time - self._steps * step
         return [
             Contact(
-                begin + (int(self._seen[robot, part, other]) + 1) * self._simulator.settings.step,
+                begin + (int(seen[robot, part, other]) + 1) * step,
                 int(robot),
                 PARTS[part],
                 self._names[other],
             )
-            for robot, part, other in np.argwhere(self._seen >= since)
+            for robot, part, other in np.argwhere(seen >= since)
         ]
 
     def take_forces(self) -> Array:
@@ -100,15 +101,7 @@ class ContactRecorder:
         return mean
 
     def _add(self, geoms: Array, frames: Array, rows: Array) -> int:
+        contacts = (geoms, frames, rows, self._data.efc_force)
         return add_contacts(
-            geoms,
-            frames,
-            rows,
-            self._data.efc_force,
-            self._kinds,
-            self._steps,
-            self._quiet,
-            self._impulses,
-            self._seen,
-            self._begun,
+            contacts, self._kinds, self._steps, self._quiet, self._impulses, self._seen, self._begun
         )

@@ -7,7 +7,7 @@ from operator import attrgetter
 
 import numpy as np
 
-from cavalcade.fleet.mujoco._sampling import keep_peaks
+from cavalcade.fleet.mujoco._step import keep_peaks
 from cavalcade.fleet.mujoco.contacts import Contact, ContactRecorder
 from cavalcade.fleet.mujoco.simulator import TeamSimulator
 from cavalcade.geometry import Array

@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cavalcade.errors import InputError
-from cavalcade.fleet.mujoco._motors import limit_torques
+from cavalcade.fleet.mujoco._step import MOTOR, limit_torques
 from cavalcade.fleet.mujoco.engine import load_mujoco
 from cavalcade.fleet.mujoco.ground import PhysicsGround
 from cavalcade.fleet.mujoco.ground_spec import AWAY
 from cavalcade.fleet.mujoco.settings import PhysicsSettings
-from cavalcade.fleet.mujoco.standing import standing_states
 from cavalcade.fleet.mujoco.world_spec import build_team, descriptions_of
-from cavalcade.geometry import Array
+from cavalcade.geometry import Array, transform_points
+from cavalcade.robots.description import QuadrupedDescription
 from cavalcade.robots.model import RobotModel
 
 
@@ -65,9 +65,12 @@ class TeamSimulator:
         # Views of the data's own memory, which stays where it is.
         self._qpos, self._qvel, self._ctrl = self.data.qpos, self.data.qvel, self.data.ctrl
         self._sensors, self._external = self.data.sensordata, self.data.xfrc_applied
-        self._limits = self._joint_figures("torque")
-        self._stall = self._joint_figures("stall_torque")
-        self._no_load = self._joint_figures("no_load_speed")
+        self._motors = np.zeros((self.size, 12), MOTOR)
+        for robot, description in enumerate(self.descriptions):
+            for motor, joint in zip(self._motors[robot], description.joints, strict=True):
+                motor["limit"], motor["stall"] = joint.torque, joint.stall_torque
+                motor["no_load"] = joint.no_load_speed
+        self._motors["rate"], self._motors["place"] = self.team.qvel[:, 6:], self.team.motors
         self._given = np.zeros((self.size, 12))
         self._pushes: list[tuple[int, int, Array]] = []
         self._steps = 0
@@ -124,18 +127,8 @@ class TeamSimulator:
         wanted = np.ascontiguousarray(torques, dtype=np.float64)
         if wanted.shape != self._given.shape:
             raise InputError(f"expected torques of shape {self._given.shape}", key="torques")
-        limit_torques(
-            wanted,
-            self._limits,
-            self._stall,
-            self._no_load,
-            self._qvel,
-            self.team.qvel,
-            self.team.motors,
-            self.settings.torque_speed,
-            self._given,
-            self._ctrl,
-        )
+        speed = self.settings.torque_speed
+        limit_torques(wanted, self._motors, speed, self._qvel, self._given, self._ctrl)
         if self._pushes:
             self._apply_pushes()
         self._advance(self.model, self.data)
@@ -193,7 +186,34 @@ class TeamSimulator:
         for _, robot, force in self._pushes:
             self._external[self.team.trunks[robot], :3] += force
 
-    def _joint_figures(self, name: str) -> Array:
-        return np.array(
-            [[getattr(joint, name) for joint in robot.joints] for robot in self.descriptions]
-        )
+
+def standing_states(
+    descriptions: Sequence[QuadrupedDescription], poses: Array, ground: PhysicsGround
+) -> Array:
+    """Generalised positions `(N, 19)` of robots that stand level with their feet on the ground.
+
+    A foot stands below its thigh's joint; the trunk is as high over the mean of the four as the
+    description says, or lower where a leg would not reach.
+
+    Args:
+        descriptions: One per robot.
+        poses: `(N, 3)` x, y, yaw in the map frame, m and rad.
+        ground: What they stand on.
+    """
+    return np.array(
+        [_standing(robot, pose, ground) for robot, pose in zip(descriptions, poses, strict=True)]
+    )
+
+
+def _standing(robot: QuadrupedDescription, pose: Array, ground: PhysicsGround) -> Array:
+    offsets = robot.joint_offsets
+    places = transform_points(pose, offsets[:, 0, :2] + offsets[:, 1, :2])
+    heights = ground.heights_at(places)
+    trunk = min(float(heights.mean()), float(heights.min()) + 0.08) + robot.stand_height
+    angles = [
+        angle
+        for leg in range(4)
+        for angle in robot.leg_angles(leg, trunk - float(heights[leg]) - robot.foot_radius)
+    ]
+    half = pose[2] / 2.0
+    return np.array([pose[0], pose[1], trunk, np.cos(half), 0.0, 0.0, np.sin(half), *angles])
