@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import math
-import types
 
 import numpy as np
 import pytest
-from cavalcade.locomotion._legs import BODY, look
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cavalcade.locomotion import _horizon
-from cavalcade.locomotion._horizon import STILL, approach, solve_walk, swing_share, wish
+from cavalcade.locomotion._horizon import (
+    STILL,
+    approach,
+    commanded_velocity,
+    solve_walk,
+    swing_share,
+    walk_problem,
+)
+from cavalcade.locomotion._kinematics import measure_body
 from cavalcade.locomotion.parameters import robot_parameters
-from cavalcade.locomotion.records import STANDING, STATE, STEPS, TROTTING
+from cavalcade.locomotion.records import BODY, STANDING, STATE, STEPS, TROTTING, Measured
 from cavalcade.locomotion.settings import GaitSettings
 from cavalcade.robots import robot_model
 
@@ -55,7 +60,7 @@ def walking(mode, time=0.1, velocity=(0.0, 0.0, 0.0), wanted=None, pose=(0.0, 0.
     qpos = np.array([x, y, GO1.stand_height, np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)])
     qpos = np.concatenate([qpos, GO1.standing])
     qvel = np.concatenate([world, [0.0, 0.0, velocity[2]], np.zeros(12)])
-    look(parameters, qpos, qvel, body)
+    measure_body(parameters, Measured(time, qpos, qvel, np.zeros(4)), body)
     state["mode"], state["time"], state["heard"], state["idle"] = mode, time, time, time
     state["velocity"] = velocity
     state["wanted"] = velocity if wanted is None else wanted
@@ -77,22 +82,9 @@ def forces(mode, parameters=PARAMETERS, values=None, change=None, **options):
 
 
 def question(values, body, state):
-    """The arguments of `solve_mpc` by name, from the kernel run as Python."""
-    names = (
-        "state", "reference", "contacts", "levers", "yaws", "dts", "inertia", "mass", "weights",
-        "force_weight", "mu", "max_force", "plan", "changes",
-    )  # fmt: skip
-    asked = {}
-
-    def catch(*arguments):
-        asked.update(zip(names, arguments, strict=True))
-        return np.zeros((STEPS, 4, 3))
-
-    code = solve_walk.py_func.__code__
-    scope = {**vars(_horizon), "solve_mpc": catch}
+    """The problem by its fields' names, from the kernel run as Python."""
     rows = [np.array([row]).view(np.recarray)[0] for row in (PARAMETERS, values, body, state)]
-    types.FunctionType(code, scope)(*rows)
-    return asked
+    return walk_problem.py_func(*rows)._asdict()
 
 
 @given(st.floats(0.2, 0.8), st.floats(0.2, 0.9), st.floats(0.0, 10.0))
@@ -122,9 +114,9 @@ def test_a_command_holds_until_the_silence_and_tiny_ones_are_none():
     values = gait()
     _, state = walking(TROTTING, time=1.0, wanted=(0.3, -0.1, 0.2))
     state["heard"] = 0.5
-    assert wish(values, state) == (0.3, -0.1, 0.2)
+    assert commanded_velocity(values, state) == (0.3, -0.1, 0.2)
     state["time"] = 1.0 + 1e-6
-    assert wish(values, state) == (0.0, 0.0, 0.0)
+    assert commanded_velocity(values, state) == (0.0, 0.0, 0.0)
     for wanted, none in (
         ((0.9 * STILL, 0.0, 0.0), True),
         ((0.8 * STILL, 0.8 * STILL, 0.0), False),
@@ -132,7 +124,7 @@ def test_a_command_holds_until_the_silence_and_tiny_ones_are_none():
         ((0.0, 0.0, 2.1 * STILL), False),
     ):
         _, state = walking(TROTTING, wanted=wanted)
-        assert (wish(values, state) == (0.0, 0.0, 0.0)) == none
+        assert (commanded_velocity(values, state) == (0.0, 0.0, 0.0)) == none
 
 
 @given(speeds, speeds, st.floats(1e-3, 0.5))
@@ -156,7 +148,7 @@ def test_the_reference_is_the_command_as_it_will_be_approached(now, wanted, yaw)
     values = gait()
     body, state = walking(TROTTING, velocity=now, wanted=wanted, pose=(1.0, -2.0, yaw))
     asked = question(values, body, state)["reference"]
-    goal = np.array(wish(values, state))
+    goal = np.array(commanded_velocity(values, state))
     velocity, place, angle, dt = np.array(now), state["place"].copy(), yaw, 1e-4
     for k in range(STEPS):
         for _ in range(round(values["step"] / dt)):

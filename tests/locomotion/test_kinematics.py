@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from cavalcade.locomotion._kinematics import (
-    GRAVITY,
     SINGULAR,
     angles,
     cross,
@@ -25,6 +24,7 @@ from cavalcade.locomotion._kinematics import (
     wrapped,
 )
 from cavalcade.locomotion.parameters import robot_parameters
+from cavalcade.locomotion.records import GRAVITY
 from cavalcade.robots import robot_model
 
 ROBOTS = {name: robot_model(name).description for name in ("go1", "go2")}

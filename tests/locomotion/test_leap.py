@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cavalcade.locomotion.leap_records import CROUCH, FLIGHT, LANDING, LEAP, PUSH
 
 from cavalcade.errors import InputError
-from cavalcade.locomotion._leap_horizon import foothold, way
-from cavalcade.locomotion.leap import GRAVITY, LeapManoeuvre, LeapSettings, plan_leap
+from cavalcade.locomotion._leap_horizon import foothold, leap_reference
+from cavalcade.locomotion.leap import LeapManoeuvre, LeapSettings, plan_leap
 from cavalcade.locomotion.parameters import robot_parameters
+from cavalcade.locomotion.records import CROUCH, FLIGHT, GRAVITY, LANDING, LEAP, PUSH
 from cavalcade.robots import robot_model
 
 GO1 = robot_model("go1").description
@@ -54,7 +54,7 @@ def laid(manoeuvre, settings=None):
 
 def state(row, phase, t):
     out = np.zeros(12)
-    way(row[0], phase, t, out)
+    leap_reference(row[0], phase, t, out)
     return out
 
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.interpolate import RegularGridInterpolator
 
-from cavalcade.locomotion import _kernels
+from cavalcade.locomotion import _footholds
+from cavalcade.locomotion.records import Footing
 
 CELL = 0.05
 
@@ -39,10 +40,11 @@ def nearest_slowly(x, y, solid, traversability, reach):
 
 
 def test_nearest_place(field):
-    solid, traversability, _ = field
+    solid, traversability, height = field
+    footing = Footing(CELL, solid, False, height, traversability, np.zeros(3))
     rng = np.random.default_rng(0)
     for x, y in rng.uniform((-0.2, -0.2), (2.2, 1.7), (300, 2)):
-        found = _kernels.nearest_place(x, y, CELL, solid, traversability, False, 0.3, 0.12)
+        found = _footholds.nearest_place(x, y, footing, 0.3, 0.12)
         assert found == pytest.approx(nearest_slowly(x, y, solid, traversability, 0.12))
 
 
@@ -53,10 +55,10 @@ def test_interpolate(field):
     rng = np.random.default_rng(1)
     for px, py in rng.uniform((-0.1, -0.1), (2.1, 1.6), (200, 2)):
         inside = (np.clip(py, y[0], y[-1]), np.clip(px, x[0], x[-1]))
-        assert _kernels.interpolate(px, py, CELL, height) == pytest.approx(slow(inside).item())
+        assert _footholds.interpolate(px, py, CELL, height) == pytest.approx(slow(inside).item())
 
 
-def test_stretch():
+def test_leg_lengths():
     rng = np.random.default_rng(2)
     times = np.arange(0.0, 3.0, 0.03)
     hips = rng.random((len(times), 4, 3))
@@ -64,7 +66,7 @@ def test_stretch():
     down = rng.uniform(0.0, 2.0, 20)
     up = down + rng.uniform(0.0, 0.5, 20)
     feet = np.column_stack([rng.integers(0, 4, 20), rng.random((20, 3))])
-    found = _kernels.stretch(times, hips, needed, down, up, feet)
+    found = _footholds.leg_lengths(_footholds.Stances(times, hips, needed, down, up, feet))
     for m in range(20):
         leg = int(feet[m, 0])
         inside = (times >= down[m]) & (times <= up[m]) & needed[:, leg]

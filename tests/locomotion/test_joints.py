@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cavalcade.locomotion._legs import BODY, look
 from scipy.spatial.transform import Rotation
 
-from cavalcade.locomotion._joints import carry, push
+from cavalcade.locomotion._joints import add_leg_weight, stance_torques
+from cavalcade.locomotion._kinematics import measure_body
 from cavalcade.locomotion.parameters import composite, robot_parameters
+from cavalcade.locomotion.records import BODY, Measured
 from cavalcade.robots import robot_model
 
 LEGS = ("FL", "FR", "RL", "RR")
@@ -24,10 +25,22 @@ def drawn(seed, robot):
     return qpos, rng.normal(size=18)
 
 
+def measured(qpos, qvel):
+    return Measured(0.0, qpos, qvel, np.zeros(4))
+
+
 def seen(parameters, qpos, qvel):
     body = np.zeros(1, BODY)[0]
-    look(parameters, qpos, qvel, body)
+    measure_body(parameters, measured(qpos, qvel), body)
     return body
+
+
+def pushing(parameters, forces, qpos, qvel):
+    """Torques `(12,)` of legs that the ground pushes with `forces` `(4, 3)`."""
+    body, torques = seen(parameters, qpos, qvel), np.zeros(12)
+    for leg in range(4):
+        stance_torques(parameters, body, leg, forces[leg], measured(qpos, qvel), torques)
+    return torques
 
 
 def rates_of(body, qvel):
@@ -72,23 +85,22 @@ def test_the_torques_of_the_legs_weight_are_those_of_mujoco(robot, seed):
     mujoco.mj_forward(simulator.model, data)
     body, torques = seen(parameters, qpos, np.zeros(18)), np.zeros(12)
     for leg in range(4):
-        carry(parameters, body, leg, qpos, torques)
+        add_leg_weight(parameters, body, leg, measured(qpos, np.zeros(18)), torques)
     np.testing.assert_allclose(torques, data.qfrc_bias[6:], atol=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_pushed_feet_let_joints_rest_in_mujoco(robot, seed):
-    """With the foot's force applied to it, torques of `push` leave nothing to move the joints."""
+    """With the foot's force applied to it, stance torques leave nothing to move the joints."""
     mujoco, simulator, parameters = robot
     model, data = simulator.model, simulator.data
     qpos, _ = drawn(seed, simulator.descriptions[0])
     data.qpos[:], data.qvel[:] = qpos, 0.0
     mujoco.mj_forward(model, data)
-    body, torques = seen(parameters, qpos, np.zeros(18)), np.zeros(12)
+    body = seen(parameters, qpos, np.zeros(18))
     forces = np.random.default_rng(seed).normal(0.0, 50.0, (4, 3))
-    felt = np.zeros(model.nv)
+    torques, felt = pushing(parameters, forces, qpos, np.zeros(18)), np.zeros(model.nv)
     for leg, name in enumerate(LEGS):
-        push(parameters, body, leg, forces[leg], qpos, np.zeros(18), torques)
         calf = model.body(f"robot_0/{name}_calf").id
         mujoco.mj_applyFT(model, data, forces[leg], np.zeros(3), body["foot"][leg], calf, felt)
     np.testing.assert_allclose((torques + felt[6:] - data.qfrc_bias[6:]), 0.0, atol=1e-8)
@@ -100,10 +112,8 @@ def test_pushing_joints_make_up_for_their_losses():
     qpos, _ = drawn(0, go1)
     still, turning = np.zeros(18), np.zeros(18)
     turning[6:] = 3.0
-    body, without, torques = seen(parameters, qpos, still), np.zeros(12), np.zeros(12)
-    for leg in range(4):
-        push(parameters, body, leg, np.zeros(3), qpos, still, without)
-        push(parameters, body, leg, np.zeros(3), qpos, turning, torques)
+    without = pushing(parameters, np.zeros((4, 3)), qpos, still)
+    torques = pushing(parameters, np.zeros((4, 3)), qpos, turning)
     losses = parameters["damping"] * 3.0 + parameters["friction"]
     np.testing.assert_allclose(torques - without, losses, atol=1e-9)
 
