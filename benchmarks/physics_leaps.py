@@ -27,7 +27,7 @@ from cavalcade.fleet import LeapRequest
 from cavalcade.fleet.mujoco import PhysicsGround, PhysicsSettings
 from cavalcade.fleet.mujoco.fleet import MujocoFleet
 from cavalcade.fleet.mujoco.leaping import APPROACH
-from cavalcade.locomotion.leap import LeapSettings
+from cavalcade.locomotion import LeapSettings
 from cavalcade.robots import RobotModel, robot_model
 from cavalcade.running.plans.leaping import leaps_of, request_of
 from cavalcade.world import OccupancyMap

@@ -23,6 +23,8 @@ SAYS = {
     "09_plan_a_team": "clean",
     "10_plan_on_terrain": "in flight from",
     "11_walk_in_physics": "on its feet",
+    "15_leg_control_alone": "swings with",
+    "16_predictive_control_alone": "brake with",
 }
 
 WRITES = {
