@@ -14,7 +14,7 @@ from cavalcade.campaign.crossings import crossings
 from cavalcade.campaign.judging import judged
 from cavalcade.campaign.plan import make_plan
 from cavalcade.errors import ScenarioError
-from cavalcade.running.physics.track import PhysicsTrack
+from cavalcade.recording.physics_track import PhysicsTrack
 
 SUITE = """\
 version: 1

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cavalcade.body.ground import Ground, make_ground
+from cavalcade.lattice.ground import Ground, make_ground
 from cavalcade.locomotion._kinematics import measure_body
 from cavalcade.locomotion._swing import (
     LEANING,

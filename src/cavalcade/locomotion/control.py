@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cavalcade.body.ground import Ground, make_ground
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array
+from cavalcade.lattice.ground import Ground, make_ground
 from cavalcade.locomotion._team import step_team
 from cavalcade.locomotion.leap import LeapManoeuvre, LeapSettings, plan_leap
 from cavalcade.locomotion.parameters import robot_parameters

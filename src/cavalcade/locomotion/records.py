@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.body.ground import Ground, read_only
 from cavalcade.geometry import Array
+from cavalcade.lattice.ground import Ground, read_only
 
 GRAVITY = 9.81
 """Acceleration of free fall, m/s²."""

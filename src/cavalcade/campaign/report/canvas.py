@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cavalcade.campaign.report.blocks import Drawn
-from cavalcade.running.figures import style
+from cavalcade.drawing import style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

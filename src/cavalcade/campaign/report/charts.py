@@ -12,7 +12,7 @@ from cavalcade.campaign.report import canvas
 from cavalcade.campaign.report.blocks import Drawn
 from cavalcade.campaign.report.trials import Order
 from cavalcade.campaign.report.verdict import Cell, Spread, in_order
-from cavalcade.running.figures import style
+from cavalcade.drawing import style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -10,7 +10,7 @@ from cavalcade.campaign.report import canvas
 from cavalcade.campaign.report.blocks import Drawn
 from cavalcade.campaign.report.comparisons import Comparison
 from cavalcade.campaign.statistics import Estimate
-from cavalcade.running.figures import style
+from cavalcade.drawing import style
 
 
 def draw_comparisons(

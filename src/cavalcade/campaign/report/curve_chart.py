@@ -10,7 +10,7 @@ from cavalcade.campaign.report import canvas
 from cavalcade.campaign.report.blocks import Drawn
 from cavalcade.campaign.report.curves import Curve, Point
 from cavalcade.campaign.report.verdict import Spread
-from cavalcade.running.figures import style
+from cavalcade.drawing import style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -13,8 +13,8 @@ from cavalcade.campaign.report.trials import Trial
 from cavalcade.campaign.report.worst import Worst
 
 if TYPE_CHECKING:
-    from cavalcade.running import Recording
-    from cavalcade.running.plans import PlanResult
+    from cavalcade.metrics.plan_result import PlanResult
+    from cavalcade.recording.frames import Recording
     from cavalcade.scenario import Scenario, World
 
 Replay = Callable[
@@ -57,7 +57,7 @@ def pictures_of(
 def _repeat(trial: Trial, folder: Path, replay: Replay) -> _Repeated:
     from cavalcade.campaign.report.pictures import draw_way
     from cavalcade.errors import OutputError
-    from cavalcade.running import Recording
+    from cavalcade.recording.frames import Recording
 
     name = f"worst-{safe_name(trial.name)}.png"
     try:
@@ -80,8 +80,8 @@ def _repeat(trial: Trial, folder: Path, replay: Replay) -> _Repeated:
 
 
 def _draw_plan(scenario: Scenario, world: World, made: PlanResult, path: Path) -> Path:
-    from cavalcade.running.plans.figures.top_view import draw_top_view
-    from cavalcade.running.plans.scene import plan_scene
+    from cavalcade.drawing.plans.scene import plan_scene
+    from cavalcade.drawing.plans.top_view import draw_top_view
 
     return draw_top_view(plan_scene(scenario, world, made), path)
 

@@ -49,7 +49,8 @@ def write_report(
     from cavalcade.campaign.report.trial_list import all_trials
     from cavalcade.campaign.report.trials import Order, read_trials
     from cavalcade.campaign.table import write_table
-    from cavalcade.running.figures.style import make_directory, replacing
+    from cavalcade.drawing.style import make_directory
+    from cavalcade.files import replacing
 
     place = Path(folder)
     table = write_table(place, lines)
