@@ -203,5 +203,5 @@ def turned_back(matrix, vector, out):
 
 @njit(cache=True)
 def wrapped(angle):
-    """The angle in [-π, π)."""
+    """Wrap an angle to [-π, π), rad."""
     return np.float64((angle + math.pi) % (2.0 * math.pi) - math.pi)

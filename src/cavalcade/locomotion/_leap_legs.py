@@ -1,4 +1,4 @@
-"""Legs in the flight of a leap, compiled: drawn up, forward, down to their footholds. World, SI."""
+"""Legs in the flight of a leap, compiled: tucked, forward, down to their footholds. World, SI."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ FORWARD = (0.1, 0.75)
 """Feet go forward in this part of the flight."""
 
 UP, DOWN = 0.3, (0.6, 0.9)
-"""They are drawn up until then and reach down in that part."""
+"""Feet are tucked until that share of the flight, and reach down in that part of it."""
 
 BELOW, BESIDE = 0.11, 0.12
 """Feet stay at least so far below their hips, and at most so far beside their shoulders, m."""
@@ -28,7 +28,7 @@ SINK = 0.5
 def flying_foot(leap, centroid, leg, t, place, rate):
     """Where a flying foot is to be at `t` s of the flight, and its velocity; `(3,)`, overwritten.
 
-    It is drawn up first, then goes forward, then down. `centroid` is the robot's `Centroid`.
+    It is tucked first, then goes forward, then down. `centroid` is the robot's `Centroid`.
     """
     lasts = leap.lasts[FLIGHT]
     goal, start = leap.foothold[leg], leap.left[leg]

@@ -42,16 +42,16 @@ FIXED = 0.8
 """From this share of a swing on, its foothold stays."""
 
 LOST = 0.1
-"""A foot that misses the ground goes down so far, m."""
+"""A foot that misses the ground after its swing goes down by at most so much, m."""
 
 SINK = 0.4
-"""With that speed, m/s."""
+"""Speed at which such a foot goes down, m/s."""
 
 EARLY = 0.6
 """From this share of a swing on, a foot that touches stands."""
 
 REST = 1.2
-"""A robot without a wish for so many cycles lifts no foot any more: all are below the hips."""
+"""A robot that is to stand for so many cycles lifts no foot any more: all are below the hips."""
 
 SENSING = 0.1
 """Time constant of the ground's estimated height and slope, s."""

@@ -79,27 +79,27 @@ class LegControl:
 
     @property
     def fallen(self) -> NDArray[np.bool_]:
-        """`(N,)` which robots have given up."""
+        """Which robots `(N,)` have fallen and given up."""
         return np.asarray(self._states["mode"] == FALLEN)
 
     @property
     def modes(self) -> NDArray[np.int64]:
-        """`(N,)` what each robot is doing, as in `records`."""
+        """What each robot `(N,)` is doing: a mode of `records`, such as `STANDING`."""
         return np.asarray(self._states["mode"].copy())
 
     @property
     def standing(self) -> NDArray[np.bool_]:
-        """`(N,)` which robots stand still, ready to leap."""
+        """Which robots `(N,)` stand still, ready to leap."""
         return np.asarray(self._states["mode"] == STANDING)
 
     @property
     def leaping(self) -> NDArray[np.bool_]:
-        """`(N,)` which robots are leaping."""
+        """Which robots `(N,)` are leaping."""
         return np.asarray(self._states["mode"] == LEAPING)
 
     @property
     def feet(self) -> Array:
-        """`(N, 4, 3)` where the feet's centres stood last, m."""
+        """Where the feet's centres stood last, `(N, 4, 3)` in the world, m."""
         return np.asarray(self._states["stood"].copy())
 
     def begin(self, time: float, qpos: Array, standing: bool = True) -> None:
@@ -170,7 +170,7 @@ class LegControl:
 
     @property
     def leap_failed(self) -> NDArray[np.bool_]:
-        """`(N,)` whether each robot's last leap failed."""
+        """Whether the last leap of each robot `(N,)` failed."""
         return np.asarray(self._leaps["failed"] == 1)
 
     def step(self, time: float, qpos: Array, qvel: Array, feet: Array) -> Array:

@@ -26,7 +26,7 @@ FARTHEST = 0.25
 """How far a foot may be put from the wanted place to find ground that carries it, m."""
 
 LEAST_TRAVERSABILITY = 0.3
-"""Of ground that carries a foot."""
+"""Least traversability of ground that carries a foot, 0 to 1."""
 
 _STRETCHED = 1.2
 """A stretched leg as a multiple of the reach that bodies are planned with: thigh and shank of Go1

@@ -66,8 +66,8 @@ def _check_legs(description: QuadrupedDescription) -> None:
     for number, (name, leg) in enumerate(zip(LEGS, description.legs, strict=True)):
         for joint, axis, part in zip(leg.joints, _AXES, JOINTS, strict=True):
             if np.abs(np.array(joint.axis) - axis).max() > _STRAIGHT:
-                way = "xy"[int(np.argmax(axis))]
-                raise InputError(f"expected the {part} joint of leg {name} to turn about {way}")
+                letter = "xy"[int(np.argmax(axis))]
+                raise InputError(f"expected the {part} joint of leg {name} to turn about {letter}")
         thigh, calf, foot = offsets[number, 1:]
         if np.abs(thigh[[0, 2]]).max() > _STRAIGHT:
             raise InputError(f"expected the thigh of leg {name} beside its hip, along y")

@@ -79,7 +79,7 @@ GAIT = np.dtype(
     ],
     align=True,
 )
-"""How robots walk."""
+"""How robots walk: `GaitSettings` for one robot; see there for what the fields mean."""
 
 STATE = np.dtype(
     [

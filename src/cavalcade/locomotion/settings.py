@@ -1,4 +1,4 @@
-"""How robots are to walk."""
+"""Settings of the gait and of the predictive control behind it."""
 
 from __future__ import annotations
 

@@ -147,7 +147,7 @@ class MujocoFleet:
 
     @property
     def leap_failed(self) -> NDArray[np.bool_]:
-        """`(N,)` whose last leap failed."""
+        """Whether the last leap of each robot `(N,)` failed."""
         return self._leapers.failed.copy()
 
     def leap(self, robot: int, request: LeapRequest) -> None:

@@ -1,4 +1,4 @@
-"""What robots walk on and run into."""
+"""The ground that robots walk on in physics, and the obstacles on it."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ from cavalcade.locomotion.control import LegControl
 from cavalcade.locomotion.crossing import Heights
 
 PERIOD = 0.02
-"""Pilots decide that often, s."""
+"""Time between two decisions of a pilot, s."""
 
 APPROACH = 1.5
 """How long before a take-off robots are handed over, s of planned time."""

@@ -22,7 +22,7 @@ from cavalcade.fleet.mujoco.engine import load_mujoco
 from cavalcade.robots.description import JOINTS, LEGS
 
 AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 1.0, 0.0))
-"""Of hip, thigh and calf."""
+"""Axes of the joints of hip, thigh and calf when all angles are zero."""
 
 _SAME = 1e-3
 

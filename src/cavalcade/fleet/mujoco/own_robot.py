@@ -36,7 +36,7 @@ def own_robot(file: str | Path, like: RobotModel) -> RobotModel:
 
     Args:
         file: MJCF.
-        like: Whose footprint, speeds and figures for planning it gets.
+        like: Whose footprint, speeds and parameters for planning it gets.
 
     Raises:
         InputError: MuJoCo is missing, the file cannot be read, or it is no such quadruped.
@@ -46,7 +46,7 @@ def own_robot(file: str | Path, like: RobotModel) -> RobotModel:
 
 
 def describe(own: OwnModel, file: Path) -> QuadrupedDescription:
-    """The figures of a model of the user."""
+    """The description of a user's model."""
     model, data = own.model, zero_state(own.model)
     links = links_of(model, own.joints)
     bodies = _inertials(model, data, links)

@@ -55,7 +55,7 @@ def robot_spec(
     friction: float,
     looks: bool = False,
 ) -> RobotSpec:
-    """A fresh specification of one robot: of its figures, or its own file's.
+    """A fresh specification of one robot: from its description, or from its own file.
 
     Args:
         description: Of the robot.
@@ -66,7 +66,7 @@ def robot_spec(
     Raises:
         InputError: MuJoCo is missing, or the robot's own file cannot be used.
     """
-    robot = _from_file(description) if description.file else _from_figures(description, looks)
+    robot = _from_file(description) if description.file else _from_description(description, looks)
     feet = set(robot.feet)
     for geom in robot.spec.geoms:
         if geom.contype or geom.conaffinity:
@@ -84,7 +84,7 @@ def _from_file(description: QuadrupedDescription) -> RobotSpec:
     return RobotSpec(own.spec, own.root, own.joints, own.feet, _SENSORS)
 
 
-def _from_figures(description: QuadrupedDescription, looks: bool) -> RobotSpec:
+def _from_description(description: QuadrupedDescription, looks: bool) -> RobotSpec:
     """Bodies, joints and motors are named as in `LEGS` and `JOINTS`, as `FL_hip`."""
     mujoco = load_mujoco()
     spec = mujoco.MjSpec()

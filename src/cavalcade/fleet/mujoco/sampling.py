@@ -13,7 +13,7 @@ from cavalcade.fleet.mujoco.simulator import TeamSimulator
 from cavalcade.geometry import Array
 
 SAMPLE_PERIOD = 0.02
-"""Between two samples, s."""
+"""Time between two samples, s."""
 
 
 @dataclass(frozen=True)
@@ -75,12 +75,12 @@ class Sampler:
 
     @property
     def time(self) -> float:
-        """Of the last sample, s."""
+        """Time of the last sample, s."""
         return self._time[-1]
 
     @property
     def qpos(self) -> Array:
-        """`(N, 19)` of the last sample."""
+        """Positions and joint angles `(N, 19)` of the last sample."""
         return self._qpos[-1]
 
     @property

@@ -42,7 +42,7 @@ class SensingErrors:
 
     @property
     def none(self) -> bool:
-        """Whether there are none."""
+        """Whether all errors are zero."""
         return not any(getattr(self, field.name) for field in fields(self))
 
 

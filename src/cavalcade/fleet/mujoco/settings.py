@@ -1,4 +1,4 @@
-"""What can be set about the physics."""
+"""Settings of the simulated world."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ class PhysicsSettings:
             robot.
         mass_scale: Factor on all masses and inertias: one for all or one per robot.
         variation: Half width of the uniform distribution around 1 from which a further factor on
-            the mass and one on the friction of each robot are drawn, by `seed`.
+            the mass and one on the friction of each robot are sampled, by `seed`.
         torque_speed: Whether motors lose torque with speed: in a straight line from the stall
             torque at rest to none at the no-load speed. It holds where the motor drives; where it
             brakes, and otherwise, only the torque limit does.
-        seed: Of what is drawn.
+        seed: Of what is sampled.
         looks: Whether the shapes for drawing are part of the model; they slow it down.
     """
 
@@ -47,7 +47,7 @@ class PhysicsSettings:
         if not 0.0 <= self.variation < 1.0:
             raise InputError("expected a number from 0 to less than 1", key="variation")
 
-    def drawn(self, robots: int) -> tuple[Array, Array]:
+    def sample(self, robots: int) -> tuple[Array, Array]:
         """Friction coefficients `(N,)` and mass factors `(N,)` of so many robots.
 
         Raises:

@@ -81,7 +81,7 @@ def build_team(
     """
     mujoco = load_mujoco()
     descriptions = descriptions_of(models)
-    friction, scales = settings.drawn(len(models))
+    friction, scales = settings.sample(len(models))
     spec = mujoco.MjSpec()
     _set_options(spec, settings)
     add_ground(spec, ground)
