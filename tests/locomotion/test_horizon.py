@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numba import njit
 
 from cavalcade.locomotion._horizon import (
     STILL,
     approach,
     commanded_velocity,
-    solve_walk,
+    solve_forces,
     swing_share,
     walk_problem,
 )
@@ -45,6 +46,11 @@ def gait(**values):
 def turn(yaw):
     c, s = math.cos(yaw), math.sin(yaw)
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+@njit
+def solve_walk(parameters, values, body, state):
+    solve_forces(walk_problem(parameters, values, body, state), state)
 
 
 def walking(mode, time=0.1, velocity=(0.0, 0.0, 0.0), wanted=None, pose=(0.0, 0.0, 0.0),

@@ -56,17 +56,12 @@ def approach(gait, velocity, vx, vy, wz, passed):
 
 
 @njit(cache=True)
-def present_state(body, yaw, centroid):
-    """The state `(12,)` of an `MpcProblem`: attitude of a body, motion of a `Centroid`.
-
-    `yaw` is the body's, unwrapped.
-    """
+def present_state(angles, centre, spin, velocity, yaw):
+    """The state `(12,)` of an `MpcProblem`; `yaw`, unwrapped, replaces that of the angles."""
     state = np.empty(12)
     for a in range(3):
-        state[a] = body.angles[a]
-        state[3 + a] = centroid.centre[a]
-        state[6 + a] = centroid.spin[a]
-        state[9 + a] = centroid.velocity[a]
+        state[a], state[3 + a], state[6 + a] = angles[a], centre[a], spin[a]
+        state[9 + a] = velocity[a]
     state[2] = yaw
     return state
 
@@ -148,7 +143,7 @@ def walk_problem(robot, gait, body, state):
             levers[k, leg, 1] = py - half_y
             levers[k, leg, 2] = pz - (height + climb)
     return MpcProblem(
-        present_state(body, measured_yaw, body),
+        present_state(body.angles, body.centre, body.spin, body.velocity, measured_yaw),
         reference,
         contacts,
         levers,
@@ -161,12 +156,6 @@ def walk_problem(robot, gait, body, state):
         gait.mu,
         gait.max_force,
     )
-
-
-@njit(cache=True)
-def solve_walk(robot, gait, body, state):
-    """Compute `state.forces` for a robot that trots or stands."""
-    solve_forces(walk_problem(robot, gait, body, state), state)
 
 
 @njit(cache=True)

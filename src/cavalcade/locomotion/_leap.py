@@ -12,9 +12,10 @@ import numpy as np
 from numba import njit
 
 from cavalcade.locomotion._centroid import measure_centroid
+from cavalcade.locomotion._horizon import solve_forces
 from cavalcade.locomotion._joints import go_limp, limit_torques, stance_torques
 from cavalcade.locomotion._kinematics import measure_body, turned_back
-from cavalcade.locomotion._leap_horizon import foothold, solve_leap
+from cavalcade.locomotion._leap_horizon import foothold, leap_problem
 from cavalcade.locomotion._leap_legs import flight_torques
 from cavalcade.locomotion._walk import FALL, stand
 from cavalcade.locomotion.records import FALLEN, FLIGHT, GRAVITY, LANDING, PUSH
@@ -47,7 +48,7 @@ def step_leap(robot, state, leap, body, measured, torques):
             leap.start[a] = centroid.centre[a]
     changed = advance(robot, state, leap, body, centroid, measured.feet)
     if leap.phase != FLIGHT and (changed or state.time - state.solved >= leap.interval - 1e-9):
-        solve_leap(robot, leap, state, body, centroid)
+        solve_forces(leap_problem(robot, leap, state, body, centroid), state)
         state.solved = state.time
     for leg in range(4):
         if state.contact[leg] == 1:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numba import njit
 
-from cavalcade.locomotion._horizon import present_state, solve_forces
+from cavalcade.locomotion._horizon import present_state
 from cavalcade.locomotion._kinematics import wrapped
 from cavalcade.locomotion.mpc import MpcProblem
 from cavalcade.locomotion.records import CROUCH, FLIGHT, GRAVITY, LANDING, PUSH, STEPS
@@ -139,7 +139,7 @@ def leap_problem(robot, leap, state, body, centroid):
                 levers[k, leg, a] = place[a] - (centroid.centre[a] + middle[3 + a] - now[3 + a])
             levers[k, leg, 2] -= robot.foot_radius
     return MpcProblem(
-        present_state(body, measured, centroid),
+        present_state(body.angles, centroid.centre, centroid.spin, centroid.velocity, measured),
         reference,
         contacts,
         levers,
@@ -152,9 +152,3 @@ def leap_problem(robot, leap, state, body, centroid):
         leap.mu,
         leap.max_force,
     )
-
-
-@njit(cache=True)
-def solve_leap(robot, leap, state, body, centroid):
-    """Compute `state.forces` for a robot that leaps; arguments as of `leap_problem`."""
-    solve_forces(leap_problem(robot, leap, state, body, centroid), state)

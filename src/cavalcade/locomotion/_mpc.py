@@ -30,23 +30,15 @@ from cavalcade.locomotion._qp import solve_qp
 from cavalcade.locomotion.records import GRAVITY
 
 
-class _Effects(NamedTuple):
-    """What forces do over the H steps, n unknowns in all.
+class _Steps(NamedTuple):
+    """Something at the ends and at the middles of the H steps.
 
-    Attributes:
-        ends, middles: `(H,)` times of steps, s.
-        turns, mids: `(H, 3, 3)` integrals, up to the ends and middles of steps, of the matrix that
-            turns angular velocity into rates of roll, pitch, yaw.
-        first: `(H + 1,)` first column of each step.
-        spins: `(3, n)` angular velocity per force: dt I⁻¹ [r]×.
+    Times are `(H,)`, s; turns are `(H, 3, 3)`, integrals up to then of the matrix that turns
+    angular velocity into rates of roll, pitch, yaw.
     """
 
     ends: Array
     middles: Array
-    turns: Array
-    mids: Array
-    first: Array
-    spins: Array
 
 
 @njit(cache=True)
@@ -91,37 +83,32 @@ def count_stance(contacts):
 @njit(cache=True, fastmath={"contract", "reassoc"})
 def build_qp(problem, hessian, gradient):
     """Fill the `(n, n)` hessian, of which the upper triangle, and the `(n,)` gradient."""
-    steps = problem.contacts.shape[0]
-    effects = _Effects(
-        np.empty(steps),
-        np.empty(steps),
-        np.zeros((steps, 3, 3)),
-        np.zeros((steps, 3, 3)),
-        np.empty(steps + 1, np.int64),
-        np.empty((3, gradient.shape[0])),
-    )
+    steps, dts, mass = problem.contacts.shape[0], problem.dts, problem.mass
+    times = _Steps(np.empty(steps), np.empty(steps))
+    turns = _Steps(np.zeros((steps, 3, 3)), np.zeros((steps, 3, 3)))
+    first, spins = np.empty(steps + 1, np.int64), np.empty((3, gradient.shape[0]))
     errors = np.empty((steps, 12))
-    _times(problem, effects)
-    _spins(problem, effects)
-    _free_errors(problem, effects, errors)
-    _gradient(problem, effects, errors, gradient)
-    _set_attitude(problem.weights, effects, hessian)
-    _add_position(problem, effects, hessian)
+    _times(problem.yaws, dts, times, turns)
+    _spins(problem.contacts, problem.levers, problem.yaws, dts, problem.inertia, first, spins)
+    _free_errors(problem.state, problem.reference, problem.weights, times, turns, errors)
+    _gradient(errors, first, spins, times, turns, dts, mass, gradient)
+    _set_attitude(problem.weights, turns, first, spins, hessian)
+    _add_position(problem.weights, first, times, dts, mass, hessian)
     # The forces' own weight, around an equal share of the robot's weight for every standing foot.
-    first, force_weight = effects.first, problem.force_weight
+    force_weight = problem.force_weight
     for k in range(steps):
         feet = (first[k + 1] - first[k]) // 3
         for column in range(first[k], first[k + 1], 3):
             for a in range(3):
                 hessian[column + a, column + a] += force_weight
-            gradient[column + 2] -= force_weight * problem.mass * GRAVITY / feet
+            gradient[column + 2] -= force_weight * mass * GRAVITY / feet
 
 
 @njit(cache=True)
-def _times(problem, effects):
-    """Fill the times of steps, and for turning the integrals to their ends and middles."""
-    yaws, dts = problem.yaws, problem.dts
-    middles, ends, mids, turns = effects.middles, effects.ends, effects.mids, effects.turns
+def _times(yaws, dts, times, turns):
+    """Fill times and turns of the steps."""
+    ends, middles = times.ends, times.middles
+    upto, mids = turns.ends, turns.middles
     end, along, across = 0.0, 0.0, 0.0
     for k in range(dts.shape[0]):
         half = 0.5 * dts[k]
@@ -134,16 +121,17 @@ def _times(problem, effects):
         along += 2.0 * c
         across += 2.0 * s
         ends[k] = end
-        turns[k, 0, 0] = turns[k, 1, 1] = along
-        turns[k, 0, 1], turns[k, 1, 0] = across, -across
-        turns[k, 2, 2] = end
+        upto[k, 0, 0] = upto[k, 1, 1] = along
+        upto[k, 0, 1], upto[k, 1, 0] = across, -across
+        upto[k, 2, 2] = end
 
 
 @njit(cache=True)
-def _spins(problem, effects):
-    """Fill what forces do to the angular velocity, and the first column of each step."""
-    contacts, levers, yaws, dts = problem.contacts, problem.levers, problem.yaws, problem.dts
-    inertia, first, spins = problem.inertia, effects.first, effects.spins
+def _spins(contacts, levers, yaws, dts, inertia, first, spins):
+    """Fill what forces do to the angular velocity, dt I⁻¹ [r]×, and the first column of each step.
+
+    `spins` is `(3, n)`, `first` `(H + 1,)`.
+    """
     # The inverse inertia by its cofactors.
     a, b, c = inertia[0, 0], inertia[0, 1], inertia[0, 2]
     d, e, f = inertia[1, 1], inertia[1, 2], inertia[2, 2]
@@ -173,16 +161,14 @@ def _spins(problem, effects):
 
 
 @njit(cache=True)
-def _free_errors(problem, effects, errors):
+def _free_errors(state, reference, weights, times, turns, errors):
     """Fill the weighted errors `(H, 12)` of the motion without any force on the feet."""
-    state, reference, weights = problem.state, problem.reference, problem.weights
-    ends, turns = effects.ends, effects.turns
-    for k in range(ends.shape[0]):
-        t = ends[k]
+    for k in range(errors.shape[0]):
+        t = times.ends[k]
         for a in range(3):
             angle = state[a]
             for b in range(3):
-                angle += turns[k, a, b] * state[6 + b]
+                angle += turns.ends[k, a, b] * state[6 + b]
             pull = -GRAVITY if a == 2 else 0.0
             place = state[3 + a] + t * (state[9 + a] + 0.5 * pull * t)
             errors[k, a] = weights[a] * (angle - reference[k, a])
@@ -192,10 +178,9 @@ def _free_errors(problem, effects, errors):
 
 
 @njit(cache=True)
-def _gradient(problem, effects, errors, gradient):
+def _gradient(errors, first, spins, times, turns, dts, mass, gradient):
     """Fill the gradient: what the errors of all later steps ask of a step's forces."""
-    dts, mass, first, spins = problem.dts, problem.mass, effects.first, effects.spins
-    ends, middles, turns, mids = effects.ends, effects.middles, effects.turns, effects.mids
+    ends, middles, mids = times.ends, times.middles, turns.middles
     angle, angle1, spin = np.zeros(3), np.zeros(3), np.zeros(3)  # sums; 1: times the integral
     place, place1, speed = np.zeros(3), np.zeros(3), np.zeros(3)
     force, moment = np.empty(3), np.empty(3)
@@ -208,7 +193,7 @@ def _gradient(problem, effects, errors, gradient):
             speed[a] += errors[j, 9 + a]
             place1[a] += ends[j] * errors[j, 3 + a]
             for b in range(3):
-                angle1[a] += turns[j, b, a] * errors[j, b]
+                angle1[a] += turns.ends[j, b, a] * errors[j, b]
         # What they ask of a force at the centre of mass, and of a moment about it.
         for a in range(3):
             force[a] = dts[j] / mass * (place1[a] - middles[j] * place[a] + speed[a])
@@ -223,22 +208,22 @@ def _gradient(problem, effects, errors, gradient):
 
 
 @njit(cache=True, fastmath={"contract", "reassoc"})
-def _set_attitude(weights, effects, hessian):
+def _set_attitude(weights, turns, first, spins, hessian):
     """Set the hessian's upper triangle to the part of angles and angular velocities.
 
     Σ (turn_k - mid_i)ᵀ W (turn_k - mid_j) = fixed_j + mid_iᵀ linear_j, k from j to the last step.
     """
-    turns, mids, first, spins = effects.turns, effects.mids, effects.first, effects.spins
-    steps = turns.shape[0]
+    upto, mids = turns.ends, turns.middles
+    steps = upto.shape[0]
     fixed, linear = np.empty((steps, 3, 3)), np.empty((steps, 3, 3))
     once, twice = np.zeros((3, 3)), np.zeros((3, 3))  # Σ W turn, Σ turnᵀ W turn
     for j in range(steps - 1, -1, -1):
         count = float(steps - j)
         for a in range(3):
             for b in range(3):
-                once[a, b] += weights[a] * turns[j, a, b]
+                once[a, b] += weights[a] * upto[j, a, b]
                 for c in range(3):
-                    twice[a, b] += turns[j, c, a] * weights[c] * turns[j, c, b]
+                    twice[a, b] += upto[j, c, a] * weights[c] * upto[j, c, b]
         for a in range(3):
             for b in range(3):
                 linear[j, a, b] = count * weights[a] * mids[j, a, b] - once[a, b]
@@ -269,10 +254,9 @@ def _set_attitude(weights, effects, hessian):
 
 
 @njit(cache=True)
-def _add_position(problem, effects, hessian):
+def _add_position(weights, first, times, dts, mass, hessian):
     """Add the hessian's part of positions and velocities: pairs of feet along the same axis."""
-    weights, dts, mass = problem.weights, problem.dts, problem.mass
-    first, ends, middles = effects.first, effects.ends, effects.middles
+    ends, middles = times.ends, times.middles
     steps = ends.shape[0]
     count, once, twice = 0.0, 0.0, 0.0  # Σ 1, T, T²
     for j in range(steps - 1, -1, -1):

@@ -11,7 +11,13 @@ import math
 import numpy as np
 from numba import njit
 
-from cavalcade.locomotion._horizon import approach, commanded_velocity, solve_walk, swing_share
+from cavalcade.locomotion._horizon import (
+    approach,
+    commanded_velocity,
+    solve_forces,
+    swing_share,
+    walk_problem,
+)
 from cavalcade.locomotion._joints import (
     add_leg_weight,
     go_limp,
@@ -95,7 +101,7 @@ def step_walk(robot, gait, state, body, footing, measured, torques):
     state.ground += passed * (state.slope[0] * body.velocity[0] + state.slope[1] * body.velocity[1])
     sense_ground(robot, state, body, min(passed / SENSING, 1.0))
     if changed or state.time - state.solved >= gait.interval - 1e-9:
-        solve_walk(robot, gait, body, state)
+        solve_forces(walk_problem(robot, gait, body, state), state)
         state.solved = state.time
     for leg in range(4):
         if state.contact[leg] == 1:
