@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from cavalcade.campaign import judging
-from cavalcade.campaign.carrying import Ran, carry_out, carry_out_into
+from cavalcade.campaign.carrying import carry_out, carry_out_into
 from cavalcade.campaign.draws import DataFolder
 from cavalcade.campaign.engines.local import LocalEngine
 from cavalcade.campaign.lines import without_times
@@ -20,6 +20,7 @@ from cavalcade.campaign.plan import Plan, make_plan
 from cavalcade.campaign.runner import run_campaign
 from cavalcade.checking import check
 from cavalcade.checking.physics.reading import read_records
+from cavalcade.jobs import JobResult
 
 SUITE = """\
 version: 1
@@ -66,8 +67,8 @@ def test_the_same_lines_with_any_number_of_workers(
 
 def test_the_checker_sees_what_a_recording_would_hold(plan: Plan, tmp_path: Path) -> None:
     line, ran = carry_out_into(plan.trial("push.0001.cavalcade"), tmp_path / "a")
-    assert isinstance(ran, Ran)
-    track = ran.result.recording.physics
+    assert isinstance(ran, JobResult)
+    track = ran.recording.physics
     assert track is not None
     written = read_records(tmp_path / "a" / "recording.mcap", 1)
     for here, there in zip(judging.records_of(track), written, strict=True):
@@ -81,8 +82,8 @@ def test_the_checker_sees_what_a_recording_would_hold(plan: Plan, tmp_path: Path
 def test_a_push_that_is_not_said_is_found(plan: Plan) -> None:
     """The audit takes pushes from the scenario alone: without, forces do not explain the motion."""
     _, ran = carry_out_into(plan.trial("push.0001.cavalcade"), None)
-    assert isinstance(ran, Ran)
-    done, summary = ran.result.recording, ran.result.summary
+    assert isinstance(ran, JobResult)
+    done, summary = ran.recording, ran.summary
     assert judging.judged(ran.scenario, ran.world, done, summary).success
     execution = ran.scenario.execution.model_copy(update={"events": ()})
     untold = ran.scenario.model_copy(update={"execution": execution})

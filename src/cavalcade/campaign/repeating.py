@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cavalcade.campaign.carrying import Ran, carry_out_into
+from cavalcade.campaign.carrying import carry_out_into
 from cavalcade.campaign.lines import Line, without_times
 from cavalcade.campaign.plan import read_plan
 from cavalcade.campaign.store import LINES
 from cavalcade.errors import InputError, OutputError
 
 if TYPE_CHECKING:
-    from cavalcade.campaign.planned import Planned
+    from cavalcade.jobs import JobResult
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Repeated:
     """
 
     line: Line
-    ran: Ran | Planned | None
+    ran: JobResult | None
     before: Line | None
     same: bool | None
     version: str

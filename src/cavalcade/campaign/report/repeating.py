@@ -13,16 +13,11 @@ from cavalcade.campaign.report.trials import Trial
 from cavalcade.campaign.report.worst import Worst
 
 if TYPE_CHECKING:
-    from cavalcade.metrics.plan_result import PlanResult
-    from cavalcade.recording.frames import Recording
-    from cavalcade.scenario import Scenario, World
+    from cavalcade.jobs import JobResult
 
-Replay = Callable[
-    [Mapping[str, Any]],
-    "tuple[Scenario, World, Recording | PlanResult, Mapping[str, Any]] | None",
-]
-"""Repeats the trial of a line in memory: scenario, world at the start, recording or plan, and
-summary; None where it cannot be repeated. It is called for the few worst trials only."""
+Replay = Callable[[Mapping[str, Any]], "JobResult | None"]
+"""Repeats the trial of a line in memory; None where it cannot be repeated. It is called for the few
+worst trials only."""
 
 _VARYING = ("wall_time_s", "planning_time_s", "cycle_ms", "real_time_factor", "versions")
 """Keys of a summary that a repetition may change."""
@@ -57,33 +52,36 @@ def pictures_of(
 def _repeat(trial: Trial, folder: Path, replay: Replay) -> _Repeated:
     from cavalcade.campaign.report.pictures import draw_way
     from cavalcade.errors import OutputError
-    from cavalcade.recording.frames import Recording
 
     name = f"worst-{safe_name(trial.name)}.png"
     try:
         repeated = replay(trial.line)
         if repeated is None:
             return _Repeated(None, "")
-        scenario, world, what, summary = repeated
-        if isinstance(what, Recording):
-            path = draw_way(scenario, world, what, summary, folder / name)
+        scenario, world, recording = repeated.scenario, repeated.world, repeated.recording
+        if recording is not None:
+            path = draw_way(scenario, world, recording, repeated.summary, folder / name)
         else:
-            path = _draw_plan(scenario, world, what, folder / name)
+            path = _draw_plan(repeated, folder / name)
     except OutputError:
         raise
     except Exception as error:  # one picture less is no reason to lose the report
         return _Repeated(None, f"It could not be drawn: {type(error).__name__}.")
     if path is None:
         return _Repeated(None, "")
-    remark = "" if same_run(trial.summary, summary) else "The repetition ended differently."
+    remark = (
+        "" if same_run(trial.summary, repeated.summary) else "The repetition ended differently."
+    )
     return _Repeated(Drawn(path.name, path.read_bytes()), remark)
 
 
-def _draw_plan(scenario: Scenario, world: World, made: PlanResult, path: Path) -> Path:
+def _draw_plan(repeated: JobResult, path: Path) -> Path | None:
     from cavalcade.drawing.plans.scene import plan_scene
     from cavalcade.drawing.plans.top_view import draw_top_view
 
-    return draw_top_view(plan_scene(scenario, world, made), path)
+    if repeated.planned is None:
+        return None
+    return draw_top_view(plan_scene(repeated.scenario, repeated.world, repeated.planned), path)
 
 
 def same_run(first: Mapping[str, Any], second: Mapping[str, Any]) -> bool:

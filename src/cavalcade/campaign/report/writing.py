@@ -50,7 +50,7 @@ def write_report(
     from cavalcade.campaign.report.trials import Order, read_trials
     from cavalcade.campaign.table import write_table
     from cavalcade.drawing.style import make_directory
-    from cavalcade.files import replacing
+    from cavalcade.files import write_file
 
     place = Path(folder)
     table = write_table(place, lines)
@@ -64,8 +64,7 @@ def write_report(
         (PAGE, page.render(f"Campaign {suite.suite}", blocks, all_trials(trials, order))),
     )
     for name, text in texts:
-        with replacing(place / name) as temporary:
-            temporary.write_text(text, encoding="utf-8")
+        write_file(place / name, text)
         written.append(place / name)
     artist.tidy()
     return (*written, table, *(place / FIGURES / name for name in artist.names))
