@@ -85,7 +85,7 @@ class _GroupHead(Section):
 
 
 def _missing_physics() -> str | None:
-    from cavalcade.fleet.physics.engine import load_mujoco
+    from cavalcade.fleet.mujoco.engine import load_mujoco
 
     try:
         load_mujoco()
