@@ -10,7 +10,7 @@ from pathlib import Path
 import duckdb
 
 from cavalcade.campaign.engines import make_engine
-from cavalcade.campaign.plan import make_plan
+from cavalcade.campaign.definition import define_campaign
 from cavalcade.campaign.runner import run_campaign
 from cavalcade.campaign.statistics import wilson
 
@@ -28,7 +28,7 @@ if __name__ == "__main__":  # the campaign's processes import this file
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "pair.yaml").write_text(SUITE, encoding="utf-8")
     engine = make_engine("local", workers=2)
-    run_campaign(make_plan(folder / "pair.yaml"), folder / "pair", engine, resume=True)
+    run_campaign(define_campaign(folder / "pair.yaml"), folder / "pair", engine, resume=True)
 
     table = str(folder / "pair" / "trials.parquet")
     ((worlds, solved, contacts),) = duckdb.execute(QUERY, [table]).fetchall()

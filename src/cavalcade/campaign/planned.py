@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.campaign.draws.model import EXPECTED, SOLVED
+from cavalcade.campaign.samplers.sampler import EXPECTED, SOLVED
 from cavalcade.campaign.verdict import COLLISION, INVALID, Verdict, count_contacts, lines_of
 from cavalcade.checking import judge_plan
 from cavalcade.coordination import TeamPlan, TeamProblem, plan_team, problem_of
@@ -37,7 +37,7 @@ class Planned:
     result: PlanResult
 
 
-def carry_out_plan(scenario: Scenario, out: Path | None, force: bool, quiet: bool) -> Planned:
+def run_plan(scenario: Scenario, out: Path | None, force: bool, quiet: bool) -> Planned:
     """Plan; with `out` into a folder, with everything that a plan leaves.
 
     Raises:
@@ -61,7 +61,7 @@ def judged_plan(scenario: Scenario, result: PlanResult, expected: str = SOLVED) 
     Args:
         scenario: The resolved one.
         result: Its plan.
-        expected: As in `Drawn`: where there is no plan, refusing is the success.
+        expected: As in `Instance`: where there is no plan, refusing is the success.
     """
     # Also of a plan whose own summary finds contact, all that the coordinator claims is judged.
     claimed = {**result.summary, "success": result.plan.solved}

@@ -1,8 +1,8 @@
 import pytest
-
 from cavalcade.campaign.report.blocks import Table
 from cavalcade.campaign.report.comparison_chart import draw_comparisons
 from cavalcade.campaign.report.comparison_tables import comparison_tables
+
 from cavalcade.campaign.report.comparisons import (
     ALL,
     QUANTITIES,

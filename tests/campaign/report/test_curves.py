@@ -1,9 +1,9 @@
 import pytest
+from cavalcade.campaign.report.curves import BINS, curves_of
+from cavalcade.campaign.report.verdict import cells_of
 
 from cavalcade.campaign.report.canvas import series_color, series_marker
-from cavalcade.campaign.report.curves import BINS, curves_of
 from cavalcade.campaign.report.trials import Order, Trial
-from cavalcade.campaign.report.verdict import cells_of
 
 
 def curve(levels, **changes):

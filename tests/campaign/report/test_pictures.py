@@ -2,11 +2,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from cavalcade.campaign.report.repeating import same_run
 from PIL import Image
 
 from cavalcade.campaign.report import write_report
 from cavalcade.campaign.report.pictures import draw_way, tightest
-from cavalcade.campaign.report.repeating import same_run
 from cavalcade.formation.status import PlannerStatus
 from cavalcade.running.figures.scene import scene_of
 from cavalcade.running.frames import Recording

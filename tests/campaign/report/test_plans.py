@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from cavalcade.campaign.report.plan_tables import PAPER, paper_table, plan_measure_table
+from cavalcade.campaign.report.verdict import cells_of
 
 from cavalcade.campaign.report import write_report
 from cavalcade.campaign.report.comparisons import PLAN_QUANTITIES, QUANTITIES, compare_variants
-from cavalcade.campaign.report.plan_tables import PAPER, paper_table, plan_measure_table
 from cavalcade.campaign.report.tables import refusal_table
 from cavalcade.campaign.report.trials import Order, read_trials
-from cavalcade.campaign.report.verdict import cells_of
 from cavalcade.campaign.report.worst import worst_trials
 
 

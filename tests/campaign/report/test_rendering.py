@@ -1,19 +1,20 @@
 from html.parser import HTMLParser
 
-from cavalcade.campaign.report import markdown, page
 from cavalcade.campaign.report.blocks import (
     Bullets,
     Command,
-    Drawn,
     Figure,
     Folded,
     Heading,
+    Instance,
     Table,
     Text,
     code,
     plain,
     without_empty_columns,
 )
+
+from cavalcade.campaign.report import markdown, page
 
 TABLE = Table(("name", "value"), (("`a|b`", "1"), ("c<d>", "–")))
 BLOCKS = [
@@ -24,7 +25,7 @@ BLOCKS = [
     Heading("Verdict"),
     TABLE,
     Folded("more", TABLE),
-    Figure(Drawn("f.png", b"PNG", b"<svg/>"), "A `figure`"),
+    Figure(Instance("f.png", b"PNG", b"<svg/>"), "A `figure`"),
 ]
 TRIALS = page.trial_rows([("trial", None), ("n", 1)], [("a</script><b>", 1.5), ("b", None)])
 

@@ -1,7 +1,7 @@
 import pytest
+from cavalcade.campaign.report.verdict import Spread, cells_of, in_order
 
 from cavalcade.campaign.report.trials import Order, Trial, read_trials
-from cavalcade.campaign.report.verdict import Spread, cells_of, in_order
 
 
 def trial(number=0, **changes):
