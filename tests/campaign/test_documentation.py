@@ -42,9 +42,9 @@ def test_the_numbers_of_trials_are_those_of_the_suites() -> None:
 
 
 @pytest.mark.parametrize("kind", sorted(sampler_kinds()))
-def test_every_key_of_a_draw_is_listed(kind: str) -> None:
+def test_every_key_of_a_sampler_is_listed(kind: str) -> None:
     keys = set(sampler_kinds()[kind].model_fields) - {"sampler"}
-    said = set(re.findall(r"`(\w+)`", section(f"draw: {kind}")))
+    said = set(re.findall(r"`(\w+)`", section(f"sampler: {kind}")))
     assert not keys - said
 
 

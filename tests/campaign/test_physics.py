@@ -60,7 +60,7 @@ def test_the_same_lines_with_any_number_of_workers(
     assert 0.005 < steady["commanded"]["rms_m_s"] < 0.04
     assert steady["path_length_m"][0] == pytest.approx(0.4 * 4.5, abs=0.15)
     text = (tmp_path / "1" / "report.md").read_text(encoding="utf-8")
-    assert "## As they were told" in text
+    assert "## Following commands" in text
     assert "## Legs and bodies" in text
     assert "2 of 2 tasks done" in text
 

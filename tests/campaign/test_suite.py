@@ -279,3 +279,32 @@ def test_close_matches_of_a_trials_name() -> None:
     assert "did you mean clutter.0013.cavalcade or " in str(caught.value)
     with pytest.raises(InputError, match="no such trial: ''"):
         definition.trial("")
+
+
+FORMER = """\
+version: 1
+suite: former
+worlds:
+  - {name: one, draw: shipped, scenario: cone, seeds: 1}
+  - {name: two, draw: hopeless, kind: goals-equal, seeds: 1}
+"""
+
+
+def test_former_names_are_read_with_a_warning(tmp_path: Path) -> None:
+    file = tmp_path / "former.yaml"
+    file.write_text(FORMER, encoding="utf-8")
+    with pytest.warns(FutureWarning, match=r"former.yaml: `draw` of worlds is called `sampler`"):
+        before = define_campaign(file)
+    current = FORMER.replace("draw: hopeless", "sampler: infeasible").replace("draw:", "sampler:")
+    file.write_text(current, encoding="utf-8")
+    after = define_campaign(file)
+    assert before.to_dict() == after.to_dict()
+    # The folder of a campaign that was begun with them is that of the same campaign.
+    worlds = yaml.safe_load(FORMER)["worlds"]
+    for group, now in zip(worlds, after.suite.to_dict()["worlds"], strict=True):
+        group |= {key: value for key, value in now.items() if key != "sampler"}
+    suite = {**after.suite.to_dict(), "worlds": worlds}
+    begun = {**after.to_dict(), "fingerprint": "0", "suite": suite}
+    assert difference(after, begun) is None
+    worlds[0]["seeds"] = 2
+    assert difference(after, begun) == "was begun with other values in suite former: worlds"

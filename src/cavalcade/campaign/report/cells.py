@@ -77,7 +77,7 @@ _OF_ALL = (
     "gap",
     "obstacle_distance",
     "robot_distance",
-    "end",
+    "duration",
     "speed_error",
     "yaw_rate_error",
     "drift",
@@ -170,7 +170,7 @@ _COUNTS = """
     count(*) FILTER (contacts > 0),
     count(*) FILTER (ran AND falls > 0),
     coalesce(sum(robots) FILTER (ran), 0)::BIGINT,
-    coalesce(sum("end") FILTER (ran), 0.0),
+    coalesce(sum(duration) FILTER (ran), 0.0),
     coalesce(sum(crossings) FILTER (ran), 0)::BIGINT,
     coalesce(sum(strict_crossings) FILTER (ran), 0)::BIGINT,
     histogram(outcome),
@@ -210,18 +210,19 @@ def _counted(
         bins: Lowest and highest level of each bin.
         over_scenarios: Count the trials of all scenarios together.
     """
-    source, bin_number = "trials", "0"
+    scenario = f"'{ALL}'" if over_scenarios else "min(scenario)"
+    keys = [*([] if over_scenarios else ["scenario_at"]), "disturbance_at", "variant_at"]
+    source, number = "trials", "0"
     if bins:
-        rows = ", ".join(f"({k}, {low!r}::DOUBLE, {high!r}::DOUBLE)" for k, (low, high) in
-                         enumerate(bins))  # fmt: skip
+        rows = ", ".join(
+            f"({k}, {low!r}::DOUBLE, {high!r}::DOUBLE)" for k, (low, high) in enumerate(bins)
+        )
         source += f" JOIN (VALUES {rows}) AS bins(number, low, high) ON level BETWEEN low AND high"
-        bin_number = "number"
-    scenario, place = (f"'{ALL}'", "1") if over_scenarios else ("scenario", "scenario_at")
+        number, keys = "number", [*keys, "number"]
     query = f"""
-        SELECT {bin_number}, {scenario}, disturbance, variant, {_COUNTS}, {_SPREADS}
+        SELECT {number}, {scenario}, min(disturbance), min(variant), {_COUNTS}, {_SPREADS}
         FROM {source} WHERE {where}
-        GROUP BY {bin_number}, {scenario}, {place}, disturbance, disturbance_at, variant, variant_at
-        ORDER BY {place}, disturbance_at, variant_at, {bin_number}
+        GROUP BY {", ".join(keys)} ORDER BY {", ".join(keys)}
     """
     found = []
     for number, *row in table.rows(query):

@@ -323,7 +323,7 @@ def trial_list(trials: Sequence[Trial]) -> dict[str, Any]:
         ("success", None, lambda t: "yes" if t.success else "no"),
         ("outcome", None, lambda t: t.outcome),
         ("level", 0 if whole else 2, lambda t: t.level),
-        ("end (s)", 1, lambda t: _rounded(t.makespan if t.planned else t.end, 2)),
+        ("end (s)", 1, lambda t: _rounded(t.makespan if t.planned else t.duration, 2)),
         ("over alone" if planned else "over bound", 2, lambda t: _rounded(t.time_ratio, 3)),
         ("planned in (s)", 3, lambda t: _rounded(t.planning_time, 4))
         if planned

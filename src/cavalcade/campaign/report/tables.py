@@ -189,7 +189,7 @@ def plan_table(cells: Sequence[Cell], order: Order) -> Table:
 def commanded_table(cells: Sequence[Cell], order: Order) -> Table:
     """How robots followed commanded velocities; errors are the largest over a cell's trials."""
     columns = (
-        ("time p50 (s)", _spread("end", "median", 1)),
+        ("time p50 (s)", _spread("duration", "median", 1)),
         ("summed lengths p50 (m)", _spread("length", "median", 1)),
         ("error of mean speed (%)", _spread("speed_error", "most", 2, 100.0)),
         ("of mean yaw rate (%)", _spread("yaw_rate_error", "most", 2, 100.0)),

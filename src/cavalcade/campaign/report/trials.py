@@ -39,7 +39,7 @@ class Trial:
         level: Where the world lies on the suite's curve; `level_name` says what it measures.
         contacts: Collisions that the checker found, of which `avoidable` could have been avoided.
         gap: Smallest gap between footprints, or to an obstacle, m.
-        end: Simulated time, s.
+        duration: Simulated time, s.
         makespan: When the last robot was at its goal for good, s.
         time_ratio: Makespan over the longest lower bound at top speed; with individual goals over
             the makespan of the slowest robot alone.
@@ -65,7 +65,7 @@ class Trial:
     contacts: int
     avoidable: int
     gap: float | None
-    end: float | None
+    duration: float | None
     makespan: float | None
     time_ratio: float | None
     length_ratio: float | None
@@ -235,7 +235,7 @@ _DERIVED = """
     min_footprint_gap_m AS gap,
     min_obstacle_distance_m AS obstacle_distance,
     min_robot_distance_m AS robot_distance,
-    sim_time_s AS "end",
+    sim_time_s AS duration,
     makespan_s AS makespan,
     CASE WHEN success THEN coalesce(makespan_s, sim_time_s) END AS time,
     CASE WHEN planned THEN "measured.makespan_ratio" ELSE "measured.time_ratio" END AS time_ratio,

@@ -201,7 +201,7 @@ def _facts(trial: Trial) -> str:
         name = trial.level_name or "level"
         parts.append(f"{trial.level:g} {name}" if name.endswith("s") else f"{name} {trial.level:g}")
     measured: Sequence[tuple[float | None, str]] = (
-        (trial.end, f"{number(trial.end, 1)} s simulated"),
+        (trial.duration, f"{number(trial.duration, 1)} s simulated"),
         (trial.makespan if trial.planned else None, f"makespan {number(trial.makespan, 1)} s"),
         (trial.time_ratio, f"{number(trial.time_ratio)} times {_bound_of(trial)}"),
         (trial.length_ratio, f"{number(trial.length_ratio, 3)} times the shortest paths"),

@@ -54,12 +54,12 @@ def write_report(
     from cavalcade.campaign.report.canvas import Artist
     from cavalcade.campaign.report.document import document, trial_list
     from cavalcade.campaign.report.trials import TrialTable
-    from cavalcade.campaign.table import write_table
+    from cavalcade.campaign.table import scrubbed, write_table
     from cavalcade.running.figures.style import make_directory, replacing
 
     place = Path(folder)
     file = write_table(place, lines)
-    latest = {str(line.get("trial")): line for line in lines}
+    latest = {scrubbed(str(line.get("trial"))): line for line in lines}
     with TrialTable(file, suite) as table:
         artist = Artist(make_directory(place / FIGURES) if pictures else None, table.order)
         content = document(suite, table, latest, command, artist, replay)
