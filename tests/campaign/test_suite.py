@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 import yaml
 
-from cavalcade.campaign.definition import check_definition, define_campaign
+from cavalcade.campaign.definition import check_definition, define_campaign, difference
 from cavalcade.campaign.samplers import DataFolder
 from cavalcade.campaign.shipped import load_suite, suite_names
 from cavalcade.campaign.suite import parse_suite, sampler_kinds
