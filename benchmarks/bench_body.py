@@ -29,12 +29,14 @@ from itertools import pairwise
 import numpy as np
 from numba import njit
 
-from cavalcade.body import BodySettings, Ground, make_ground, plan_body
-from cavalcade.body._aim import aimed_leap, find_barrier
-from cavalcade.body._figures import SIZE, make_body
-from cavalcade.body._surface import surface
-from cavalcade.body._validity import solid_free, state_problem
-from cavalcade.body.obstruction import obstruction
+from cavalcade.kinodynamic._leap_aimed import aimed_leap, find_barrier
+from cavalcade.kinodynamic._validity import solid_free, state_problem
+from cavalcade.kinodynamic.obstruction import obstruction
+from cavalcade.kinodynamic.parameters import SIZE, make_body
+from cavalcade.kinodynamic.planner import plan_body
+from cavalcade.kinodynamic.settings import BodySettings
+from cavalcade.lattice.ground import Ground, make_ground
+from cavalcade.lattice.surface import surface
 from cavalcade.robots import robot_model
 from cavalcade.world import OccupancyMap, generate, rasterise
 from cavalcade.world.terrain import generate_terrain

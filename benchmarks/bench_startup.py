@@ -21,7 +21,7 @@ from pathlib import Path
 PROBE = """
 import sys, time
 from cavalcade.cli import main
-from cavalcade.running.control import ControlLoop
+from cavalcade.execution.control import ControlLoop
 
 send = ControlLoop.send
 moves = False

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from cavalcade.running import RunResult, run
+from cavalcade.jobs.running import RunResult, run
 from cavalcade.scenario.loading import parse_scenario
 
 NAMES = ("square-clutter", "cone", "triangle-lab", "triangle-corridor", "tour-ten", "office")

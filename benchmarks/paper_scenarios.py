@@ -20,8 +20,8 @@ from types import MappingProxyType
 import numpy as np
 
 from cavalcade.checking import check
-from cavalcade.running import run
-from cavalcade.running.frames import Recording
+from cavalcade.jobs.running import run
+from cavalcade.recording.frames import Recording
 from cavalcade.scenario import World, build_world, load_scenario, resolve_scenario
 from cavalcade.world.shapes import Circle, distance_to_shapes
 

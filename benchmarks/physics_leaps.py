@@ -18,18 +18,19 @@ from typing import Any
 
 import numpy as np
 
-from cavalcade.body import make_ground, plan_body
 from cavalcade.checking.physics.floor import floor_of
 from cavalcade.checking.physics.leaps import Leap, LeapVerdict, judge_leap
 from cavalcade.checking.physics.record import RobotRecord, Touch
 from cavalcade.checking.plans.heights import Heights
+from cavalcade.execution.leaping import leaps_of, request_of
 from cavalcade.fleet import LeapRequest
 from cavalcade.fleet.physics import PhysicsGround, PhysicsSettings
 from cavalcade.fleet.physics.fleet import MujocoFleet
 from cavalcade.fleet.physics.leaping import APPROACH
+from cavalcade.kinodynamic.planner import plan_body
+from cavalcade.lattice.ground import make_ground
 from cavalcade.locomotion.leap import LeapSettings
 from cavalcade.robots import RobotModel, robot_model
-from cavalcade.running.plans.leaping import leaps_of, request_of
 from cavalcade.world import OccupancyMap
 from cavalcade.world.terrain import generate_terrain
 

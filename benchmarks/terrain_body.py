@@ -13,9 +13,11 @@ from pathlib import Path
 
 import numpy as np
 
-from cavalcade.body import BodySettings, Ground, make_ground, plan_body
-from cavalcade.body._figures import make_body
-from cavalcade.body.obstruction import obstruction
+from cavalcade.kinodynamic.obstruction import obstruction
+from cavalcade.kinodynamic.parameters import make_body
+from cavalcade.kinodynamic.planner import plan_body
+from cavalcade.kinodynamic.settings import BodySettings
+from cavalcade.lattice.ground import Ground, make_ground
 from cavalcade.robots import RobotModel, robot_model
 from cavalcade.world import OccupancyMap, Terrain
 from cavalcade.world.terrain import load_terrain

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from cavalcade.body.trajectory import Trajectory
     from cavalcade.checking import Report, Violation, check
     from cavalcade.coordination.result import TeamPlan
     from cavalcade.eikonal import arrival_times
@@ -32,9 +31,12 @@ if TYPE_CHECKING:
         Imperfections,
         MovingObstacle,
     )
+    from cavalcade.geometry.trajectory import Trajectory
+    from cavalcade.jobs.planning import plan
+    from cavalcade.jobs.running import RunResult, run
+    from cavalcade.metrics.plan_result import PlanResult
+    from cavalcade.recording.mcap_reader import read_recording
     from cavalcade.robots import RobotModel, robot_model
-    from cavalcade.running import RunResult, read_recording, run
-    from cavalcade.running.plans import PlanResult, plan
     from cavalcade.scenario import (
         Scenario,
         build_world,
@@ -71,17 +73,17 @@ _HOME = {
     "MujocoFleet": "fleet.physics",
     "OccupancyMap": "world",
     "OutputError": "errors",
-    "PlanResult": "running.plans",
+    "PlanResult": "metrics.plan_result",
     "Polygon": "world",
     "RecordingError": "errors",
     "Report": "checking",
     "RobotModel": "robots",
-    "RunResult": "running",
+    "RunResult": "jobs",
     "Scenario": "scenario",
     "ScenarioError": "errors",
     "TeamPlan": "coordination.result",
     "Terrain": "world",
-    "Trajectory": "body.trajectory",
+    "Trajectory": "geometry.trajectory",
     "Violation": "checking",
     "arrival_times": "eikonal",
     "build_world": "scenario",
@@ -93,10 +95,10 @@ _HOME = {
     "load_scenario": "scenario",
     "load_terrain": "world",
     "parse_scenario": "scenario",
-    "plan": "running.plans",
-    "read_recording": "running",
+    "plan": "jobs",
+    "read_recording": "recording",
     "robot_model": "robots",
-    "run": "running",
+    "run": "jobs",
     "save_map": "world",
     "scenario_names": "scenario",
 }

@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 from scipy.ndimage import map_coordinates
 
-from cavalcade.body import BodyPlan, Ground, Trajectory, make_ground
+from cavalcade.geometry.trajectory import Trajectory
+from cavalcade.kinodynamic.planner import BodyPlan
+from cavalcade.lattice.ground import Ground, make_ground
 from cavalcade.robots import RobotModel, robot_model
 from cavalcade.world import OccupancyMap
 from cavalcade.world.terrain import generate_terrain

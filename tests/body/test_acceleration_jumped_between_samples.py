@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cavalcade.body._moves import make_move
-from cavalcade.body.movers import mover_of
-from cavalcade.body.timed import Way, trajectory_of
+from cavalcade.lattice.motion_limits import mover_of
+from cavalcade.lattice.planner import Way, trajectory_of
+from cavalcade.lattice.primitives import make_move
 from cavalcade.robots import MODELS, robot_model
 
 

@@ -6,8 +6,7 @@ import re
 from dataclasses import fields
 from pathlib import Path
 
-from cavalcade.body import BodySettings
-from cavalcade.body.settings import VARIANTS
+from cavalcade.kinodynamic.settings import VARIANTS, BodySettings
 
 NOTE = (Path(__file__).resolve().parents[2] / "docs" / "body-planning.md").read_text("utf-8")
 

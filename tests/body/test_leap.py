@@ -10,8 +10,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cavalcade.body._aim import aimed_leap, find_barrier
-from cavalcade.body._figures import (
+from cavalcade.kinodynamic._leap import (
+    close_leap,
+    leap_duration,
+    leap_problem,
+    leap_state,
+    peak_force,
+    reverse_leap,
+)
+from cavalcade.kinodynamic._leap_aimed import aimed_leap, find_barrier
+from cavalcade.kinodynamic._leap_random import random_leap
+from cavalcade.kinodynamic.parameters import (
     BRAKE,
     END,
     FLIGHT,
@@ -25,16 +34,7 @@ from cavalcade.body._figures import (
     TIME,
     make_body,
 )
-from cavalcade.body._leap import (
-    close_leap,
-    leap_duration,
-    leap_problem,
-    leap_state,
-    peak_force,
-    reverse_leap,
-)
-from cavalcade.body._leap_random import random_leap
-from cavalcade.body._surface import surface
+from cavalcade.lattice.surface import surface
 from cavalcade.robots import robot_model
 
 G = 9.81

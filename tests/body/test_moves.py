@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cavalcade.body._moves import (
+from cavalcade.lattice.motion_limits import mover_of, primitives_of
+from cavalcade.lattice.primitives import (
     advanced,
     along,
     make_move,
@@ -18,7 +19,6 @@ from cavalcade.body._moves import (
     trapezoid,
     within,
 )
-from cavalcade.body.movers import mover_of, primitives_of
 from cavalcade.robots import MODELS, robot_model
 
 _FEW = settings(max_examples=200, deadline=None)

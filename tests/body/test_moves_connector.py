@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cavalcade.body._moves import poses_between, sample_moves, trapezoid
-from cavalcade.body._moves_connector import MOST_MOVES, MOST_WORDS, backward_factor, connect
-from cavalcade.body.movers import mover_of
 from cavalcade.geometry import Array
+from cavalcade.lattice.dubins import MOST_MOVES, MOST_WORDS, backward_factor, connect
+from cavalcade.lattice.motion_limits import mover_of
+from cavalcade.lattice.primitives import poses_between, sample_moves, trapezoid
 from cavalcade.robots import MODELS, robot_model
 
 _FEW = settings(max_examples=400, deadline=None)

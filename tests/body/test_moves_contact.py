@@ -10,14 +10,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cavalcade.body import make_ground
-from cavalcade.body._moves import sample_moves
-from cavalcade.body._moves_connector import MOST_MOVES, MOST_WORDS, connect
-from cavalcade.body._moves_contact import bodies_meet, free_from, move_free, place_free, pose_free
-from cavalcade.body.ground import Ground
-from cavalcade.body.movers import mover_of
-from cavalcade.body.timed import NOBODY, Others, others_of
 from cavalcade.geometry import Array
+from cavalcade.lattice.collision import bodies_meet, free_from, move_free, place_free, pose_free
+from cavalcade.lattice.dubins import MOST_MOVES, MOST_WORDS, connect
+from cavalcade.lattice.ground import Ground, make_ground
+from cavalcade.lattice.motion_limits import mover_of
+from cavalcade.lattice.planner import NOBODY, Others, others_of
+from cavalcade.lattice.primitives import sample_moves
 from cavalcade.robots import MODELS, robot_model
 from cavalcade.world import OccupancyMap
 

@@ -7,8 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from cavalcade.body import BodySettings, Ground, plan_body
 from cavalcade.errors import InputError
+from cavalcade.kinodynamic.planner import plan_body
+from cavalcade.kinodynamic.settings import BodySettings
+from cavalcade.lattice.ground import Ground
 from cavalcade.robots import robot_model
 
 CROSSINGS = [

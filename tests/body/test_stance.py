@@ -9,9 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cavalcade.body._figures import OK, SIZE, TIME, make_body
-from cavalcade.body._grow import cut
-from cavalcade.body._stance import (
+from cavalcade.kinodynamic._extend import cut
+from cavalcade.kinodynamic._stance import (
     fastest,
     is_straight,
     make_walk,
@@ -19,7 +18,8 @@ from cavalcade.body._stance import (
     walk_problem,
     walk_state,
 )
-from cavalcade.body._surface import bilinear, surface
+from cavalcade.kinodynamic.parameters import OK, SIZE, TIME, make_body
+from cavalcade.lattice.surface import bilinear, surface
 from cavalcade.robots import robot_model
 
 BODY = make_body(robot_model("spirit"))

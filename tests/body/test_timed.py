@@ -11,13 +11,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cavalcade.body import make_ground
-from cavalcade.body._moves import make_move, poses_between, sample_moves
-from cavalcade.body._timed_search import FOUND, search
-from cavalcade.body._timed_shorten import shorten, split
-from cavalcade.body.ground import Ground
-from cavalcade.body.movers import mover_of, primitives_of
-from cavalcade.body.timed import (
+from cavalcade.geometry import Array
+from cavalcade.lattice._search import FOUND, search
+from cavalcade.lattice.ground import Ground, make_ground
+from cavalcade.lattice.motion_limits import mover_of, primitives_of
+from cavalcade.lattice.planner import (
     CAREFUL,
     NOBODY,
     TRACK_STEP,
@@ -28,7 +26,8 @@ from cavalcade.body.timed import (
     others_of,
     trajectory_of,
 )
-from cavalcade.geometry import Array
+from cavalcade.lattice.primitives import make_move, poses_between, sample_moves
+from cavalcade.lattice.shortening import shorten, split
 from cavalcade.robots import MODELS, RobotModel, robot_model
 from cavalcade.world import OccupancyMap
 

@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cavalcade.body._figures import GROUND, OK, SOLID, make_body
-from cavalcade.body._random import normal, uniform
-from cavalcade.body._reach import grid_way
-from cavalcade.body._surface import bilinear, surface
-from cavalcade.body._turn import turn_on_spot, wrapped
-from cavalcade.body._validity import covered_slack, solid_free, solid_slack, state_problem
 from cavalcade.errors import InputError
+from cavalcade.kinodynamic._reachability import grid_way
+from cavalcade.kinodynamic._turn import turn_on_spot, wrapped
+from cavalcade.kinodynamic._validity import covered_slack, solid_free, solid_slack, state_problem
+from cavalcade.kinodynamic.parameters import GROUND, OK, SOLID, make_body
+from cavalcade.kinodynamic.random import normal, uniform
+from cavalcade.lattice.surface import bilinear, surface
 from cavalcade.robots import robot_model
 
 NO_DISCS = np.zeros((0, 3))

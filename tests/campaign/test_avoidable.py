@@ -5,7 +5,7 @@ import pytest
 
 from cavalcade.campaign.avoidable import audit
 from cavalcade.checking.report import Report, Violation
-from cavalcade.running.frames import Recording
+from cavalcade.recording.frames import Recording
 from cavalcade.scenario import build_world, parse_scenario, resolve_scenario
 
 CROSSING = {"circle": {"center": [5.0, 0.4], "radius": 0.3}}

@@ -14,7 +14,7 @@ from cavalcade.campaign.definition import define_campaign
 from cavalcade.campaign.judging import judged
 from cavalcade.campaign.trial_runner import Ran, run_trial_into
 from cavalcade.errors import ScenarioError
-from cavalcade.running.physics.track import PhysicsTrack
+from cavalcade.recording.physics_track import PhysicsTrack
 
 SUITE = """\
 version: 1

@@ -23,7 +23,7 @@ from cavalcade.campaign.warming import warmth_of
 from cavalcade.checking import check
 from cavalcade.checking.plans import read_plan
 from cavalcade.coordination.result import TeamPlan
-from cavalcade.running.plans import PlanResult, plan
+from cavalcade.jobs.planning import PlanResult, plan
 from cavalcade.scenario import Scenario, build_world, parse_scenario, resolve_scenario
 
 SUITE = """\

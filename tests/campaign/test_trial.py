@@ -68,8 +68,8 @@ def test_the_checker_sees_what_a_recording_would_hold(noisy: Trial, tmp_path: Pa
 
 
 def test_turning_more_than_once_is_the_same_in_memory_and_file(tmp_path: Path) -> None:
-    from cavalcade.running.frames import Recording
-    from cavalcade.running.recording import write_recording
+    from cavalcade.recording.frames import Recording
+    from cavalcade.recording.mcap_writer import write_recording
 
     count = 400
     time = np.round(np.arange(count) * 0.05, 9)
@@ -87,7 +87,7 @@ def test_turning_more_than_once_is_the_same_in_memory_and_file(tmp_path: Path) -
 
 
 def carry_out_status(count: int) -> Any:
-    from cavalcade.formation.status import PlannerStatus
+    from cavalcade.recording.status import PlannerStatus
 
     status = PlannerStatus(
         state="final",
@@ -134,7 +134,7 @@ def test_a_trial_of_a_campaign_again(
 def test_bad_input_is_refused_and_an_exception_is_a_crash(
     noisy: Trial, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    import cavalcade.running
+    import cavalcade.jobs.running
 
     line = run_trial(replace(noisy, overrides=("robots[0].start=[100, 1, 0]",)))
     assert line["outcome"] == "refused"
@@ -144,7 +144,7 @@ def test_bad_input_is_refused_and_an_exception_is_a_crash(
     def broken(*_: Any, **__: Any) -> Any:
         raise ZeroDivisionError("by nothing\nat all")
 
-    monkeypatch.setattr(cavalcade.running, "run", broken, raising=False)
+    monkeypatch.setattr(cavalcade.jobs.running, "run", broken, raising=False)
     line = run_trial(noisy)
     assert line["outcome"] == "crashed"
     assert line["detail"].startswith("ZeroDivisionError: by nothing at all (test_trial.py:")

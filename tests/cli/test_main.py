@@ -26,7 +26,7 @@ Fake = Callable[..., None]
 def fake_run(monkeypatch: pytest.MonkeyPatch) -> list[tuple[tuple[Any, ...], dict[str, Any]]]:
     """Puts a stand-in for the running package; the list tells how it was called."""
     calls: list[tuple[tuple[Any, ...], dict[str, Any]]] = []
-    module = types.ModuleType("cavalcade.running")
+    module = types.ModuleType("cavalcade.jobs")
 
     def run(*arguments: Any, **options: Any) -> Any:
         calls.append((arguments, options))
@@ -41,7 +41,7 @@ def fake_run(monkeypatch: pytest.MonkeyPatch) -> list[tuple[tuple[Any, ...], dic
         )
 
     module.run = run  # type: ignore[attr-defined]
-    monkeypatch.setitem(sys.modules, "cavalcade.running", module)
+    monkeypatch.setitem(sys.modules, "cavalcade.jobs", module)
     return calls
 
 
@@ -248,9 +248,9 @@ def test_show_draws_where_it_is_asked_to(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     drawn: list[Any] = []
-    module = types.ModuleType("cavalcade.running.figures")
+    module = types.ModuleType("cavalcade.drawing.formation")
     module.draw_scenario = lambda *arguments: drawn.append(arguments)  # type: ignore[attr-defined]
-    monkeypatch.setitem(sys.modules, "cavalcade.running.figures", module)
+    monkeypatch.setitem(sys.modules, "cavalcade.drawing.formation", module)
     monkeypatch.chdir(tmp_path)
     assert main(["show", "cone"]) == 0
     assert main(["show", "maze-solo", "--out", "b.pdf", "--set", "name=a/b ", "--quiet"]) == 0

@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from cavalcade.body import Ground, Trajectory, make_ground
 from cavalcade.coordination import TeamPlan, TeamProblem, problem_of
+from cavalcade.geometry.trajectory import Trajectory
+from cavalcade.lattice.ground import Ground, make_ground
 from cavalcade.robots import RobotModel, robot_model
 from cavalcade.scenario import build_world, parse_scenario
 from cavalcade.world import OccupancyMap

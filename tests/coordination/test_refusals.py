@@ -8,9 +8,9 @@ import time
 import numpy as np
 import pytest
 
-from cavalcade.body import make_ground
 from cavalcade.coordination import METHODS, PlanSettings, TeamPlan, TeamProblem, plan_team
 from cavalcade.errors import InputError
+from cavalcade.lattice.ground import make_ground
 from cavalcade.robots import robot_model
 from cavalcade.world import OccupancyMap
 

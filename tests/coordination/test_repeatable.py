@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 import yaml
 
-from cavalcade.body import make_ground
 from cavalcade.coordination import METHODS, PlanSettings, TeamProblem, plan_team, problem_of
+from cavalcade.lattice.ground import make_ground
 from cavalcade.scenario import build_world, load_scenario, parse_scenario
 from cavalcade.world import OccupancyMap
 

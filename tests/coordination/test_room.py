@@ -8,11 +8,11 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from cavalcade.body.ground import make_ground
 from cavalcade.coordination import PlanSettings, TeamProblem, plan_team
 from cavalcade.coordination.conflicts import conflicts_of
 from cavalcade.coordination.room import grown
 from cavalcade.errors import InputError
+from cavalcade.lattice.ground import make_ground
 from cavalcade.robots import MODELS
 from cavalcade.world import OccupancyMap
 

@@ -8,10 +8,10 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from cavalcade.body import make_ground
 from cavalcade.coordination import PlanSettings, TeamPlan, TeamProblem, plan_team
 from cavalcade.coordination.uneven import begun_later, walkable
 from cavalcade.errors import InputError
+from cavalcade.lattice.ground import make_ground
 from cavalcade.robots import robot_model
 from cavalcade.world import OccupancyMap, generate_terrain
 

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from cavalcade.body.trajectory import FLIGHT, LANDING, TAKE_OFF, WALK, Trajectory
+from cavalcade.geometry.trajectory import FLIGHT, LANDING, TAKE_OFF, WALK, Trajectory
 from cavalcade.robots import robot_model
 
 STEP = 0.03

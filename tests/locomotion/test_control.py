@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cavalcade.body.ground import make_ground
 from cavalcade.errors import InputError
+from cavalcade.lattice.ground import make_ground
 from cavalcade.locomotion.control import LegControl
 from cavalcade.locomotion.records import LYING, SINKING, STANDING, TROTTING
 from cavalcade.locomotion.settings import GaitSettings

@@ -3,8 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cavalcade.body.ground import make_ground
 from cavalcade.geometry import inverse_transform_points, transform_points
+from cavalcade.lattice.ground import make_ground
 from cavalcade.locomotion import leg_lengths, longest_leg, plan_footholds
 from cavalcade.locomotion.footholds import FARTHEST
 from cavalcade.robots import robot_model

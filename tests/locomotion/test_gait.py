@@ -5,7 +5,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from cavalcade.body.trajectory import FLIGHT, WALK, Trajectory
+from cavalcade.geometry.trajectory import FLIGHT, WALK, Trajectory
 from cavalcade.locomotion import FRONT_LEFT, FRONT_RIGHT, REAR_LEFT, REAR_RIGHT, stances
 from cavalcade.robots.legs import GO1, SPIRIT
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cavalcade.body.ground import Ground, make_ground, read_only
+from cavalcade.lattice.ground import Ground, make_ground, read_only
 from cavalcade.locomotion._legs import BODY, look
 from cavalcade.locomotion._swing import (
     LEANING,

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cavalcade.formation.status import PlannerStatus
 from cavalcade.geometry import transform_points, wrap_angle
+from cavalcade.recording.status import PlannerStatus
 from cavalcade.scenario import Scenario, parse_scenario
 
 HALF = 0.5
@@ -151,7 +151,7 @@ def straight() -> Callable[[Scenario, Any], StraightPlanner]:
 @pytest.fixture
 def go(make_scenario: Callable[..., Scenario], straight: Any) -> Callable[..., Any]:
     """Runs the straight planner; `change` may alter it first."""
-    from cavalcade.running import run
+    from cavalcade.jobs.running import run
 
     def run_it(out: Path | None = None, change: Any = None, **options: Any) -> Any:
         fleet = options.pop("fleet", None)

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cavalcade.running.arrival import (
+from cavalcade.execution.arrival import (
     IDEAL,
     PHYSICS,
     ArrivalMonitor,

@@ -9,9 +9,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from cavalcade.geometry import rectangle_corners
+from cavalcade.metrics.clearance import begins, clearance
+from cavalcade.recording.frames import ObstacleTrack, Recording
 from cavalcade.robots import robot_model
-from cavalcade.running import ObstacleTrack, Recording
-from cavalcade.running.clearance import begins, clearance
 from cavalcade.scenario import World, build_world
 from cavalcade.world import Box, Circle, OccupancyMap, Polygon, Shape
 

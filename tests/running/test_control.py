@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from cavalcade.execution.control import ControlLoop
 from cavalcade.fleet import CommandDelay, IdealFleet, Observation, Watchdog
 from cavalcade.robots import robot_model
-from cavalcade.running import ControlLoop
 from cavalcade.world import OccupancyMap
 
 SLOTS = ((0.0, 1.0), (0.0, 0.0), (0.0, -1.0))

@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from cavalcade.running import run
-from cavalcade.running.team import expected_of
+from cavalcade.execution.team import expected_of
+from cavalcade.jobs.running import run
 from cavalcade.scenario import load_scenario, parse_scenario
 
 NOISE = {"position": 0.02, "heading": math.radians(1.0)}

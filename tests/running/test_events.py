@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from cavalcade.execution.control import ControlLoop
+from cavalcade.execution.events import EventRunner
 from cavalcade.fleet import IdealFleet, Watchdog
-from cavalcade.running import ControlLoop
-from cavalcade.running.events import EventRunner
 from cavalcade.scenario import Scenario, build_world
 from cavalcade.world import Box, Circle, OccupancyMap
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from cavalcade.fleet import IdealFleet
-from cavalcade.running import run
+from cavalcade.jobs.running import run
 from cavalcade.scenario import load_scenario
 
 KEYS = {

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cavalcade.running.lower_bound import ShortestWays
+from cavalcade.metrics.lower_bound import ShortestWays
 from cavalcade.world import Box, Circle, OccupancyMap
 
 FREE = OccupancyMap.empty((8.0, 6.0), 0.05)

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from rosbags.typesys import Stores, get_typestore
 
+from cavalcade.recording import _messages
+from cavalcade.recording.cdr import Layout
 from cavalcade.robots import robot_model
-from cavalcade.running import _messages
-from cavalcade.running._cdr import Layout
 from cavalcade.world import OccupancyMap
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)

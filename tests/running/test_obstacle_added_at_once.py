@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cavalcade.running import run
+from cavalcade.jobs.running import run
 from cavalcade.scenario import parse_scenario
 
 

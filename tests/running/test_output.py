@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from cavalcade.errors import OutputError
-from cavalcade.running.output import OutputFolder
+from cavalcade.jobs.output_folder import OutputFolder
 from cavalcade.scenario import load_scenario
 
 SUMMARY = {"name": "x", "success": True}

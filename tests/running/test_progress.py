@@ -5,7 +5,8 @@ from typing import Any
 
 import pytest
 
-from cavalcade.running.progress import Progress, Reporter, result_rows
+from cavalcade.execution.progress import Progress
+from cavalcade.jobs.reporter import Reporter, result_rows
 
 SUMMARY: dict[str, Any] = {
     "name": "a",

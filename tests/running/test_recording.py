@@ -10,10 +10,12 @@ import pytest
 from rosbags.rosbag2 import Reader
 
 from cavalcade.errors import OutputError, RecordingError
-from cavalcade.formation.status import PlannerStatus
+from cavalcade.recording.frames import ObstacleTrack, Recording
+from cavalcade.recording.mcap_reader import read_recording
+from cavalcade.recording.mcap_writer import write_recording
+from cavalcade.recording.recorder import PATH_POINTS, Recorder, thinned
+from cavalcade.recording.status import PlannerStatus
 from cavalcade.robots import robot_model
-from cavalcade.running import ObstacleTrack, Recording, read_recording, write_recording
-from cavalcade.running.recorder import PATH_POINTS, Recorder, thinned
 from cavalcade.world import OccupancyMap
 
 ROBOTS, CYCLES = 3, 60
@@ -187,7 +189,7 @@ def test_thinning_keeps_the_ends(count: int) -> None:
 def test_a_run_s_recording_equals_what_its_file_says(
     make_scenario: Callable[..., Any], straight: Any, tmp_path: Path
 ) -> None:
-    from cavalcade.running import run
+    from cavalcade.jobs.running import run
 
     result = run(make_scenario(), tmp_path / "r", planner=straight, figures=False, replay=False)
     back = read_recording(tmp_path / "r")

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from cavalcade.errors import InputError, OutputError, ScenarioError
+from cavalcade.execution.progress import Progress
 from cavalcade.fleet import IdealFleet
-from cavalcade.running import Progress, run
+from cavalcade.jobs.running import run
 from cavalcade.scenario import Scenario
 
 

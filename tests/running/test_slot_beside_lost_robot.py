@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cavalcade.running import run
+from cavalcade.jobs.running import run
 from cavalcade.scenario import parse_scenario
 
 

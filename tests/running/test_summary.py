@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cavalcade.running import Recording
-from cavalcade.running.summary import leader_changes, role_changes, versions
+from cavalcade.metrics.summary import leader_changes, role_changes, versions
+from cavalcade.recording.frames import Recording
 
 SQUARE = np.array([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0)])
 

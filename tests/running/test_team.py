@@ -6,14 +6,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cavalcade.formation.settings import LABORATORY, LABORATORY_SPRINGS, SIMULATION_SPRINGS
-from cavalcade.running.team import (
+from cavalcade.execution.team import (
     formation_of,
     make_fleet,
     make_planner,
     make_watchdog,
     settings_of,
 )
+from cavalcade.formation.settings import LABORATORY, LABORATORY_SPRINGS, SIMULATION_SPRINGS
 from cavalcade.scenario import FormationSection, PlannerSection, Scenario, build_world
 
 

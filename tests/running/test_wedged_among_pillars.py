@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import pytest
 
-from cavalcade.running import run
+from cavalcade.jobs.running import run
 from cavalcade.scenario import parse_scenario
 
 ALONE = [[-1.325, 1.625, 0.2574]]

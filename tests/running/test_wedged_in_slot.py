@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 
-from cavalcade.running import run
-from cavalcade.running.loop import RunResult
+from cavalcade.jobs.running import RunResult, run
 from cavalcade.scenario import parse_scenario
 
 

@@ -23,7 +23,7 @@ import numpy as np
 from cavalcade.campaign.escape import Scene, Thing
 from cavalcade.campaign.verdict import CONTACT
 from cavalcade.checking.report import Report, Violation
-from cavalcade.running.frames import Recording
+from cavalcade.recording.frames import Recording
 from cavalcade.scenario import Scenario, World
 from cavalcade.world import shape_from_mapping
 

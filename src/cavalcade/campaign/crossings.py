@@ -7,7 +7,7 @@ import numpy as np
 from cavalcade.campaign.judging import records_of
 from cavalcade.checking.physics.crossings import leap_reason
 from cavalcade.checking.plans.terrainfile import read_heights
-from cavalcade.running.frames import Recording
+from cavalcade.recording.frames import Recording
 from cavalcade.scenario import Scenario
 
 KINDS = ("gap", "step")

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.geometry import Array, transform_points
+from cavalcade.recording.frames import Recording
 from cavalcade.robots import RobotModel
-from cavalcade.running.frames import Recording
 from cavalcade.scenario import ObstacleSpan
 from cavalcade.world import Box, OccupancyMap, Shape
 from cavalcade.world.shapes import distance_to_shapes

@@ -20,10 +20,10 @@ from cavalcade.checking.check import judge, judge_physics
 from cavalcade.checking.physics.record import RobotRecord, Touch
 from cavalcade.checking.report import Report
 from cavalcade.checking.tracks import Track
+from cavalcade.execution.arrival import tolerance_of
 from cavalcade.geometry import Array
-from cavalcade.running.arrival import tolerance_of
-from cavalcade.running.frames import Recording
-from cavalcade.running.physics.track import PhysicsTrack
+from cavalcade.recording.frames import Recording
+from cavalcade.recording.physics_track import PhysicsTrack
 from cavalcade.scenario import Scenario, World
 
 
@@ -32,7 +32,7 @@ def tracks_of(recording: Recording) -> tuple[Track, ...]:
 
     There, times are whole nanoseconds and headings quaternions.
     """
-    from cavalcade.running._cdr import planar_poses
+    from cavalcade.recording.cdr import planar_poses
 
     time = _as_stamped(recording.time)
     poses = planar_poses(recording.poses)
@@ -71,8 +71,8 @@ def records_of(track: PhysicsTrack) -> tuple[RobotRecord, ...]:
 
 def _as_stamped(time: Array) -> Array:
     """Seconds as they come out of the stamps of messages."""
-    from cavalcade.running._cdr import stamps_of
-    from cavalcade.running.recording import nanoseconds
+    from cavalcade.recording.cdr import stamps_of
+    from cavalcade.recording.mcap_writer import nanoseconds
 
     seconds, rest = stamps_of(nanoseconds(time)).T
     return np.asarray(seconds + 1e-9 * rest)

@@ -13,9 +13,9 @@ from cavalcade.campaign.samplers.sampler import EXPECTED, SOLVED
 from cavalcade.campaign.verdict import COLLISION, INVALID, Verdict, count_contacts, lines_of
 from cavalcade.checking import judge_plan
 from cavalcade.coordination import TeamPlan, TeamProblem, plan_team, problem_of
-from cavalcade.running.plans import PlanResult, plan
-from cavalcade.running.plans.asking import settings_of
-from cavalcade.running.plans.planning import coordinate
+from cavalcade.jobs.plan_settings import settings_of
+from cavalcade.jobs.planning import coordinate, plan
+from cavalcade.metrics.plan_result import PlanResult
 from cavalcade.scenario import Scenario, World
 
 _ALONE = "cbs"

@@ -19,8 +19,9 @@ from cavalcade.errors import InputError, OutputError
 
 if TYPE_CHECKING:
     from cavalcade.campaign.planned import Planned
-    from cavalcade.running import Recording, RunResult
-    from cavalcade.running.plans import PlanResult
+    from cavalcade.jobs.running import RunResult
+    from cavalcade.metrics.plan_result import PlanResult
+    from cavalcade.recording.frames import Recording
     from cavalcade.scenario import Scenario, World
 
 
@@ -126,7 +127,7 @@ class _Known:
 def _carried_out(known: _Known, out: Path | None, force: bool, quiet: bool) -> tuple[Line, Ran]:
     from cavalcade.campaign.crossings import crossings
     from cavalcade.campaign.judging import judged, time_ratio
-    from cavalcade.running import run
+    from cavalcade.jobs.running import run
     from cavalcade.scenario import build_world, resolve_scenario
 
     scenario = resolve_scenario(known.sample())

@@ -53,7 +53,7 @@ def run(
 ) -> None:
     """Plan and carry out a scenario; leave recording, figures and replay in a folder."""
     loaded = options.load(scenario, overrides, seed, backend)
-    from cavalcade.running import run as run_scenario
+    from cavalcade.jobs import run as run_scenario
 
     result = run_scenario(loaded, out, force=force, realtime=realtime, quiet=quiet or as_json)
     if as_json:
@@ -118,7 +118,7 @@ def show(
     target = out if out is not None else Path(f"{options.file_name(loaded.name)}.png")
     options.check_picture(target)
     world = build_world(loaded)
-    from cavalcade.running.figures import draw_scenario
+    from cavalcade.drawing.formation import draw_scenario
 
     draw_scenario(loaded, world, target)
     if not quiet:

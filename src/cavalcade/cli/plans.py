@@ -28,7 +28,7 @@ def plan(
 ) -> None:
     """Plan a team whose robots have goals of their own; leave plan, figures and replay."""
     loaded = options.load(scenario, overrides, seed, None)
-    from cavalcade.running.plans import plan as plan_scenario
+    from cavalcade.jobs.planning import plan as plan_scenario
 
     result = plan_scenario(loaded, out, method, force=force, quiet=quiet or as_json)
     if as_json:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numba import njit
 
-from cavalcade.body._moves_contact import bodies_meet
+from cavalcade.lattice.collision import bodies_meet
 
 
 @njit(cache=True)

@@ -13,7 +13,10 @@ import math
 import numpy as np
 from numba import njit
 
-from cavalcade.body._moves import (
+from cavalcade.kinodynamic.random import uniform
+from cavalcade.lattice.collision import bodies_meet, move_free, pose_free
+from cavalcade.lattice.dubins import MOST_MOVES, MOST_WORDS, connect
+from cavalcade.lattice.primitives import (
     DURATION,
     HALF_LENGTH,
     HALF_WIDTH,
@@ -23,9 +26,6 @@ from cavalcade.body._moves import (
     advanced,
     sample_moves,
 )
-from cavalcade.body._moves_connector import MOST_MOVES, MOST_WORDS, connect
-from cavalcade.body._moves_contact import bodies_meet, move_free, pose_free
-from cavalcade.body._random import uniform
 
 FOUND, SPENT = 0, 2
 _TRIES = 20

@@ -6,7 +6,7 @@ import math
 
 from numba import njit
 
-from cavalcade.body._moves_contact import place_free
+from cavalcade.lattice.collision import place_free
 
 
 @njit(cache=True)

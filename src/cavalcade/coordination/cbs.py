@@ -14,13 +14,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import count
 
-from cavalcade.body.timed import TRACK_STEP
 from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.conflicts import Conflict, conflicts_of
 from cavalcade.coordination.course import Course
 from cavalcade.coordination.found import Found
 from cavalcade.coordination.problem import PlanSettings, TeamProblem
 from cavalcade.coordination.single import RobotPlanner, Span
+from cavalcade.lattice.planner import TRACK_STEP
 
 _PAD = 0.5
 """A constraint holds this long before and after the conflict, s."""

@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cavalcade.body.timed import TRACK_STEP, stacked
 from cavalcade.coordination._conflicts import find_conflicts
 from cavalcade.geometry import Array
+from cavalcade.lattice.planner import TRACK_STEP, stacked
 from cavalcade.robots import RobotModel
 
 MARGIN = 0.002

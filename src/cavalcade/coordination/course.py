@@ -7,10 +7,10 @@ from functools import cached_property
 
 import numpy as np
 
-from cavalcade.body.ground import Ground
-from cavalcade.body.timed import TRACK_STEP, Way, trajectory_of
-from cavalcade.body.trajectory import Trajectory
 from cavalcade.geometry import Array
+from cavalcade.geometry.trajectory import Trajectory
+from cavalcade.lattice.ground import Ground
+from cavalcade.lattice.planner import TRACK_STEP, Way, trajectory_of
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,10 +7,10 @@ from itertools import combinations
 
 import numpy as np
 
-from cavalcade.body._moves_contact import bodies_meet, pose_free
-from cavalcade.body.timed import TimedPlanner
 from cavalcade.coordination.problem import Pose, TeamProblem
 from cavalcade.geometry import Array
+from cavalcade.lattice.collision import bodies_meet, pose_free
+from cavalcade.lattice.planner import TimedPlanner
 from cavalcade.robots import RobotModel
 
 _TOUCH = -1e-6

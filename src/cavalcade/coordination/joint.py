@@ -9,9 +9,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.body._moves import DURATION
-from cavalcade.body._timed_shorten import shorten
-from cavalcade.body.timed import CAREFUL, NOBODY, Care, TimedPlanner, Way, others_of
 from cavalcade.coordination._joint import FOUND, search_joint, shorten_joint, word_between
 from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.conflicts import conflicts_of
@@ -19,6 +16,9 @@ from cavalcade.coordination.course import Course
 from cavalcade.coordination.problem import TeamProblem
 from cavalcade.coordination.single import RobotPlanner, spans_of
 from cavalcade.geometry import Array
+from cavalcade.lattice.planner import CAREFUL, NOBODY, Care, TimedPlanner, Way, others_of
+from cavalcade.lattice.primitives import DURATION
+from cavalcade.lattice.shortening import shorten
 
 _ATTEMPT = 200
 """Extensions of the trees before they are planted anew; twice as many every time."""

@@ -8,7 +8,6 @@ from functools import partial
 
 import numpy as np
 
-from cavalcade.body.timed import TimedPlanner
 from cavalcade.coordination.auto import solve_auto
 from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.cbs import conflict_search
@@ -27,6 +26,7 @@ from cavalcade.coordination.single import EFFORT, EvenPlanner, RobotPlanner
 from cavalcade.coordination.uneven import UnevenPlanner, walkable
 from cavalcade.coordination.warm import warm_up
 from cavalcade.errors import InputError
+from cavalcade.lattice.planner import TimedPlanner
 
 METHODS = ("auto", "sequential", "joint", "cbs")
 

@@ -8,10 +8,10 @@ from typing import Literal
 
 import numpy as np
 
-from cavalcade.body.ground import Ground, make_ground
-from cavalcade.body.trajectory import Trajectory
 from cavalcade.errors import InputError
 from cavalcade.geometry import inverse_transform_points, rotation, transform_points
+from cavalcade.geometry.trajectory import Trajectory
+from cavalcade.lattice.ground import Ground, make_ground
 from cavalcade.robots import RobotModel
 from cavalcade.scenario import Scenario, World
 

@@ -12,14 +12,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cavalcade.body.planner import plan_body
-from cavalcade.body.settings import BodySettings
-from cavalcade.body.timed import TRACK_STEP
 from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.course import Course
 from cavalcade.coordination.problem import PlanSettings, TeamProblem
 from cavalcade.coordination.single import EFFORT, Span
 from cavalcade.geometry import Array
+from cavalcade.kinodynamic.planner import plan_body
+from cavalcade.kinodynamic.settings import BodySettings
+from cavalcade.lattice.planner import TRACK_STEP
 
 DISTANCE = 0.33
 """The threshold d between centres in the published code, m."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from cavalcade.body.trajectory import Trajectory
+from cavalcade.geometry.trajectory import Trajectory
 
 
 @dataclass(frozen=True)

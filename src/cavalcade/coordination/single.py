@@ -9,9 +9,12 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from cavalcade.body._moves import DURATION
-from cavalcade.body._moves_contact import move_free, place_free, pose_free
-from cavalcade.body.timed import (
+from cavalcade.coordination.budget import Budget
+from cavalcade.coordination.course import Course
+from cavalcade.coordination.problem import TeamProblem
+from cavalcade.geometry import Array
+from cavalcade.lattice.collision import move_free, place_free, pose_free
+from cavalcade.lattice.planner import (
     CAREFUL,
     NOBODY,
     TRACK_STEP,
@@ -21,10 +24,7 @@ from cavalcade.body.timed import (
     Way,
     others_of,
 )
-from cavalcade.coordination.budget import Budget
-from cavalcade.coordination.course import Course
-from cavalcade.coordination.problem import TeamProblem
-from cavalcade.geometry import Array
+from cavalcade.lattice.primitives import DURATION
 
 EFFORT = 20_000
 """Expansions that one call may take; more are tried only where everything else has failed."""

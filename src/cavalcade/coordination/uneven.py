@@ -12,13 +12,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from cavalcade.body._figures import make_body
-from cavalcade.body.ground import Ground, read_only
-from cavalcade.body.obstruction import obstruction
-from cavalcade.body.planner import BodyPlan, plan_body
-from cavalcade.body.settings import BodySettings
-from cavalcade.body.timed import TRACK_STEP, TimedPlanner
-from cavalcade.body.trajectory import STEP, WALK, Trajectory
 from cavalcade.coordination._meeting import first_meeting
 from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.course import Course
@@ -26,6 +19,13 @@ from cavalcade.coordination.problem import PlanSettings, TeamProblem
 from cavalcade.coordination.single import EFFORT, EvenPlanner, Span, others_among
 from cavalcade.eikonal import surface_distance
 from cavalcade.geometry import Array
+from cavalcade.geometry.trajectory import STEP, WALK, Trajectory
+from cavalcade.kinodynamic.obstruction import obstruction
+from cavalcade.kinodynamic.parameters import make_body
+from cavalcade.kinodynamic.planner import BodyPlan, plan_body
+from cavalcade.kinodynamic.settings import BodySettings
+from cavalcade.lattice.ground import Ground, read_only
+from cavalcade.lattice.planner import TRACK_STEP, TimedPlanner
 from cavalcade.robots import RobotModel
 
 _POOL = 12

@@ -4,15 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from cavalcade.body import _search as trees
-from cavalcade.body._figures import make_body
-from cavalcade.body._surface import surface_along
-from cavalcade.body._timed_shorten import shorten
-from cavalcade.body.ground import Ground, make_ground, read_only
-from cavalcade.body.obstruction import find_way
-from cavalcade.body.planner import plan_body
-from cavalcade.body.settings import BodySettings
-from cavalcade.body.timed import TimedPlanner
 from cavalcade.coordination import _joint, _meeting
 from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.conflicts import conflicts_of
@@ -21,6 +12,15 @@ from cavalcade.coordination.problem import PlanSettings, TeamProblem
 from cavalcade.coordination.single import EvenPlanner, spans_of
 from cavalcade.coordination.uneven import UnevenPlanner
 from cavalcade.eikonal import surface_distance
+from cavalcade.kinodynamic import _search as trees
+from cavalcade.kinodynamic.obstruction import find_way
+from cavalcade.kinodynamic.parameters import make_body
+from cavalcade.kinodynamic.planner import plan_body
+from cavalcade.kinodynamic.settings import BodySettings
+from cavalcade.lattice.ground import Ground, make_ground, read_only
+from cavalcade.lattice.planner import TimedPlanner
+from cavalcade.lattice.shortening import shorten
+from cavalcade.lattice.surface import surface_along
 from cavalcade.robots import robot_model
 from cavalcade.world import OccupancyMap
 

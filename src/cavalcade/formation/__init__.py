@@ -15,8 +15,8 @@ from cavalcade.formation.settings import (
     Springs,
 )
 from cavalcade.formation.shapes import Connection, Formation
-from cavalcade.formation.status import PlannerStatus
 from cavalcade.formation.variants import VARIANTS, Variant, default_settings
+from cavalcade.recording.status import PlannerStatus
 
 __all__ = [
     "IMPROVED",

@@ -19,7 +19,6 @@ from cavalcade.formation.obstacles import MovingObstacle, mover_arrays
 from cavalcade.formation.safety import SafetyFilter
 from cavalcade.formation.settings import PRESETS, FormationSettings
 from cavalcade.formation.shapes import Formation
-from cavalcade.formation.status import PlannerStatus
 from cavalcade.formation.team import Team
 from cavalcade.formation.tracking import VelocityTracker
 from cavalcade.formation.variants import default_settings, variant_named
@@ -30,6 +29,7 @@ from cavalcade.geometry import (
     transform_points,
     wrap_angle,
 )
+from cavalcade.recording.status import PlannerStatus
 from cavalcade.robots import RobotModel, robot_model
 from cavalcade.world import OccupancyMap
 

@@ -63,7 +63,7 @@ def place_feet(wanted, cell, solid, height, traversability, flat, least, reach):
 
     Args:
         wanted: `(M, 2)` x, y.
-        cell, solid, height, traversability, flat: As of `cavalcade.body.ground.Ground`.
+        cell, solid, height, traversability, flat: As of `cavalcade.lattice.ground.Ground`.
         least: Least traversability.
         reach: How far a foot may be put from its wanted place.
 

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cavalcade.body.ground import Ground, make_ground, read_only
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array
+from cavalcade.lattice.ground import Ground, make_ground, read_only
 from cavalcade.locomotion._legs import BODY
 from cavalcade.locomotion._team import move_team
 from cavalcade.locomotion.figures import robot_figures

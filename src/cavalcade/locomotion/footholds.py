@@ -13,9 +13,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.body.ground import Ground
-from cavalcade.body.trajectory import FLIGHT, LANDING, TAKE_OFF, Trajectory
 from cavalcade.geometry import Array, inverse_transform_points, transform_points
+from cavalcade.geometry.trajectory import FLIGHT, LANDING, TAKE_OFF, Trajectory
+from cavalcade.lattice.ground import Ground
 from cavalcade.locomotion._kernels import bring_in_reach, interpolate, place_feet, stretch
 from cavalcade.locomotion.gait import stances
 from cavalcade.robots import RobotModel

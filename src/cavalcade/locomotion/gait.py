@@ -14,8 +14,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.body.trajectory import FLIGHT, WALK, Trajectory
 from cavalcade.geometry import Array
+from cavalcade.geometry.trajectory import FLIGHT, WALK, Trajectory
 from cavalcade.robots.legs import LegModel
 
 FRONT_LEFT, FRONT_RIGHT, REAR_LEFT, REAR_RIGHT = 0, 1, 2, 3

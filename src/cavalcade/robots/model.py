@@ -54,3 +54,10 @@ class RobotModel:
     round: bool = False
     legs: LegModel | None = None
     description: QuadrupedDescription | None = None
+
+    @property
+    def body(self) -> tuple[float, float, float]:
+        """The footprint as an inflated rectangle: length, width and inflation, m."""
+        if self.round:
+            return 0.0, 0.0, 0.5 * self.length
+        return self.length, self.width, 0.0

@@ -7,9 +7,9 @@ from PIL import Image
 from cavalcade.campaign.report import write_report
 from cavalcade.campaign.report.pictures import draw_paths, tightest
 from cavalcade.campaign.report.worst import same_run
-from cavalcade.formation.status import PlannerStatus
-from cavalcade.running.figures.scene import scene_of
-from cavalcade.running.frames import Recording
+from cavalcade.drawing.scene import scene_of
+from cavalcade.recording.frames import Recording
+from cavalcade.recording.status import PlannerStatus
 from cavalcade.scenario import build_world, parse_scenario
 
 DATA = {

@@ -16,8 +16,8 @@ from cavalcade.campaign.samplers import DataFolder, SamplerSection, unplanned
 from cavalcade.campaign.samplers.feasibility import DiscRegions
 from cavalcade.campaign.samplers.individual_goals import bodies_meet, keeps_apart
 from cavalcade.geometry import rectangle_corners, transform_points
+from cavalcade.jobs.planning import plan
 from cavalcade.robots import MODELS
-from cavalcade.running.plans import plan
 from cavalcade.scenario import build_world, parse_scenario
 from cavalcade.world import OccupancyMap
 

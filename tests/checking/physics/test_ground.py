@@ -59,8 +59,8 @@ def test_nowhere_beside_an_edge_is_a_foot_on_even_ground(height):
 )
 def test_a_walk_over_it_is_sound(kind, options):
     pytest.importorskip("mujoco")
-    from cavalcade.body.ground import make_ground
     from cavalcade.fleet.physics import PhysicsGround, TeamSimulator
+    from cavalcade.lattice.ground import make_ground
     from cavalcade.locomotion.control import LegControl
 
     terrain = generate_terrain(kind, (7.0, 3.0), seed=1, **options)

@@ -7,7 +7,6 @@ import pytest
 
 pytest.importorskip("mujoco")
 
-from cavalcade.body import make_ground
 from cavalcade.checking.physics.floor import floor_of
 from cavalcade.checking.physics.leaps import Leap, judge_leap
 from cavalcade.checking.physics.record import RobotRecord, Touch
@@ -16,6 +15,7 @@ from cavalcade.errors import InputError
 from cavalcade.fleet import LeapingFleet, LeapRequest
 from cavalcade.fleet.physics import PhysicsGround, PhysicsSettings
 from cavalcade.fleet.physics.fleet import MujocoFleet
+from cavalcade.lattice.ground import make_ground
 from cavalcade.locomotion.leap import LeapManoeuvre
 from cavalcade.robots import robot_model
 from cavalcade.world import OccupancyMap

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cavalcade.running.commands.figures import body_velocities, stretches, summarise_commands
-from cavalcade.running.frames import Recording
+from cavalcade.metrics.command_tracking import body_velocities, stretches, summarise_commands
+from cavalcade.recording.frames import Recording
 
 
 def recording(commands: Any, velocity: Any, period: float = 0.05) -> Recording:

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cavalcade.errors import InputError
-from cavalcade.running import run
-from cavalcade.running.commands.player import REACHED, CommandPlayer
+from cavalcade.execution.command_player import REACHED, CommandPlayer
+from cavalcade.jobs.running import run
 from cavalcade.scenario import build_world, parse_scenario
 
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cavalcade.formation.status import PlannerStatus
 from cavalcade.geometry import rotation, transform_points, wrap_angle
-from cavalcade.running.frames import ObstacleTrack, Recording
+from cavalcade.recording.frames import ObstacleTrack, Recording
+from cavalcade.recording.status import PlannerStatus
 from cavalcade.scenario import Scenario, World
 from cavalcade.world import OccupancyMap, shape_from_mapping
 

@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from cavalcade.running.figures.distances import obstacle_distances, pair_distances, rest_lengths
-from cavalcade.running.figures.scene import scene_of
-from cavalcade.running.frames import ObstacleTrack
+from cavalcade.drawing.distances import obstacle_distances, pair_distances, rest_lengths
+from cavalcade.drawing.scene import scene_of
+from cavalcade.recording.frames import ObstacleTrack
 from cavalcade.scenario import World
 from cavalcade.world import Circle, OccupancyMap
 

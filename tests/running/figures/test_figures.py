@@ -10,10 +10,10 @@ import pytest
 from PIL import Image
 
 from cavalcade import eikonal
+from cavalcade.drawing.formation import draw_scenario, make_figures
+from cavalcade.drawing.formation.snapshots import choose_moments
+from cavalcade.drawing.scene import scene_of
 from cavalcade.errors import OutputError
-from cavalcade.running.figures import draw_scenario, make_figures
-from cavalcade.running.figures.scene import scene_of
-from cavalcade.running.figures.snapshots import choose_moments
 from cavalcade.scenario import World, build_world, load_scenario
 from cavalcade.world import OccupancyMap
 
@@ -165,7 +165,7 @@ def test_individual_goals_and_terrain_are_drawn(name, tmp_path):
 
 
 def test_importing_the_package_does_not_import_matplotlib():
-    code = "import sys, cavalcade.running.figures; sys.exit('matplotlib' in sys.modules)"
+    code = "import sys, cavalcade.drawing.formation; sys.exit('matplotlib' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cavalcade.running.figures.outlines import cell_rings, shape_ring, simplified
+from cavalcade.drawing.outlines import cell_rings, shape_ring, simplified
 from cavalcade.world import Box, Circle, Polygon
 
 

@@ -8,8 +8,8 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
+from cavalcade.drawing.replay.formation import write_replay
 from cavalcade.errors import OutputError
-from cavalcade.running.replay import write_replay
 
 
 def page(run, tmp_path, **changes):

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from cavalcade.running.page3d import meshes
+from cavalcade.drawing.replay.page3d import meshes
 
 
 def area(ring: np.ndarray) -> float:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from cavalcade.recording.physics_track import PhysicsTrack
 from cavalcade.robots import robot_model
 from cavalcade.robots.description import QuadrupedDescription
-from cavalcade.running.physics.track import PhysicsTrack
 
 PERIOD, DUTY, SWING = 0.5, 0.55, 0.06
 OFFSETS = (0.0, 0.5, 0.5, 0.0)
@@ -95,7 +95,7 @@ def _spot(at, ground, robot, leg, when):
 
 
 def _inverse(robot, leg, base, foot):
-    from cavalcade.running.physics.skeleton import rotations
+    from cavalcade.drawing.physics.skeleton import rotations
 
     hip, thigh, calf = robot.legs[leg].joints
     local = np.einsum("tji,tj->ti", rotations(base[:, 3:]), foot - base[:, :3]) - hip.offset

@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from cavalcade.errors import ScenarioError
+from cavalcade.jobs.running import run
 from cavalcade.robots import robot_model
-from cavalcade.running import run
 from cavalcade.scenario import Scenario, dump_scenario, load_scenario
 
 pytest.importorskip("mujoco")

@@ -12,11 +12,12 @@ from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_typestore
 
 from cavalcade.errors import RecordingError
-from cavalcade.running import read_recording, write_recording
-from cavalcade.running.physics.messages import JOINT_NAMES
-from cavalcade.running.physics.recording import physics_messages, physics_topics, read_physics
-from cavalcade.running.physics.track import ContactEvent, FallEvent, PhysicsTrack
-from cavalcade.running.recorder import Recorder
+from cavalcade.recording._physics_messages import JOINT_NAMES
+from cavalcade.recording.mcap_reader import read_recording
+from cavalcade.recording.mcap_writer import write_recording
+from cavalcade.recording.physics_mcap import physics_messages, physics_topics, read_physics
+from cavalcade.recording.physics_track import ContactEvent, FallEvent, PhysicsTrack
+from cavalcade.recording.recorder import Recorder
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 ROBOTS, SAMPLES = 2, 30

@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 
 import cavalcade as cv
+from cavalcade.drawing.physics.skeleton import foot_places, link_frames, rotations, skeleton_of
+from cavalcade.drawing.replay.physics import physics_page, write_physics_replay
+from cavalcade.drawing.replay.physics_data import ANGLE, FORCE, merged_contacts, physics_data
 from cavalcade.errors import OutputError, RecordingError
-from cavalcade.running.frames import Recording
-from cavalcade.running.physics.replay import physics_page, write_physics_replay
-from cavalcade.running.physics.replay_data import ANGLE, FORCE, merged_contacts, physics_data
-from cavalcade.running.physics.skeleton import foot_places, link_frames, rotations, skeleton_of
-from cavalcade.running.physics.track import ContactEvent, FallEvent
+from cavalcade.recording.frames import Recording
+from cavalcade.recording.physics_track import ContactEvent, FallEvent
 
 STARTS = [(1.0, 1.0, 0.3), (1.0, 3.0, -0.3)]
 GOALS = [(4.0, 2.0, 0.5), (4.0, 3.5, 2.5)]
@@ -159,8 +159,8 @@ def test_the_page_moves_links_as_python_does():
     turn = rng.normal(size=4)
     base = np.concatenate([rng.normal(size=3), turn / np.linalg.norm(turn)])
     joints = rng.uniform(-1.0, 1.0, 12)
-    matrix = (files("cavalcade.running.page3d") / "assets" / "matrix.js").read_text()
-    motion = (files("cavalcade.running.physics") / "replay_page" / "motion.js").read_text()
+    matrix = (files("cavalcade.drawing.replay.page3d") / "assets" / "matrix.js").read_text()
+    motion = (files("cavalcade.drawing.replay") / "physics_page" / "motion.js").read_text()
     motion = motion[: motion.index("function stateAt")]
     given = json.dumps([skeleton, base[:3].tolist(), base[3:].tolist(), joints.tolist()])
     script = f"{matrix}\n{motion}\nconsole.log(JSON.stringify(linksOf(...{given})));"
@@ -245,8 +245,8 @@ def test_what_the_planner_wanted_is_there(run):
 
 
 def planned(track, scenario):
-    from cavalcade.formation.status import PlannerStatus
-    from cavalcade.running.frames import ObstacleTrack
+    from cavalcade.recording.frames import ObstacleTrack
+    from cavalcade.recording.status import PlannerStatus
 
     time = np.linspace(0.0, track.time[-1], 41)
     poses = np.zeros((41, 2, 3))
@@ -269,7 +269,7 @@ def planned(track, scenario):
 
 
 def test_a_long_run_is_thinned(run, monkeypatch):
-    monkeypatch.setattr("cavalcade.running.physics.replay_data._MOST_SAMPLES", 100)
+    monkeypatch.setattr("cavalcade.drawing.replay.physics_data._MOST_SAMPLES", 100)
     data = data_of(run)
     assert 2 * len(data["time"]) <= 102
     assert data["end"] == pytest.approx(4.0)

@@ -7,9 +7,8 @@ import pytest
 from PIL import Image
 
 import cavalcade as cv
-from cavalcade.errors import RecordingError
-from cavalcade.running.physics.figures import make_physics_figures
-from cavalcade.running.physics.signals import (
+from cavalcade.drawing.physics.figures import make_physics_figures
+from cavalcade.drawing.physics.signals import (
     busiest_window,
     loaded_spans,
     peaks,
@@ -17,7 +16,8 @@ from cavalcade.running.physics.signals import (
     spread,
     torque_share,
 )
-from cavalcade.running.physics.track import ContactEvent, FallEvent
+from cavalcade.errors import RecordingError
+from cavalcade.recording.physics_track import ContactEvent, FallEvent
 
 
 @pytest.fixture

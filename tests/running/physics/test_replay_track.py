@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cavalcade.errors import RecordingError
-from cavalcade.running.physics.track import ContactEvent, FallEvent, PhysicsTrack
+from cavalcade.recording.physics_track import ContactEvent, FallEvent, PhysicsTrack
 
 
 def track(samples=6, robots=2, **changes):

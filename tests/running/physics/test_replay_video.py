@@ -5,8 +5,8 @@ import pytest
 from PIL import Image
 
 import cavalcade as cv
+from cavalcade.drawing.physics.video import render_video
 from cavalcade.errors import InputError
-from cavalcade.running.physics.video import render_video
 
 
 @pytest.fixture

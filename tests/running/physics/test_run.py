@@ -15,8 +15,9 @@ import pytest
 from cavalcade.checking import check
 from cavalcade.errors import InputError, ScenarioError
 from cavalcade.fleet import Fall
-from cavalcade.running import read_recording, run
-from cavalcade.running.summary import versions
+from cavalcade.jobs.running import run
+from cavalcade.metrics.summary import versions
+from cavalcade.recording.mcap_reader import read_recording
 from cavalcade.scenario import Scenario
 
 TIMES = ("wall_time_s", "planning_time_s", "cycle_ms", "real_time_factor", "versions")

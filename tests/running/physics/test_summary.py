@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cavalcade.metrics.physics_summary import count_contacts, summarise_physics
+from cavalcade.recording.physics_track import ContactEvent, PhysicsTrack
 from cavalcade.robots import robot_model
-from cavalcade.running.physics.summary import count_contacts, summarise_physics
-from cavalcade.running.physics.track import ContactEvent, PhysicsTrack
 
 GO1 = robot_model("go1")
 NOTHING = {"trunk": 0, "hip": 0, "thigh": 0, "calf": 0}

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cavalcade.body.trajectory import FLIGHT, LANDING, TAKE_OFF, WALK, Trajectory
 from cavalcade.coordination.result import TeamPlan
+from cavalcade.geometry.trajectory import FLIGHT, LANDING, TAKE_OFF, WALK, Trajectory
+from cavalcade.jobs.planning import make_plan
 from cavalcade.robots import RobotModel
-from cavalcade.running.plans.planning import make_plan
 from cavalcade.scenario import Scenario, World, build_world, parse_scenario, resolve_scenario
 
 STEP = 0.025

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 import cavalcade as cv
+from cavalcade.execution.tracking_fleet import tracking_model
+from cavalcade.jobs import plan_and_run as carrying
+from cavalcade.jobs.planning import make_plan
+from cavalcade.recording.plan_file import read_plan
 from cavalcade.robots import robot_model
-from cavalcade.running.plans import carrying, read_plan
-from cavalcade.running.plans.planning import make_plan
-from cavalcade.running.plans.robots import tracking_model
 
 
 @pytest.fixture

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 import cavalcade as cv
-from cavalcade.running.plans import follower
-from cavalcade.running.plans.progress import result_rows
+from cavalcade.execution import plan_follower as follower
+from cavalcade.jobs.plan_reporter import result_rows
 
 NOTE = (Path(__file__).resolve().parents[3] / "docs" / "planning.md").read_text(encoding="utf-8")
 

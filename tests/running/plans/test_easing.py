@@ -7,17 +7,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cavalcade.body.trajectory import Trajectory
-from cavalcade.robots import MODELS
-from cavalcade.running.plans.easing import (
+from cavalcade.execution.plan_follower import PlanFollower
+from cavalcade.execution.speed_profile import (
     GRAIN,
     LegLimits,
     pace_profile,
     relief_along,
     rounded_headings,
 )
-from cavalcade.running.plans.follower import PlanFollower
-from cavalcade.running.plans.pacing import WALKING
+from cavalcade.execution.time_scaling import WALKING
+from cavalcade.geometry.trajectory import Trajectory
+from cavalcade.robots import MODELS
 from cavalcade.world import generate_terrain
 
 LIMITS = LegLimits()

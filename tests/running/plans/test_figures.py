@@ -5,10 +5,10 @@ import pytest
 from PIL import Image
 
 import cavalcade as cv
-from cavalcade.running.plans.figures import make_plan_figures
-from cavalcade.running.plans.figures.timing import team_gaps
-from cavalcade.running.plans.figures.top_view import waits
-from cavalcade.running.plans.scene import activities, leaps, plan_scene, runs
+from cavalcade.drawing.plans import make_plan_figures
+from cavalcade.drawing.plans.scene import activities, leaps, plan_scene, runs
+from cavalcade.drawing.plans.timing import team_gaps
+from cavalcade.drawing.plans.top_view import waits
 
 RED, BLUE = (215, 25, 28), (31, 95, 224)
 

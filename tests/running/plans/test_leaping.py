@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cavalcade.body.trajectory import FLIGHT, LANDING, TAKE_OFF
+from cavalcade.execution.leaping import edges_of, leaps_of, request_of
+from cavalcade.execution.plan_follower import PlanFollower
+from cavalcade.execution.time_scaling import FollowSettings
+from cavalcade.execution.tracking_fleet import tracking_model
 from cavalcade.fleet import IdealFleet, LeapingFleet, Observation
-from cavalcade.running.plans import carrying
-from cavalcade.running.plans.follower import PlanFollower
-from cavalcade.running.plans.leaping import edges_of, leaps_of, request_of
-from cavalcade.running.plans.pacing import FollowSettings
-from cavalcade.running.plans.planning import make_plan
-from cavalcade.running.plans.robots import tracking_model
+from cavalcade.geometry.trajectory import FLIGHT, LANDING, TAKE_OFF
+from cavalcade.jobs import plan_and_run as carrying
+from cavalcade.jobs.planning import make_plan
 from cavalcade.scenario import build_world, load_scenario, parse_scenario, resolve_scenario
 
 
@@ -240,7 +240,7 @@ def test_a_shipped_leap_is_handed_over_in_a_run(monkeypatch):
         fleets.append(Leapers(said.models, said.starts, takes=3.0))
         return fleets[0]
 
-    from cavalcade.running import run
+    from cavalcade.jobs.running import run
 
     result = run(scenario, fleet=fleet)
     assert sorted(robot for robot, *_ in fleets[0].requests) == [0, 1]

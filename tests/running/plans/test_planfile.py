@@ -8,9 +8,9 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from cavalcade.body.trajectory import Trajectory
 from cavalcade.errors import RecordingError
-from cavalcade.running.plans import read_plan, write_plan
+from cavalcade.geometry.trajectory import Trajectory
+from cavalcade.recording.plan_file import read_plan, write_plan
 
 
 def some_path(seed: int = 0, count: int = 30) -> Trajectory:

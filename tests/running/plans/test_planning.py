@@ -7,9 +7,10 @@ import pytest
 
 import cavalcade as cv
 from cavalcade.errors import InputError, OutputError
-from cavalcade.running.plans import read_plan
-from cavalcade.running.plans.sampling import as_recording
-from cavalcade.running.summary import Outcome, summarise
+from cavalcade.execution.outcome import Outcome
+from cavalcade.metrics.summary import summarise
+from cavalcade.recording.plan_file import read_plan
+from cavalcade.recording.plan_sampling import as_recording
 from cavalcade.scenario import load_scenario
 
 FILES = {

@@ -11,10 +11,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cavalcade.body.trajectory import WALK, Trajectory
+from cavalcade.execution._precedence import CONCESSION, NEVER
+from cavalcade.execution.precedence import Precedence
+from cavalcade.geometry.trajectory import WALK, Trajectory
 from cavalcade.robots import robot_model
-from cavalcade.running.plans._precedence import CONCESSION, NEVER
-from cavalcade.running.plans.precedence import Precedence
 
 GO1, DISC = robot_model("go1"), robot_model("single-integrator")
 REACH = 0.5

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import cavalcade as cv
-from cavalcade.running.plans.keyframes import TOLERANCE, keyframes
-from cavalcade.running.plans.replay import plan_page
-from cavalcade.running.plans.replay_data import replay_data
-from cavalcade.running.plans.scene import plan_scene
+from cavalcade.drawing.plans.keyframes import TOLERANCE, keyframes
+from cavalcade.drawing.plans.scene import plan_scene
+from cavalcade.drawing.replay.plan import plan_page
+from cavalcade.drawing.replay.plan_data import replay_data
 
 BOXES = [
     {"box": {"center": [2.0, 5.0], "size": [1.0, 0.5], "yaw": 0.3}},

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from cavalcade.campaign.report.cells import Cell
 from cavalcade.campaign.report.trials import Order
 from cavalcade.campaign.report.wording import code
-from cavalcade.running.figures import style
+from cavalcade.drawing import style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

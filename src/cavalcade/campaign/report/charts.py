@@ -12,7 +12,7 @@ from cavalcade.campaign.report.cells import Cell, Spread, in_order
 from cavalcade.campaign.report.comparisons import Comparison, Quantity
 from cavalcade.campaign.report.trials import Order
 from cavalcade.campaign.statistics import Estimate
-from cavalcade.running.figures import style
+from cavalcade.drawing import style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from cavalcade.campaign.report import canvas
 from cavalcade.campaign.report.cells import Curve, Point
-from cavalcade.running.figures import style
+from cavalcade.drawing import style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

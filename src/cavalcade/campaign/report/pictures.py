@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cavalcade.geometry import Array, transform_points
-from cavalcade.running.figures import style
-from cavalcade.running.figures.actors import (
+from cavalcade.drawing import style
+from cavalcade.drawing.actors import (
     draw_arena,
     draw_goals,
     draw_robot,
@@ -19,14 +18,15 @@ from cavalcade.running.figures.actors import (
     set_ticks,
     set_view,
 )
-from cavalcade.running.figures.distances import obstacle_distances
-from cavalcade.running.figures.scene import Scene, scene_of
+from cavalcade.drawing.distances import obstacle_distances
+from cavalcade.drawing.scene import Scene, scene_of
+from cavalcade.geometry import Array, transform_points
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from cavalcade.recording.frames import Recording
     from cavalcade.robots import RobotModel
-    from cavalcade.running.frames import Recording
     from cavalcade.scenario import Scenario, World
 
 _LEFT, _RIGHT, _BOTTOM, _TOP = 0.36, 0.06, 0.46, 0.20

@@ -14,8 +14,8 @@ from cavalcade.campaign.report.wording import code, number, plain
 from cavalcade.errors import OutputError
 
 if TYPE_CHECKING:
-    from cavalcade.running import Recording
-    from cavalcade.running.plans import PlanResult
+    from cavalcade.metrics.plan_result import PlanResult
+    from cavalcade.recording.frames import Recording
     from cavalcade.scenario import Scenario, World
 
 Replay = Callable[
@@ -153,7 +153,7 @@ def _repeat(
 ) -> tuple[Figure | None, str]:
     """The picture, or None, and a remark, which may be empty."""
     from cavalcade.campaign.report.pictures import draw_paths
-    from cavalcade.running import Recording
+    from cavalcade.recording.frames import Recording
 
     def draw(path: Path) -> Path | None:
         if isinstance(what, Recording):
@@ -182,8 +182,8 @@ def _repeat(
 
 
 def _draw_plan(scenario: Scenario, world: World, made: PlanResult, path: Path) -> Path:
-    from cavalcade.running.plans.figures.top_view import draw_top_view
-    from cavalcade.running.plans.scene import plan_scene
+    from cavalcade.drawing.plans.scene import plan_scene
+    from cavalcade.drawing.plans.top_view import draw_top_view
 
     return draw_top_view(plan_scene(scenario, world, made), path)
 

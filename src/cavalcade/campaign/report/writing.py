@@ -55,7 +55,8 @@ def write_report(
     from cavalcade.campaign.report.document import document, trial_list
     from cavalcade.campaign.report.trials import TrialTable
     from cavalcade.campaign.table import scrubbed, write_table
-    from cavalcade.running.figures.style import make_directory, replacing
+    from cavalcade.drawing.style import make_directory
+    from cavalcade.files import replacing
 
     place = Path(folder)
     file = write_table(place, lines)

@@ -81,8 +81,8 @@ class PairsSampler(TeamSampler):
 
 def _alone(robot: Robot, size: tuple[float, float]) -> Array:
     """Poses `(K, 3)` of a robot that is alone, every `_CLOCK` s."""
-    from cavalcade.body.ground import make_ground
     from cavalcade.coordination import TeamProblem, plan_team
+    from cavalcade.lattice.ground import make_ground
     from cavalcade.world import OccupancyMap
 
     ground = make_ground(OccupancyMap.empty(size), None)

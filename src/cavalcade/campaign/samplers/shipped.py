@@ -120,7 +120,7 @@ def _each_feasible(scenario: Scenario) -> bool:
 
 def _feasible(scenario: Scenario) -> bool:
     """Whether a disc gets from every start to every slot at every goal."""
-    from cavalcade.running.team import formation_of
+    from cavalcade.execution.team import formation_of
     from cavalcade.scenario import build_world
 
     world = build_world(scenario)

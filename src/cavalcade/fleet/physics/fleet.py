@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cavalcade.body.ground import Ground
 from cavalcade.errors import InputError
 from cavalcade.fleet.physics._postures import find_falls, planar_poses, planar_velocities
 from cavalcade.fleet.physics.ground import PhysicsGround
@@ -21,6 +20,7 @@ from cavalcade.fleet.physics.simulator import TeamSimulator
 from cavalcade.fleet.protocol import Fall, LeapRequest, Observation
 from cavalcade.fleet.radio import CommandDelay, LocalisationNoise, Radio, start_poses
 from cavalcade.geometry import Array
+from cavalcade.lattice.ground import Ground
 from cavalcade.locomotion.control import LegControl
 from cavalcade.locomotion.settings import GaitSettings
 from cavalcade.robots.model import RobotModel

@@ -1,0 +1,1 @@
+"""Figures and replays of runs and plans."""

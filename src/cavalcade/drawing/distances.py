@@ -1,0 +1,101 @@
+"""Distances over a whole run, measured to surfaces, for the figures and the replay."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cavalcade.drawing.scene import Scene
+from cavalcade.geometry import Array, inverse_transform_points
+from cavalcade.world import OccupancyMap, distance_to_shapes
+
+if TYPE_CHECKING:
+    from cavalcade.scenario import World
+
+
+def obstacle_distances(scene: Scene, world: World) -> Array:
+    """`(T, N)` distance in m of each robot's centre to the nearest obstacle's surface.
+
+    Obstacles are the exact shapes, the map's occupied cells as squares, everything beyond the
+    map's border, and what events put in the way while it was there. 0.0 inside an obstacle.
+    """
+    cycles, robots = scene.poses.shape[:2]
+    points = scene.poses[..., :2].reshape(-1, 2)
+    nearest = _border_distance(world.base, points)
+    nearest = np.minimum(nearest, distance_to_shapes(scene.fixed, points))
+    nearest = np.minimum(nearest, _cell_distance(world.base, points))
+    result = np.maximum(nearest, 0.0).reshape(cycles, robots)
+    for track in scene.tracks:
+        there = (scene.time >= track.start) & (scene.time < track.end)
+        if there.any():
+            offset = track.offset_at(scene.time[there])[:, None, :]
+            moved = (scene.poses[there][..., :2] - offset).reshape(-1, 2)
+            away = np.asarray(track.shape.distance(moved)).reshape(-1, robots)
+            result[there] = np.minimum(result[there], away)
+    return result
+
+
+def pair_distances(poses: Array) -> tuple[NDArray[np.int64], Array]:
+    """All pairs `(P, 2)` of robots and the distances `(T, P)` in m between their centres."""
+    first, second = np.triu_indices(poses.shape[1], k=1)
+    gaps = poses[:, first, :2] - poses[:, second, :2]
+    return np.column_stack([first, second]), np.hypot(gaps[..., 0], gaps[..., 1])
+
+
+def rest_lengths(scene: Scene) -> list[tuple[float, float, float]]:
+    """(start, end, length): the distinct lengths of the shape's connections, as they held.
+
+    A connection belongs to slots, so its length at rest is the distance of its slots.
+    """
+    spans: list[tuple[float, float, float]] = []
+    keys = [status.slots.tobytes() for status in scene.status]
+    changes = [i for i, (a, b) in enumerate(pairwise(keys), start=1) if a != b]
+    edges = [0, *changes, len(keys)]
+    for first, last in pairwise(edges):
+        lengths: set[float] = set()
+        # Connections may be empty while the planner idles: look through the whole span.
+        for status in scene.status[first : last : max(1, (last - first) // 20)]:
+            for a, b in np.asarray(status.connections, dtype=int).reshape(-1, 2):
+                slot_a, slot_b = int(status.roles[a]), int(status.roles[b])
+                if min(slot_a, slot_b) >= 0 and max(slot_a, slot_b) < len(status.slots):
+                    gap = status.slots[slot_a] - status.slots[slot_b]
+                    lengths.add(round(float(np.hypot(*gap)), 2))
+        start, end = float(scene.time[first]), float(scene.time[min(last, len(keys) - 1)])
+        spans += [(start, end, length) for length in sorted(lengths)]
+    return spans
+
+
+def _border_distance(grid: OccupancyMap, points: Array) -> Array:
+    width, height = grid.size
+    local = inverse_transform_points(grid.origin, points)
+    inside = np.minimum(local, (width, height) - local)
+    return np.asarray(inside.min(axis=1))
+
+
+def _cell_distance(grid: OccupancyMap, points: Array, neighbours: int = 16) -> Array:
+    """Distance `(K,)` in m to the nearest occupied cell as a square; 0.0 inside."""
+    from scipy.ndimage import binary_erosion
+    from scipy.spatial import cKDTree
+
+    cells = grid.occupied
+    if not cells.any():
+        return np.full(len(points), np.inf)
+    local = inverse_transform_points(grid.origin, points)
+    at = np.floor(local / grid.resolution).astype(int)
+    within = ((at >= 0) & (at < (grid.cols, grid.rows))).all(axis=1)
+    # Only cells with a free neighbour can be the nearest one, unless the point is inside.
+    rim = cells & ~binary_erosion(cells, border_value=1)
+    centres = np.argwhere(rim if rim.any() else cells)[:, ::-1] * grid.resolution
+    centres = centres + grid.resolution / 2.0
+    count = min(neighbours, len(centres))
+    _, index = cKDTree(centres).query(local, k=count)
+    gap = np.abs(centres[np.asarray(index).reshape(len(points), count)] - local[:, None, :])
+    gap = np.maximum(gap - grid.resolution / 2.0, 0.0)
+    away = np.asarray(np.hypot(gap[..., 0], gap[..., 1]).min(axis=1))
+    inside = np.zeros(len(points), dtype=bool)
+    inside[within] = cells[at[within, 1], at[within, 0]]
+    away[inside] = 0.0
+    return away

@@ -1,0 +1,1 @@
+"""Replays: one HTML file that any browser shows, offline."""

@@ -1,0 +1,137 @@
+"""One look for all figures: sizes of an IEEE page, a colour-blind-safe palette, safe writing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from cavalcade.errors import OutputError
+from cavalcade.files import replacing
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+COLUMN = 3.5
+"""Width of a single column, inches."""
+PAGE = 7.16
+"""Width of both columns, inches."""
+DPI = 300
+
+INK = "#1b1b1b"
+GREY = "#6b6b6b"
+WALL = "#3f444a"
+SHAPE = "#596068"
+UNKNOWN = "#d9dbde"
+MOVER = "#8a4b2a"
+LIMIT = "#b00020"
+
+# Okabe and Ito's palette without its yellow, which vanishes on white, then three darker tones.
+ROBOTS = (
+    "#0072B2",
+    "#E69F00",
+    "#009E73",
+    "#CC79A7",
+    "#D55E00",
+    "#56B4E9",
+    "#7A5195",
+    "#8C6D1F",
+    "#5B5B5B",
+    "#004B49",
+)
+
+_RC: dict[str, Any] = {
+    "font.family": "STIXGeneral",
+    "mathtext.fontset": "stix",
+    "font.size": 8.0,
+    "axes.labelsize": 8.0,
+    "axes.titlesize": 8.0,
+    "xtick.labelsize": 7.0,
+    "ytick.labelsize": 7.0,
+    "legend.fontsize": 7.0,
+    "axes.linewidth": 0.6,
+    "axes.edgecolor": INK,
+    "axes.labelcolor": INK,
+    "text.color": INK,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "xtick.major.size": 2.5,
+    "ytick.major.size": 2.5,
+    "xtick.major.width": 0.5,
+    "ytick.major.width": 0.5,
+    "xtick.major.pad": 2.5,
+    "ytick.major.pad": 2.5,
+    "axes.labelpad": 2.0,
+    "lines.linewidth": 1.0,
+    "lines.solid_capstyle": "round",
+    "lines.solid_joinstyle": "round",
+    "patch.linewidth": 0.5,
+    "legend.frameon": False,
+    "legend.handlelength": 1.6,
+    "legend.handletextpad": 0.5,
+    "legend.columnspacing": 1.2,
+    "legend.borderpad": 0.0,
+    "legend.borderaxespad": 0.0,
+    "figure.facecolor": "white",
+    "savefig.facecolor": "white",
+    "path.simplify_threshold": 0.05,
+}
+
+
+def robot_color(index: int) -> str:
+    """The colour of a robot in all figures and in the replay."""
+    return ROBOTS[index % len(ROBOTS)]
+
+
+def robot_dash(index: int) -> Any:
+    """The line style that tells robots of the same colour apart."""
+    styles = ("-", (0, (4, 1.2)), (0, (1, 1.2)), (0, (5, 1.2, 1, 1.2)))
+    return styles[(index // len(ROBOTS)) % len(styles)]
+
+
+@contextmanager
+def paper_style() -> Iterator[None]:
+    """Matplotlib with this module's look, and only inside the `with` block."""
+    import matplotlib
+
+    settings: Any = _RC  # matplotlib's stubs want each key as a literal
+    with matplotlib.rc_context(settings):
+        yield
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """An empty figure of that size in inches, drawn by Agg whatever the user's backend."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height))
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def make_directory(path: str | Path) -> Path:
+    """The folder, made if it was missing.
+
+    Raises:
+        OutputError: It cannot be made.
+    """
+    folder = Path(path)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"cannot make folder {folder}: {error.strerror}") from error
+    return folder
+
+
+def save(figure: Figure, path: Path, dpi: int = DPI) -> Path:
+    """Write the figure as PNG, whole or not at all.
+
+    Raises:
+        OutputError: The file cannot be written.
+    """
+    with replacing(path) as temporary:
+        figure.savefig(temporary, format="png", dpi=dpi, metadata={"Software": None})
+    return path

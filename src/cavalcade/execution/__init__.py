@@ -1,0 +1,5 @@
+"""Carrying a job out: the control loop, followers of plans and commands, events on the way."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,228 @@
+"""Lets the scenario's events happen: on the world, the planner and the fleet."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from cavalcade.execution.control import ControlLoop
+from cavalcade.execution.team import formation_of
+from cavalcade.fleet import Fleet
+from cavalcade.formation import MovingObstacle
+from cavalcade.recording.frames import ObstacleTrack
+from cavalcade.scenario import Event, ObstacleSpan, Scenario, World
+from cavalcade.world import OccupancyMap, shape_from_mapping
+
+_TASK_KINDS = ("goals", "formation", "rejoin")
+"""Events that give the team something to do."""
+
+MAP_PERIOD = 1.0
+"""While an obstacle moves, its map is handed to the recording this often, s."""
+
+
+class EventRunner:
+    """Applies what is due at each cycle.
+
+    An obstacle that moves is rasterised anew whenever it has moved by one cell; the planner is
+    also told its shape and velocity.
+
+    Args:
+        scenario: Whose events.
+        world: Its ground at the start.
+        control: The planner's and fleet's loop.
+        on_map: Called with (time, map) for the recording.
+        on_note: Called with (time, text).
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        world: World,
+        control: ControlLoop,
+        on_map: Callable[[float, OccupancyMap], None],
+        on_note: Callable[[float, str], None],
+    ) -> None:
+        self._scenario = scenario
+        self._control = control
+        self._on_map = on_map
+        self._on_note = on_note
+        self._due = list(scenario.execution.events)
+        self._goal_count = len(scenario.task.goals)
+        self._obstacles = _Obstacles(world)
+        self._map_time = 0.0
+        on_map(0.0, world.map)
+
+    @property
+    def last_waypoint(self) -> int:
+        """Index of the last of the goals that hold now."""
+        return self._goal_count - 1
+
+    @property
+    def task_pending(self) -> bool:
+        """Whether an event is still to come that gives the team something to do."""
+        return any(event.kind in _TASK_KINDS for event in self._due)
+
+    def change_pending(self, time: float) -> bool:
+        """Whether anything at all will still happen, so that a team that is stuck may get free."""
+        return bool(self._due) or self._obstacles.change_pending(time)
+
+    def apply(self, time: float) -> bool:
+        """Let everything happen that is due at `time` s; True if something did."""
+        happened = False
+        while self._due and self._due[0].at <= time + 1e-9:
+            self._happen(self._due.pop(0), time)
+            happened = True
+        changed = self._obstacles.update(time)
+        if changed is not None:
+            self._control.planner.update_map(changed)
+            resting = not self._obstacles.motion_changed
+            if happened or resting or time - self._map_time >= MAP_PERIOD - 1e-9:
+                self._on_map(time, changed)
+                self._map_time = time
+        if self._obstacles.motion_changed:
+            self._control.planner.set_moving_obstacles(self._obstacles.movers(time))
+        return happened
+
+    def tracks(self, end: float) -> tuple[ObstacleTrack, ...]:
+        """Every obstacle that came, went or moved until `end` s."""
+        return tuple(_track(span) for span in self._obstacles.spans if span.start <= end)
+
+    def _happen(self, event: Event, time: float) -> None:
+        planner = self._control.planner
+        text: str = event.kind
+        if event.goals is not None:
+            planner.set_goals(event.goals)
+            self._goal_count = len(event.goals)
+            text = f"new goals: {len(event.goals)}" if len(event.goals) > 1 else "new goal"
+        elif event.formation is not None:
+            robots = len(self._scenario.robots)
+            planner.set_formation(formation_of(event.formation, robots, self._scenario.planner))
+            text = f"new formation: {event.formation.shape}"
+        elif event.lose is not None:
+            _set_lost(self._control.fleet, event.lose, True)
+            self._control.lose(event.lose)
+            text = f"robot {event.lose} lost"
+        elif event.rejoin is not None:
+            _set_lost(self._control.fleet, event.rejoin, False)
+            self._control.rejoin(event.rejoin)
+            text = f"robot {event.rejoin} back"
+        elif event.push is not None:
+            push = event.push
+            x, y = (part / push.duration for part in push.impulse)
+            _push(self._control.fleet, push.robot, (x, y, 0.0), push.duration)
+            text = f"robot {push.robot} pushed"
+        elif event.add is not None:
+            text = "obstacle added"
+        elif event.remove is not None:
+            text = "obstacle removed"
+        elif event.move is not None:
+            text = "obstacle moves"
+        self._on_note(time, text)
+
+
+class _Obstacles:
+    """The obstacles that are not there all the time at one place."""
+
+    def __init__(self, world: World) -> None:
+        self.spans = tuple(span for span in world.spans if not span.fixed)
+        self.motion_changed = False
+        self._world = world
+        self._moving: list[Any] = []
+        self._shapes = [shape_from_mapping(span.obstacle.words) for span in self.spans]
+        # Fixed ones are rasterised once; the others are added to that map as they stand.
+        self._still: OccupancyMap | None = None
+        # The first map shows the world's own obstacles; what events bring is still to be drawn.
+        self._drawn: list[tuple[float, float] | None] = [
+            place if span.start == 0.0 else None
+            for span, place in zip(self.spans, self._places(0.0), strict=True)
+        ]
+
+    def update(self, time: float) -> OccupancyMap | None:
+        """The new map if it has to be drawn anew, otherwise None."""
+        if not self.spans:
+            return None
+        moving = [
+            k
+            for k, span in enumerate(self.spans)
+            if span.start <= time < span.end and math.hypot(*span.velocity_at(time)) > 0.0
+        ]
+        self.motion_changed = bool(moving) or bool(self._moving)
+        self._moving = moving
+        places = self._places(time)
+        if not self._changed(places, moving):
+            return None
+        self._drawn = places
+        shapes = [
+            shape.moved(place)
+            for shape, place in zip(self._shapes, places, strict=True)
+            if place is not None
+        ]
+        return self._still_map().with_shapes(shapes)
+
+    def movers(self, time: float) -> list[Any]:
+        """What moves now, as the planner takes it."""
+        return [
+            MovingObstacle(
+                self._shapes[k].moved(self.spans[k].offset_at(time)),
+                self.spans[k].velocity_at(time),
+            )
+            for k in self._moving
+        ]
+
+    def change_pending(self, time: float) -> bool:
+        """Whether one of them will still move, come or go."""
+        return any(
+            time < span.time[-1] or time < span.start or time < span.end < math.inf
+            for span in self.spans
+        )
+
+    def _places(self, time: float) -> list[tuple[float, float] | None]:
+        return [
+            span.offset_at(time) if span.start <= time + 1e-9 and time + 1e-9 < span.end else None
+            for span in self.spans
+        ]
+
+    def _changed(self, places: list[tuple[float, float] | None], moving: list[int]) -> bool:
+        cell = self._world.base.resolution
+        for k, (old, new) in enumerate(zip(self._drawn, places, strict=True)):
+            if (old is None) != (new is None):
+                return True
+            # One that has come to rest is drawn exactly where it stands.
+            least = cell - 1e-9 if k in moving else 1e-9
+            if old is not None and new is not None and math.dist(old, new) >= least:
+                return True
+        return False
+
+    def _still_map(self) -> OccupancyMap:
+        if self._still is None:
+            fixed = [span for span in self._world.spans if span.fixed]
+            shapes = [shape_from_mapping(span.obstacle.words) for span in fixed]
+            self._still = self._world.base.with_shapes(shapes)
+        return self._still
+
+
+def _track(span: ObstacleSpan) -> ObstacleTrack:
+    return ObstacleTrack(
+        shape=span.obstacle.words,
+        start=span.start,
+        end=span.end,
+        time=np.array(span.time),
+        offset=np.array(span.offset).reshape(-1, 2),
+    )
+
+
+def _push(fleet: Fleet, robot: int, force: tuple[float, float, float], duration: float) -> None:
+    """Push a simulated robot; a real one is pushed by hand."""
+    push = getattr(fleet, "push", None)
+    if push is not None:
+        push(robot, force, duration)
+
+
+def _set_lost(fleet: Fleet, robot: int, lost: bool) -> None:
+    """Tell a simulated fleet that the robot itself has failed; a real one needs no telling."""
+    change = getattr(fleet, "disable" if lost else "enable", None)
+    if change is not None:
+        change(robot)

@@ -1,0 +1,274 @@
+"""Follows planned trajectories: a planner as the control loop takes it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from cavalcade.errors import InputError
+from cavalcade.execution.leaping import Leaps
+from cavalcade.execution.speed_profile import rounded_headings
+from cavalcade.execution.time_scaling import EXACT, FollowSettings, Pace
+from cavalcade.fleet import LeapingFleet
+from cavalcade.geometry import Array, wrap_angle
+from cavalcade.geometry.trajectory import Trajectory
+from cavalcade.recording.status import PlannerStatus
+from cavalcade.robots import RobotModel
+from cavalcade.world import Terrain
+
+POSITION_GAIN = 2.0
+"""Velocity per error of the position, 1/s."""
+
+HEADING_GAIN = 3.0
+"""Yaw rate per error of the heading, 1/s."""
+
+SIDE_GAIN = 6.0
+"""Yaw rate of a unicycle per speed and sideways error, rad/m²."""
+
+_STILL = 1e-9
+
+_PATH_SPACING = 10
+"""Of the samples of a path, every so-many-th is shown."""
+
+
+class PlanFollower:
+    """Commands the velocity of the plan, and corrects what is off.
+
+    Each robot has a progress of its own, which is the clock's as long as it keeps up. A robot
+    that lags is waited for by those whose turn comes after it, and by nobody else; see
+    `cavalcade.execution.precedence` and `pacing`.
+
+    The velocity of each cycle is the mean of the plan's until the next one, in the body frame.
+    Robots that go in all directions are corrected in all of them; unicycles forwards and by
+    turning (Kanayama et al. 1990).
+
+    Args:
+        paths: One trajectory per robot, map frame.
+        models: Of the robots.
+        starts, goals: `(N, 3)` poses.
+        rate: Cycles per second.
+        refusal: Why there is no plan: nobody moves then, and the status says so.
+        settings: How robots that lag are waited for, and how much is corrected.
+        leaper: The fleet, if its robots leap by themselves.
+        terrain: Ground with heights: the leaper is told where it breaks, and robots with limits
+            go more slowly where it is rough.
+    """
+
+    def __init__(
+        self,
+        paths: Sequence[Trajectory | None],
+        models: Sequence[RobotModel],
+        starts: Sequence[Sequence[float]],
+        goals: Sequence[Sequence[float]],
+        rate: float,
+        refusal: str | None = None,
+        settings: FollowSettings = EXACT,
+        leaper: LeapingFleet | None = None,
+        terrain: Terrain | None = None,
+    ) -> None:
+        self._paths = [
+            _standing(start) if path is None or refusal is not None else path
+            for path, start in zip(paths, starts, strict=True)
+        ]
+        if settings.limits is not None:
+            window = settings.limits.window
+            self._paths = [rounded_headings(path, window) for path in self._paths]
+        self._unicycle = np.array([model.drive.startswith("unicycle") for model in models])
+        self._period = 1.0 / rate
+        self._refusal = refusal
+        self._settings = settings
+        self._pace = Pace(self._paths, models, self._period, settings, terrain)
+        self._leaps = None if leaper is None else Leaps(self._paths, leaper, terrain, self._pace)
+        self._quiet = np.zeros(len(self._paths), dtype=bool)
+        self._trace: list[tuple[float, Array]] = []
+        self._start: float | None = None
+        self._targets = np.array(goals, dtype=float).reshape(-1, 3)
+        for robot, model in enumerate(models):
+            # Where one that goes in all directions looks is of no interest.
+            if model.drive.startswith("integrator"):
+                self._targets[robot, 2] = self._paths[robot].yaw[-1]
+        self._lines = [path.position[::_PATH_SPACING, :2] for path in self._paths]
+        self._moments = [path.time[::_PATH_SPACING] for path in self._paths]
+        self._status = self._status_at(0.0)
+
+    @property
+    def status(self) -> PlannerStatus:
+        """Of the last cycle."""
+        return self._status
+
+    @property
+    def progress(self) -> Array:
+        """`(N,)` plan times up to which the robots were sent in the last cycle, s."""
+        return self._pace.progress(self._trace[-1][0] if self._trace else 0.0)
+
+    @property
+    def delays(self) -> Array:
+        """`(N,)` how much later than planned robots were sent to their ends, s; nan until then."""
+        return self._pace.arrived_late.copy()
+
+    def delays_at(self, times: Array) -> Array:
+        """`(K, N)` what each robot was behind the plan at times `(K,)` since the start, s."""
+        if not self._trace:
+            return np.zeros((len(times), len(self._paths)))
+        known = np.array([moment for moment, _ in self._trace])
+        rows = np.searchsorted(known, times + 1e-6, side="right") - 1
+        return np.stack([delay for _, delay in self._trace])[np.maximum(rows, 0)]
+
+    def step(self, poses: Array, time: float, stamps: Array) -> Array:
+        """Poses `(N, 3)` and their times `(N,)` in, body-frame velocities `(N, 3)` out."""
+        if self._start is None:
+            self._start = time
+        now = time - self._start
+        commands = np.zeros((len(poses), 3))
+        if self._refusal is not None:
+            self._status = self._status_at(now)
+            return commands
+        pace = self._pace
+        pace.begin(now)
+        ages = now - (stamps - self._start)
+        if self._leaps is not None:
+            self._leaps.step(now, poses)
+        seen = pace.progress(now) - pace.rates * ages
+        errors = (
+            np.stack([path.poses_at(seen[k : k + 1])[0] for k, path in enumerate(self._paths)])
+            - poses
+        )
+        errors[:, 2] = wrap_angle(errors[:, 2])
+        pace.decide(now, ages, errors, poses)
+        if self._leaps is not None:
+            self._leaps.hand_over(now)
+        self._status = self._status_at(now)
+        self._trace.append((now, pace.delay.copy()))
+        progress = pace.progress(now)
+        for robot in np.flatnonzero(~pace.held).tolist():
+            marks = progress[robot] + np.array([0.0, pace.rates[robot] * self._period])
+            here, there = self._paths[robot].poses_at(marks)
+            commands[robot] = self._command(robot, here, there, errors[robot], poses[robot, 2])
+        return commands
+
+    def _command(
+        self, robot: int, here: Array, there: Array, error: Array, heading: float
+    ) -> Array:
+        """Body-frame velocity from one planned pose to the next, with what corrects the error."""
+        rate = (there - here) / self._period
+        if self._rests(robot, rate, error):
+            return np.zeros(3)
+        wanted = _bounded(POSITION_GAIN * error[:2], self._settings.correction)
+        most = self._settings.correction_turn
+        if self._unicycle[robot]:
+            return _unicycle(rate, wanted, error, heading, 0.5 * (here[2] + there[2]), most)
+        return _free(rate, wanted, error, heading, self._period, most)
+
+    def _rests(self, robot: int, rate: Array, error: Array) -> bool:
+        """Whether the robot is to stand and is near enough to where."""
+        standing = bool(np.abs(rate).max() < _STILL)
+        which = 1 if self._quiet[robot] else 0
+        far, turned = self._settings.quiet[which], self._settings.quiet_heading[which]
+        near = math.hypot(error[0], error[1]) < far and abs(error[2]) < turned
+        self._quiet[robot] = standing and near
+        return bool(self._quiet[robot])
+
+    def _status_at(self, now: float) -> PlannerStatus:
+        size = len(self._paths)
+        progress = self._pace.progress(now)
+        left = np.array(
+            [max(path.duration - s, 0.0) for path, s in zip(self._paths, progress, strict=True)]
+        )
+        state, message = "final", ""
+        involved: tuple[int, ...] = ()
+        if self._refusal is not None:
+            state, message = "infeasible", self._refusal
+        elif self._leaps is not None and self._leaps.trouble is not None:
+            state = "stuck"
+            message, involved = self._leaps.trouble
+        return PlannerStatus(
+            state=state,
+            leader=-1,
+            roles=np.arange(size),
+            slots=np.zeros((0, 2)),
+            goals=self._targets[:, :2],
+            goal=None,
+            paths=tuple(
+                line[int(np.searchsorted(moments, s)) :]
+                for line, moments, s in zip(self._lines, self._moments, progress, strict=True)
+            ),
+            connections=np.zeros((0, 2), dtype=np.int64),
+            eta=left,
+            arrived=bool((left <= 0.0).all()) and self._refusal is None,
+            waypoint=0,
+            goal_moved=0.0,
+            involved=involved,
+            message=message,
+            targets=self._targets,
+        )
+
+    def pause(self) -> None:
+        """Stop until `resume`."""
+
+    def resume(self) -> None:
+        """Go on from where the robots were."""
+
+    def set_goals(self, goals: Sequence[Sequence[float]]) -> None:
+        """A plan has its goals."""
+        raise InputError("the goals of a plan cannot be changed")
+
+    def set_formation(self, formation: Any) -> None:
+        """A plan has no formation."""
+        raise InputError("a plan has no formation")
+
+    def lose(self, robot: int) -> None:
+        """A plan is for all its robots."""
+        raise InputError("a plan cannot go on without a robot")
+
+    def rejoin(self, robot: int) -> None:
+        """A plan is for all its robots."""
+        raise InputError("a plan cannot go on without a robot")
+
+    def update_map(self, map: Any) -> None:
+        """A plan is for the world as it was."""
+        raise InputError("a plan is for a world that stays as it is")
+
+    def set_moving_obstacles(self, obstacles: Sequence[Any]) -> None:
+        """A plan is for the world as it was."""
+        raise InputError("a plan is for a world that stays as it is")
+
+
+def _bounded(vector: Array, most: float) -> Array:
+    """The vector, shortened to this length if it is longer."""
+    length = math.hypot(vector[0], vector[1])
+    return vector if length <= most else vector * (most / length)
+
+
+def _free(
+    rate: Array, wanted: Array, error: Array, heading: float, period: float, most: float
+) -> Array:
+    """Command of a robot that goes in all directions, for its heading in mid-period."""
+    turn = rate[2] + min(max(HEADING_GAIN * error[2], -most), most)
+    x, y = rate[:2] + wanted
+    middle = heading + 0.5 * turn * period
+    c, s = np.cos(middle), np.sin(middle)
+    return np.array([c * x + s * y, c * y - s * x, turn])
+
+
+def _unicycle(
+    rate: Array, wanted: Array, error: Array, heading: float, planned: float, most: float
+) -> Array:
+    """Command of a robot that goes forwards, backwards and turns."""
+    speed = float(np.cos(planned) * rate[0] + np.sin(planned) * rate[1])
+    c, s = np.cos(heading), np.sin(heading)
+    aside = c * error[1] - s * error[0]
+    forwards = speed * np.cos(error[2]) + c * wanted[0] + s * wanted[1]
+    correction = SIDE_GAIN * speed * aside + HEADING_GAIN * np.sin(error[2])
+    return np.array([forwards, 0.0, rate[2] + min(max(correction, -most), most)])
+
+
+def _standing(pose: Sequence[float]) -> Trajectory:
+    """A robot that stays where it is."""
+    x, y, yaw = pose
+    return Trajectory(
+        np.zeros(1), np.array([[x, y, 0.0]]), np.zeros((1, 3)), np.array([yaw]),
+        np.zeros(1, dtype=np.int8),
+    )  # fmt: skip

@@ -1,0 +1,164 @@
+"""From a scenario's words to the planner, its formations and the fleet."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+
+import numpy as np
+
+from cavalcade.errors import InputError, ScenarioError
+from cavalcade.execution.control import Planner
+from cavalcade.fleet import CommandDelay, IdealFleet, LocalisationNoise, Watchdog
+from cavalcade.formation import (
+    Connection,
+    Formation,
+    FormationPlanner,
+    FormationSettings,
+    Imperfections,
+)
+from cavalcade.formation.settings import PRESETS, SIMULATION_SPRINGS, SpringLaw, Springs
+from cavalcade.formation.variants import default_settings
+from cavalcade.scenario import FormationSection, PlannerSection, Scenario, World
+from cavalcade.scenario.task import ConnectionSection
+
+_SETTINGS = (
+    "r_max",
+    "d_safe_a",
+    "d_safe_b",
+    "d_switch",
+    "w_min_partial",
+    "w_min_avoid",
+    "v_max_x",
+    "v_max_y",
+    "v_min",
+    "d_slowdown",
+)
+"""The planner section's keys that are fields of `FormationSettings` of the same name."""
+
+
+def make_planner(scenario: Scenario, world: World) -> Planner:
+    """What says where the team goes: the planner with its goals set, or what plays its commands.
+
+    Raises:
+        ScenarioError: The planner refuses the scenario's values.
+    """
+    if scenario.task.commands is not None:
+        from cavalcade.execution.command_player import CommandPlayer
+
+        return CommandPlayer(scenario, world.terrain)
+    section = scenario.planner
+    try:
+        planner = FormationPlanner(
+            world.map,
+            formation_of(scenario.task.the_formation, len(scenario.robots), section),
+            robots=len(scenario.robots),
+            model=max(scenario.models, key=lambda model: model.length * model.width),
+            settings=settings_of(section),
+            variant=section.variant,
+            rate=scenario.execution.rate,
+            seed=scenario.seed,
+            lookahead=section.lookahead,
+            expected=expected_of(scenario),
+        )
+        planner.set_goals(scenario.task.goals)
+    except ScenarioError:
+        raise
+    except InputError as error:
+        raise ScenarioError(str(error), file=scenario.file, key="planner") from None
+    return planner
+
+
+def make_fleet(scenario: Scenario) -> IdealFleet:
+    """The ideal fleet that the scenario asks for, standing at the starts."""
+    execution = scenario.execution
+    return IdealFleet(
+        scenario.models,
+        scenario.starts,
+        noise=LocalisationNoise(execution.noise.position, execution.noise.heading),
+        delay=CommandDelay(execution.delay.mean, execution.delay.jitter, execution.delay.drop),
+        seed=scenario.seed,
+    )
+
+
+def make_watchdog(scenario: Scenario, world: World) -> Watchdog:
+    """The watchdog for that team on that ground."""
+    return Watchdog(
+        len(scenario.robots),
+        world.map,
+        max_speed=max(model.max_speed_x for model in scenario.models),
+        max_yaw_rate=max(model.max_yaw_rate for model in scenario.models),
+    )
+
+
+def settings_of(section: PlannerSection) -> FormationSettings:
+    """The preset's or the default parameters, with those that the scenario names over them."""
+    base = (
+        default_settings(section.variant) if section.preset is None else PRESETS[section.preset][0]
+    )
+    return base.with_values(**{key: getattr(section, key) for key in _SETTINGS})
+
+
+def expected_of(scenario: Scenario) -> Imperfections:
+    """What the planner expects of its robots: what it is told, else what is the case."""
+    said, execution = scenario.planner.expect, scenario.execution
+    noise = execution.noise if said.noise is None else said.noise
+    delay = execution.delay if said.delay is None else said.delay
+    stray = said.stray
+    if stray is None:
+        legs = execution.backend == "mujoco"
+        stray = max(model.stray for model in scenario.models) if legs else 0.0
+    return Imperfections(noise.position, noise.heading, delay.mean, delay.jitter, delay.drop, stray)
+
+
+def formation_of(section: FormationSection, robots: int, planner: PlannerSection) -> Formation:
+    """The formation of a scenario or an event.
+
+    Args:
+        section: The shape.
+        robots: Number of slots for shapes that take any.
+        planner: Its preset says what the springs are like.
+    """
+    springs = SIMULATION_SPRINGS if planner.preset is None else PRESETS[planner.preset][1]
+    formation = _shape(section, robots, springs)
+    if section.connections is None:
+        return formation
+    return formation.connected(
+        _connection(formation, joint, springs) for joint in section.connections
+    )
+
+
+def _shape(section: FormationSection, robots: int, springs: Springs) -> Formation:
+    side, spacing, radius = section.side or 0.0, section.spacing or 0.0, section.radius or 0.0
+    match section.shape:
+        case "square":
+            return Formation.square(side, springs)
+        case "triangle":
+            return Formation.triangle(side, springs)
+        case "line":
+            return Formation.line(robots, spacing, springs)
+        case "column":
+            return Formation.column(robots, spacing, springs)
+        case "wedge":
+            return Formation.wedge(robots, spacing, springs)
+        case "circle":
+            return Formation.circle(robots, radius, springs)
+        case "custom":
+            return Formation.custom(section.slots or (), springs=springs)
+
+
+def _connection(formation: Formation, joint: ConnectionSection, springs: Springs) -> Connection:
+    """A spring of the scenario; what it leaves open is the shape's own, or a diagonal's."""
+    law, length = (
+        springs.diagonals,
+        float(np.hypot(*(formation.slots[joint.a] - formation.slots[joint.b]))),
+    )
+    for own in formation.connections:
+        if {own.a, own.b} == {joint.a, joint.b}:
+            law, length = own.law, own.rest_length
+    said = {
+        field.name: getattr(joint, field.name)
+        for field in fields(SpringLaw)
+        if getattr(joint, field.name) is not None
+    }
+    rest_length = length if joint.l0 is None else joint.l0
+    return Connection(joint.a, joint.b, rest_length, replace(law, **said))

@@ -1,0 +1,3 @@
+from .planning import plan as plan
+from .running import RunResult as RunResult
+from .running import run as run

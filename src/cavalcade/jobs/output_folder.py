@@ -1,0 +1,148 @@
+"""The folder a run leaves its results in: prepared first, filled only when all is there."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from cavalcade.errors import OutputError
+from cavalcade.recording import physics_mcap, plan_file
+from cavalcade.scenario import Scenario, dump_scenario
+
+_STAGE = ".cavalcade-"
+SCENARIO, SUMMARY, REPLAY, FIGURES = "scenario.yaml", "summary.json", "replay.html", "figures"
+RECORDING, PLAN = physics_mcap.FILE, plan_file.FILE
+_PRODUCTS = (SCENARIO, SUMMARY, RECORDING, PLAN, REPLAY)
+
+
+class OutputFolder:
+    """Collects files in a hidden stage and moves them into place at the end, or not at all.
+
+    Use it as a context: leaving it without `commit`, for whatever reason, removes the stage and
+    every folder that was made for it.
+
+    Args:
+        path: The folder; missing or empty, unless `force`.
+        force: Replace what an earlier run left in it. Files of other names stay.
+
+    Raises:
+        OutputError: It holds something, is not a folder, or cannot be written to. This is found
+            out here, before anything is computed.
+    """
+
+    def __init__(self, path: str | Path, force: bool = False) -> None:
+        self.path = Path(path)
+        self._made: list[Path] = []
+        try:
+            if self.path.exists() and not self.path.is_dir():
+                raise OutputError(f"{self.path}: expected a folder, this is a file")
+            if not force and self.path.is_dir() and _holds_something(self.path):
+                raise OutputError(
+                    f"{self.path}: the folder is not empty; name another one or use --force"
+                )
+            self._make_folders()
+            self.stage = Path(tempfile.mkdtemp(dir=self.path, prefix=_STAGE))
+        except OSError as error:
+            self._remove_folders()
+            raise OutputError(f"{self.path}: cannot be written: {_reason(error)}") from None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        shutil.rmtree(self.stage, ignore_errors=True)
+        self._remove_folders()
+
+    def commit(self, scenario: Scenario, summary: Mapping[str, Any]) -> tuple[Path, ...]:
+        """Put everything in place; the summary comes last, so that its being there says whole.
+
+        Args:
+            scenario: Written as `scenario.yaml`, its file names relative to the folder.
+            summary: Written as `summary.json`.
+
+        Returns:
+            The files, in a reader's order.
+
+        Raises:
+            OutputError: Something cannot be written.
+        """
+        try:
+            # In the folder itself, because names of map files are relative to it.
+            draft = self.path / f"{self.stage.name}.yaml"
+            try:
+                dump_scenario(scenario, draft)
+                os.replace(draft, self.stage / SCENARIO)
+            finally:
+                draft.unlink(missing_ok=True)
+            write_json(self.stage / SUMMARY, summary)
+            staged = sorted(
+                file.relative_to(self.stage) for file in self.stage.rglob("*") if file.is_file()
+            )
+            self._clear()
+            for name in sorted(staged, key=lambda name: name == Path(SUMMARY)):
+                (self.path / name).parent.mkdir(exist_ok=True)
+                os.replace(self.stage / name, self.path / name)
+        except OSError as error:
+            raise OutputError(f"{self.path}: cannot be written: {_reason(error)}") from None
+        self._made.clear()
+        order = (SUMMARY, SCENARIO, RECORDING, PLAN, FIGURES, REPLAY)
+        ranked = sorted(staged, key=lambda name: (_rank(name, order), name))
+        return tuple(self.path / name for name in ranked)
+
+    def _clear(self) -> None:
+        """Take away what an earlier run left, and nothing else."""
+        for name in (SUMMARY, *_PRODUCTS):
+            (self.path / name).unlink(missing_ok=True)
+        figures = self.path / FIGURES
+        if figures.is_dir():
+            for picture in figures.glob("*.png"):
+                picture.unlink()
+
+    def _make_folders(self) -> None:
+        for folder in reversed([self.path, *self.path.parents]):
+            if not folder.exists():
+                folder.mkdir()
+                self._made.append(folder)
+
+    def _remove_folders(self) -> None:
+        for folder in reversed(self._made):
+            try:
+                folder.rmdir()
+            except OSError:  # someone else has put something in it by now
+                break
+        self._made.clear()
+
+
+def write_json(path: Path, value: Mapping[str, Any]) -> None:
+    """Write JSON with sorted layout kept as given; nan and inf are refused.
+
+    Raises:
+        ValueError: A number is not finite.
+        OSError: It cannot be written.
+    """
+    text = json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    path.write_text(text, encoding="utf-8")
+
+
+def _holds_something(folder: Path) -> bool:
+    # What a killed run left of its stage is not a result.
+    return any(not entry.name.startswith(_STAGE) for entry in folder.iterdir())
+
+
+def _rank(name: Path, order: tuple[str, ...]) -> int:
+    return order.index(name.parts[0]) if name.parts[0] in order else len(order)
+
+
+def _reason(error: OSError) -> str:
+    return error.strerror or str(error)

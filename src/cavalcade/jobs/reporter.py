@@ -1,0 +1,166 @@
+"""What a run says while it goes on, and at its end."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Self
+
+from cavalcade.execution.progress import Progress
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.progress import Progress as Bar
+
+PLAIN_PERIOD = 10.0
+"""Where there is no terminal, a line is printed this often, s of simulated time."""
+
+
+class Reporter:
+    """Says on stdout what a run does: a bar on a terminal, plain lines elsewhere.
+
+    Use it as a context; with `quiet` it says nothing.
+    """
+
+    def __init__(self, name: str, quiet: bool = False) -> None:
+        self._name = name
+        self._quiet = quiet
+        self._console: Console | None = None
+        self._bar: Bar | None = None
+        self._task: Any = None
+        self._last = 0.0
+
+    def __enter__(self) -> Self:
+        if not self._quiet:
+            from rich.console import Console
+
+            self._console = Console(file=sys.stdout, highlight=False, soft_wrap=True)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._close_bar()
+
+    def say(self, text: str) -> None:
+        """One line."""
+        if self._console is not None:
+            self._console.print(text, markup=False)
+
+    def __call__(self, progress: Progress) -> None:
+        """Take note of a cycle."""
+        if self._console is None:
+            return
+        if self._console.is_terminal:
+            self._update_bar(progress)
+        elif progress.time - self._last >= PLAIN_PERIOD - 1e-9:
+            self._last = progress.time
+            self.say(f"{progress.time:6.1f} s  {progress.state}")
+        if progress.note:
+            self.say(f"{progress.time:6.1f} s  {progress.note}")
+
+    def finish(self, summary: Mapping[str, Any], files: Sequence[Path]) -> None:
+        """The table of the result and where to look."""
+        self._close_bar()
+        if self._console is None:
+            return
+        from rich import box
+        from rich.table import Table
+        from rich.text import Text
+
+        table = Table(box=box.SIMPLE, show_header=False, pad_edge=False)
+        table.add_column(justify="left")
+        table.add_column(justify="left")
+        for key, value in result_rows(summary):
+            table.add_row(key, Text(value))
+        self._console.print(table)
+        for file in files:
+            self.say(str(file))
+
+    def _update_bar(self, progress: Progress) -> None:
+        if self._bar is None:
+            from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
+            from rich.progress import Progress as Bar
+
+            self._bar = Bar(
+                TextColumn("{task.description}", markup=False),
+                BarColumn(),
+                TextColumn("{task.completed:.1f} s simulated, {task.fields[state]}", markup=False),
+                TimeElapsedColumn(),
+                console=self._console,
+                transient=True,
+                refresh_per_second=5,
+            )
+            self._task = self._bar.add_task(
+                self._name, total=progress.timeout, state=progress.state
+            )
+            self._bar.start()
+        if progress.time - self._last >= 0.5 or progress.time < self._last:
+            self._last = progress.time
+            self._bar.update(self._task, completed=progress.time, state=progress.state)
+
+    def _close_bar(self) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+            self._bar = None
+
+
+def result_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """The summary's most telling figures as rows of a table."""
+    collisions = summary["collisions"]
+    error, cycle = summary["formation_error_m"], summary["cycle_ms"]
+    result = summary["reason"]
+    if summary["detail"]:
+        result += f" ({summary['detail']})"
+    rows = [
+        ("scenario", f"{summary['name']}, {summary['robots']} robots, {summary['variant']}"),
+        ("result", result),
+        ("simulated time", _with(summary["sim_time_s"], "s", 1)),
+        ("all in place after", _with(summary["makespan_s"], "s", 1)),
+        (
+            "collisions",
+            f"{collisions['robot_robot']} between robots, "
+            f"{collisions['robot_obstacle']} with obstacles",
+        ),
+        ("closest to an obstacle", _with(summary["min_obstacle_distance_m"], "m (centre)")),
+        ("closest to each other", _with(summary["min_robot_distance_m"], "m (centres)")),
+        ("smallest footprint gap", _with(summary["min_footprint_gap_m"], "m")),
+    ]
+    if summary.get("commanded") is not None:
+        rows += _commanded_rows(summary["commanded"])
+    elif summary["leader_changes"] is None:  # robots with goals of their own, planned ahead
+        rows.append(("planning time", _with(summary["planning_time_s"], "s", 3)))
+    else:
+        rows += [
+            (
+                "formation error",
+                f"{_with(error['mean'], 'm')} mean, {_with(error['max'], 'm')} largest",
+            ),
+            ("leader changes", str(summary["leader_changes"])),
+            ("role changes", str(summary["role_changes"])),
+            (
+                "planning per cycle",
+                f"{_with(cycle['p50'], 'ms')} median, {_with(cycle['p99'], 'ms')} 99th percentile",
+            ),
+        ]
+    rows.append(("wall time", _with(summary["wall_time_s"], "s", 1)))
+    return [row for row in rows if row[1]]
+
+
+def _commanded_rows(figures: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """How well commands were followed; nothing where no velocity stood long enough."""
+    speed, turn, spread = (figures[key] for key in ("speed_error", "yaw_rate_error", "rms_m_s"))
+    return [
+        ("error of mean speed", "" if speed is None else f"{100.0 * speed:.1f} %"),
+        ("error of mean yaw rate", "" if turn is None else f"{100.0 * turn:.1f} %"),
+        ("spread of speed", "" if spread is None else f"{spread:.3f} m/s (root mean square)"),
+    ]
+
+
+def _with(value: float | None, unit: str, digits: int = 2) -> str:
+    return "–" if value is None else f"{value:.{digits}f} {unit}"

@@ -1,0 +1,3 @@
+from .planner import BodyPlan as BodyPlan
+from .planner import plan_body as plan_body
+from .settings import BodySettings as BodySettings

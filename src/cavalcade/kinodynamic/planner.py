@@ -1,0 +1,298 @@
+"""Plans of one robot's body: RRT-Connect with stance and flight.
+
+After Norby and Johnson, "Fast global motion planning for dynamic legged robots" (IROS 2020), the
+planner below the coordinators of "Multi-Robot Motion Planning for Quadruped Robots".
+"""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cavalcade.errors import InputError
+from cavalcade.geometry import Array
+from cavalcade.geometry.trajectory import Trajectory
+from cavalcade.kinodynamic._extend import PLACES, sprout
+from cavalcade.kinodynamic._sampling import sample
+from cavalcade.kinodynamic._search import FOUND, FULL, route, search
+from cavalcade.kinodynamic._shortening import round_corners, shortcut, shorten, total_length
+from cavalcade.kinodynamic._string_pulling import pull
+from cavalcade.kinodynamic._trees import Forest, make_forest, plant
+from cavalcade.kinodynamic.obstruction import Pose, find_way, obstruction, roomy_way
+from cavalcade.kinodynamic.parameters import SIZE, make_body
+from cavalcade.kinodynamic.settings import BodySettings
+from cavalcade.lattice.ground import Ground, read_only
+from cavalcade.lattice.surface import surface
+from cavalcade.robots import RobotModel
+
+_FIRST_LOOK = 200
+"""Iterations after which it is asked whether there is a way at all."""
+
+_CHUNK = 100
+"""Iterations between looks at the clock, where there is a limit of time."""
+
+_SHORTCUTS = 40
+"""Tries to shorten a first plan of several primitives."""
+
+_TRIES_EACH = 10
+"""The same for each primitive beyond the first."""
+
+_ROUND = 250
+"""Iterations of each new search while a plan is being improved."""
+
+
+@dataclass(frozen=True, eq=False)
+class BodyPlan:
+    """The answer of `plan_body`; "no plan" is an answer, too.
+
+    Attributes:
+        trajectory: In the ground's frame; None without a plan.
+        reason: `solved`; `infeasible`: there is none, and `detail` says why; `budget`: none was
+            found before the budget was spent.
+        detail: One line, empty where there is nothing to add.
+        iterations: Spent in all, on the first plan and on better ones.
+        history: `(K, 2)` iterations and length in m: of the first plan as it was found, after
+            shortening, and of each better one.
+        tree_sizes: Nodes of the tree from the start and of that from the goal.
+        planning_time: s of wall time.
+    """
+
+    trajectory: Trajectory | None
+    reason: str
+    detail: str
+    iterations: int
+    history: Array
+    tree_sizes: tuple[int, int]
+    planning_time: float
+
+    @property
+    def solved(self) -> bool:
+        """Whether there is a trajectory."""
+        return self.trajectory is not None
+
+
+def plan_body(
+    ground: Ground,
+    model: RobotModel,
+    start: Sequence[float],
+    goal: Sequence[float],
+    settings: BodySettings | None = None,
+    seed: int = 0,
+) -> BodyPlan:
+    """Plan the motion of one robot with legs from rest at one pose to rest at another one.
+
+    The plan depends on the arguments alone, but for `settings.seconds`.
+
+    Args:
+        ground: What it walks on; its frame is that of the poses and of the plan.
+        model: A robot with legs.
+        start, goal: x m, y m, yaw rad.
+        settings: `BodySettings()` by default.
+        seed: Of the random numbers.
+
+    Raises:
+        InputError: A robot without legs, or poses that are not three finite numbers.
+    """
+    began = clock.perf_counter()
+    settings = settings or BodySettings()
+    problem = _Problem(ground, model, _pose(start, "start"), _pose(goal, "goal"), settings, seed)
+    answer = problem.solve(began)
+    return replace(answer, planning_time=clock.perf_counter() - began)
+
+
+def _pose(value: Sequence[float], key: str) -> Pose:
+    try:
+        x, y, yaw = (float(v) for v in value)
+    except (TypeError, ValueError):
+        raise InputError("expected three numbers: x, y, yaw", key=key) from None
+    if not all(map(math.isfinite, (x, y, yaw))):
+        raise InputError("expected finite numbers", key=key)
+    return x, y, yaw
+
+
+class _Problem:
+    """One call of `plan_body`."""
+
+    def __init__(
+        self,
+        ground: Ground,
+        model: RobotModel,
+        start: Pose,
+        goal: Pose,
+        settings: BodySettings,
+        seed: int,
+    ) -> None:
+        self.ground, self.settings = read_only(ground), settings
+        self.start, self.goal = start, goal
+        self.discs = np.ascontiguousarray(settings.discs)
+        self.body = make_body(model, settings.variant == "published", settings.margin)
+        self.rng = np.array([seed % 2**64], dtype=np.uint64)
+        self.yaw = np.array([start[2], goal[2]])
+        self.guide = np.zeros((0, 2))
+        self.iterations = 0
+        self.history: list[tuple[int, float]] = []
+        self.sizes = (0, 0)
+
+    def solve(self, began: float) -> BodyPlan:
+        deadline = math.inf if self.settings.seconds is None else began + self.settings.seconds
+        for name, pose in (("start", self.start), ("goal", self.goal)):
+            why = self._obstruction(pose)
+            if why:
+                return self._answer("infeasible", f"the {name} {why}")
+        if self.settings.iterations == 0 or clock.perf_counter() > deadline:
+            return self._answer("budget", "no iterations were allowed")
+        begin = self._rest(self.start)
+        if self.start[:2] == self.goal[:2]:
+            return self._answer("solved", "", self._trajectory(begin, np.zeros((0, SIZE))))
+        edges, why = self._first(deadline)
+        if edges is None:
+            if why:
+                return self._answer("infeasible", why)
+            return self._answer("budget", "none was found within the budget")
+        self._note(edges)
+        edges = self._shortened(edges, _SHORTCUTS)
+        if self.settings.improve:
+            edges = self._improved(edges, deadline)
+        return self._answer("solved", "", self._trajectory(begin, edges))
+
+    def _obstruction(self, pose: Pose) -> str:
+        why = obstruction(self.ground, self.body, self.discs, pose)
+        if why and self.body.margin > 0.0:
+            bare = self.body._replace(margin=0.0)
+            why = obstruction(self.ground, bare, self.discs, pose)
+            if not why:
+                self.body = bare
+        return why
+
+    def _rest(self, pose: Pose) -> Array:
+        height = surface(self.ground, pose[0], pose[1])[0]
+        return np.array([pose[0], pose[1], height + self.body.h_nom, 0.0, 0.0, 0.0])
+
+    def _planted(self) -> Forest:
+        forest = make_forest(8 * PLACES)
+        for tree, pose in enumerate((self.start, self.goal)):
+            plant(forest, tree, self._rest(pose), pose[2])
+        return forest
+
+    def _first(self, deadline: float) -> tuple[Array | None, str]:
+        """The first way, or why there is none, empty if that is not known."""
+        straight = min(2, self.settings.iterations)
+        edges, forest = self._search(self._planted(), 0, straight, math.inf, deadline)
+        if edges is None and not self.body.published:
+            edges = self._pulled()
+        look = min(_FIRST_LOOK, self.settings.iterations)
+        if edges is None:
+            if not self.body.published:
+                sprout(self.ground, self.body, self.discs, forest)
+            edges, forest = self._search(forest, straight, look, math.inf, deadline)
+        if edges is None and clock.perf_counter() <= deadline:
+            why, self.guide = find_way(
+                self.ground, self.body, self.discs, self.settings.leaps, self.start, self.goal
+            )
+            if why:
+                return None, why
+            if self.body.published:
+                self.guide = np.zeros((0, 2))
+            edges, forest = self._search(forest, look, self.settings.iterations, math.inf, deadline)
+        self.sizes = (int(forest.used[0]), int(forest.used[1]))
+        return edges, ""
+
+    def _pulled(self) -> Array | None:
+        """A way where there is room to turn everywhere, if the grid shows one."""
+        way = roomy_way(self.ground, self.body, self.discs, self.start, self.goal)
+        if len(way) == 0:
+            return None
+        edges: Array = pull(self.ground, self.body, self.discs, way, self.yaw)
+        return edges if len(edges) else None
+
+    def _search(
+        self, forest: Forest, begin: int, end: int, bound: float, deadline: float
+    ) -> tuple[Array | None, Forest]:
+        step = end if deadline == math.inf else _CHUNK
+        at = begin
+        while at < end and clock.perf_counter() <= deadline:
+            status, reached, first, second = search(
+                self.ground,
+                self.body,
+                self.discs,
+                self.settings.leaps,
+                self.rng,
+                forest,
+                self.guide,
+                bound,
+                at,
+                min(end, at + step),
+            )
+            self.iterations += reached - at
+            at = reached
+            if status == FOUND:
+                edges: Array = route(forest, first, second)
+                return edges, forest
+            if status == FULL:
+                forest = make_forest(2 * forest.yaws.shape[1], forest)
+        return None, forest
+
+    def _shortened(self, edges: Array, shortcuts: int) -> Array:
+        if len(edges) < 2:
+            return edges
+        edges = shorten(self.ground, self.body, self.discs, edges, self.yaw)
+        if self.body.published:
+            self._note(edges)
+            return edges
+        for _ in range(min(shortcuts, _TRIES_EACH * (len(edges) - 1))):
+            edges, _ = shortcut(self.ground, self.body, self.discs, self.rng, edges, self.yaw)
+        edges = shorten(self.ground, self.body, self.discs, edges, self.yaw)
+        round_corners(self.ground, self.body, self.discs, edges, self.yaw)
+        self._note(edges)
+        return edges
+
+    def _improved(self, edges: Array, deadline: float) -> Array:
+        """Shortcuts, and new searches where a way can still be shorter (Gammell et al. 2014)."""
+        best = self._length(edges)
+        straight = math.dist(self._rest(self.start)[:3], self._rest(self.goal)[:3])
+        end = self.iterations + self.settings.improve
+        while self.iterations < end and clock.perf_counter() <= deadline:
+            if best <= straight * (1.0 + 1e-6):
+                break
+            for _ in range(min(_SHORTCUTS, end - self.iterations)):
+                self.iterations += 1
+                edges, _ = shortcut(self.ground, self.body, self.discs, self.rng, edges, self.yaw)
+            if self._length(edges) < best - 1e-6:
+                best = self._length(edges)
+                self._note(edges)
+            rest = min(_ROUND, end - self.iterations)
+            if rest <= 0:
+                break
+            # From iteration 2 on, so that the straight way is not tried again.
+            other, _ = self._search(self._planted(), 2, 2 + rest, best, deadline)
+            if other is None:
+                continue
+            history = list(self.history)
+            other = self._shortened(other, _SHORTCUTS)
+            self.history = history
+            if self._length(other) < best - 1e-6:
+                edges, best = other, self._length(other)
+                self._note(edges)
+        return edges
+
+    def _length(self, edges: Array) -> float:
+        return float(total_length(self.ground, self.body, edges))
+
+    def _note(self, edges: Array) -> None:
+        self.history.append((self.iterations, self._length(edges)))
+
+    def _trajectory(self, begin: Array, edges: Array) -> Trajectory:
+        times, states, yaws, phases = sample(
+            self.ground, self.body, self.discs, edges, begin, self.yaw
+        )
+        phase: NDArray[np.int8] = phases
+        return Trajectory(times, states[:, :3].copy(), states[:, 3:].copy(), yaws, phase)
+
+    def _answer(self, reason: str, detail: str, trajectory: Trajectory | None = None) -> BodyPlan:
+        history = np.array(self.history, dtype=float).reshape(-1, 2)
+        return BodyPlan(trajectory, reason, detail, self.iterations, history, self.sizes, 0.0)

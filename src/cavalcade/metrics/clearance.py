@@ -1,0 +1,230 @@
+"""How close the team came to obstacles and to itself, from true poses and exact shapes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cavalcade.geometry import Array, inverse_transform_points, rectangle_corners, wrap_angle
+from cavalcade.geometry import distances as _kernels
+from cavalcade.recording.frames import ObstacleTrack, Recording
+from cavalcade.robots import RobotModel
+from cavalcade.scenario import World
+from cavalcade.world import Circle, OccupancyMap, Polygon, Shape, shape_from_mapping
+
+STEP = 0.01
+"""Between two recorded poses others are interpolated so that nothing moves farther, m."""
+
+_MOST_PARTS = 1000
+_BODY_REACH = 0.5
+"""How far the turning part of a motion is from the centre at most, m; of any model's size."""
+
+
+@dataclass(frozen=True)
+class Clearance:
+    """The closest approaches of a run, m; inf where there is nothing to come close to.
+
+    Attributes:
+        obstacle_distance: A robot's centre to the nearest obstacle surface.
+        robot_distance: Between the centres of two robots.
+        footprint_gap: Between oriented footprints, robot to robot or robot to obstacle; 0 for a
+            contact.
+        robot_obstacle, robot_robot: Contacts that began.
+    """
+
+    obstacle_distance: float
+    robot_distance: float
+    footprint_gap: float
+    robot_obstacle: int
+    robot_robot: int
+
+
+@dataclass(frozen=True)
+class _Solids:
+    """Shapes as the kernels take them."""
+
+    circles: Array
+    vertices: Array
+    starts: NDArray[np.int64]
+    rings: Array
+
+    def judge(
+        self, poses: Array, model: RobotModel, best: Array, contact: NDArray[np.bool_]
+    ) -> None:
+        body = model.body
+        _kernels.circles_clearance(poses, *body, self.circles, best, contact)
+        _kernels.polygons_clearance(
+            poses, *body, self.vertices, self.starts, self.rings, best, contact
+        )
+
+
+def clearance(world: World, recording: Recording, models: Sequence[RobotModel]) -> Clearance:
+    """Judge a whole run.
+
+    Obstacles are the exact shapes, the occupied cells of a map file as squares, all ground beyond
+    the border, and what events add or move while it is there. Between two recorded poses a robot
+    is taken to go straight.
+    """
+    time, poses = _finer(recording)
+    best = np.array([np.inf, np.inf])
+    events = 0
+    fixed = _solids(_fixed_shapes(world, recording))
+    cells = _cells(world.base)
+    for robot, model in enumerate(models):
+        own = np.ascontiguousarray(poses[:, robot])
+        contact = np.zeros(len(own), dtype=bool)
+        fixed.judge(own, model, best, contact)
+        _judge_border(world.base, own, model, best, contact)
+        if cells is not None:
+            _judge_cells(world.base, *cells, own, model, best, contact)
+        events += begins(contact)
+        for track in recording.obstacles:
+            events += begins(_judge_track(track, time, own, model, best))
+    pair_best = np.array([np.inf, np.inf])
+    pairs = 0
+    for a in range(len(models)):
+        for b in range(a):
+            sizes = np.array([models[a].body, models[b].body])
+            contact = np.zeros(len(poses), dtype=bool)
+            one, other = (np.ascontiguousarray(poses[:, k]) for k in (a, b))
+            _kernels.bodies_clearance(one, other, sizes, pair_best, contact)
+            pairs += begins(contact)
+    return Clearance(
+        obstacle_distance=float(best[0]),
+        robot_distance=float(pair_best[0]),
+        footprint_gap=float(min(best[1], pair_best[1])),
+        robot_obstacle=events,
+        robot_robot=pairs,
+    )
+
+
+def begins(contact: NDArray[np.bool_]) -> int:
+    """How often contact `(M,)` begins; one that is there from the start counts."""
+    if len(contact) == 0:
+        return 0
+    return int(contact[0]) + int(np.count_nonzero(contact[1:] & ~contact[:-1]))
+
+
+def _finer(recording: Recording) -> tuple[Array, Array]:
+    """Times `(M,)` and poses `(M, N, 3)` with straight steps added in each interval."""
+    time, poses = recording.time, recording.poses
+    if len(time) < 2:
+        return time, poses
+    change = np.diff(poses, axis=0)
+    change[..., 2] = wrap_angle(change[..., 2])
+    farthest = np.hypot(change[..., 0], change[..., 1]) + _BODY_REACH * np.abs(change[..., 2])
+    longest = farthest.max(initial=0.0)
+    for track in recording.obstacles:
+        moved = [np.diff(np.interp(time, track.time, track.offset[:, axis])) for axis in (0, 1)]
+        longest = max(longest, np.hypot(*moved).max())
+    parts = int(np.clip(np.ceil(longest / STEP), 1, _MOST_PARTS))
+    part = np.arange(parts) / parts
+    fine = poses[:-1, None] + part[None, :, None, None] * change[:, None]
+    fine_time = time[:-1, None] + part[None, :] * np.diff(time)[:, None]
+    joined = np.concatenate([fine.reshape(-1, *poses.shape[1:]), poses[-1:]])
+    return np.concatenate([fine_time.reshape(-1), time[-1:]]), joined
+
+
+def _fixed_shapes(world: World, recording: Recording) -> list[Shape]:
+    """The shapes at the start that no track accounts for."""
+    tracked = [
+        shape_from_mapping(track.shape) for track in recording.obstacles if track.start <= 0.0
+    ]
+    shapes = list(world.shapes)
+    for shape in tracked:
+        if shape in shapes:
+            shapes.remove(shape)
+    return shapes
+
+
+def _solids(shapes: Sequence[Shape]) -> _Solids:
+    circles = [(*shape.center, shape.radius) for shape in shapes if isinstance(shape, Circle)]
+    rings, corners, starts = [], [np.zeros((0, 2))], [0]
+    for shape in shapes:
+        if isinstance(shape, Circle):
+            continue
+        if isinstance(shape, Polygon):
+            vertices = np.array(shape.points)
+        else:
+            vertices = rectangle_corners((*shape.center, shape.yaw), *shape.size)
+        centre = (vertices.min(axis=0) + vertices.max(axis=0)) / 2.0
+        radius = np.hypot(*(vertices - centre).T).max()
+        rings.append((*centre, radius))
+        corners.append(vertices)
+        starts.append(starts[-1] + len(vertices))
+    return _Solids(
+        np.array(circles, dtype=float).reshape(-1, 3),
+        np.concatenate(corners),
+        np.array(starts, dtype=np.int64),
+        np.array(rings, dtype=float).reshape(-1, 3),
+    )
+
+
+def _judge_track(
+    track: ObstacleTrack, time: Array, poses: Array, model: RobotModel, best: Array
+) -> NDArray[np.bool_]:
+    """Contacts `(M,)` with an obstacle that comes, goes or moves: seen from it, robots move."""
+    there = (time >= track.start) & (time < track.end)
+    contact = np.zeros(len(time), dtype=bool)
+    if not there.any():
+        return contact
+    relative = poses[there].copy()
+    for axis in (0, 1):
+        relative[:, axis] -= np.interp(time[there], track.time, track.offset[:, axis])
+    touching = np.zeros(len(relative), dtype=bool)
+    _solids([shape_from_mapping(track.shape)]).judge(relative, model, best, touching)
+    contact[there] = touching
+    return contact
+
+
+def _judge_border(
+    area: OccupancyMap,
+    poses: Array,
+    model: RobotModel,
+    best: Array,
+    contact: NDArray[np.bool_],
+) -> None:
+    local = inverse_transform_points(area.origin, poses[:, :2])
+    yaw = poses[:, 2] - area.origin[2]
+    inside = np.minimum(local, np.array(area.size) - local)
+    c, s = np.abs(np.cos(yaw)), np.abs(np.sin(yaw))
+    length, width, grown = model.body
+    half = 0.5 * np.column_stack([c * length + s * width, s * length + c * width]) + grown
+    best[0] = min(best[0], max(float(inside.min()), 0.0))
+    gap = (inside - half).min(axis=1)
+    best[1] = min(best[1], max(float(gap.min()), 0.0))
+    contact |= gap <= 0.0
+
+
+def _cells(area: OccupancyMap) -> tuple[NDArray[np.bool_], Array] | None:
+    """The map's occupied cells and a lower bound of the distance to them; None without any."""
+    occupied = area.occupied
+    if not occupied.any():
+        return None
+    from cavalcade.eikonal import surface_distance
+
+    from_centres = surface_distance(occupied, area.resolution, border=False)
+    return occupied, from_centres - np.sqrt(0.5) * area.resolution
+
+
+def _judge_cells(
+    area: OccupancyMap,
+    occupied: NDArray[np.bool_],
+    bound: Array,
+    poses: Array,
+    model: RobotModel,
+    best: Array,
+    contact: NDArray[np.bool_],
+) -> None:
+    local = np.column_stack(
+        [inverse_transform_points(area.origin, poses[:, :2]), poses[:, 2] - area.origin[2]]
+    )
+    cell = np.floor(local[:, 1::-1] / area.resolution).astype(int)
+    row, col = np.clip(cell, 0, np.array(occupied.shape) - 1).T
+    order = np.argsort(bound[row, col], kind="stable")
+    _kernels.cells_clearance(
+        local, order, *model.body, occupied, bound, area.resolution, best, contact
+    )

@@ -1,0 +1,101 @@
+"""The figures of bodies and contacts in a run's summary."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Hashable, Iterable, Sequence
+from typing import Any
+
+import numpy as np
+
+from cavalcade.geometry import Array
+from cavalcade.recording.physics_track import ContactEvent, PhysicsTrack
+from cavalcade.robots import RobotModel
+
+TOGETHER = 0.1
+"""Contacts of the same two with shorter breaks are one, s."""
+
+_BODY = ("trunk", "hip", "thigh", "calf")
+
+
+def summarise_physics(track: PhysicsTrack, models: Sequence[RobotModel]) -> dict[str, Any]:
+    """What `physics` holds in `summary.json`.
+
+    - `contacts`: how many began `robot_robot`, `robot_obstacle`, and with the ground by part, but
+      for feet.
+    - `max_torque_share`: the largest torque of a joint in shares of its limit.
+    - `max_speed_share`: the largest rate of a joint in shares of its limit.
+    - `max_tilt_rad`: the largest angle between a trunk's z axis and the vertical.
+    - `min_height_m`, `max_height_m`: of trunks, in the map.
+    - `carried_share`: mean force of the ground on each robot's feet over its nominal weight.
+
+    Args:
+        track: Of the run.
+        models: One per robot, with a description.
+    """
+    torque = _limits(models, "torque_limits")
+    speed = _limits(models, "speed_limits")
+    weights = np.array([_description(model).mass * 9.81 for model in models])
+    w_to_z = 1.0 - 2.0 * (track.base[..., 4] ** 2 + track.base[..., 5] ** 2)
+    # The first sample has nothing before it.
+    carried = track.foot_forces[1:, ..., 2].sum(axis=-1)
+    return {
+        "contacts": count_contacts(track.contacts),
+        "max_torque_share": _rounded(np.abs(track.torques / torque).max(initial=0.0)),
+        "max_speed_share": _rounded(np.abs(track.joint_rates / speed).max(initial=0.0)),
+        "max_tilt_rad": _rounded(np.arccos(np.clip(w_to_z, -1.0, 1.0)).max(initial=0.0)),
+        "min_height_m": _rounded(track.base[..., 2].min()) if len(track.time) else None,
+        "max_height_m": _rounded(track.base[..., 2].max()) if len(track.time) else None,
+        "carried_share": (
+            [_rounded(share) for share in carried.mean(axis=0) / weights]
+            if len(carried)
+            else [None] * track.size
+        ),
+    }
+
+
+def count_contacts(contacts: Iterable[ContactEvent]) -> dict[str, Any]:
+    """How many contacts began, of two robots, of a robot and an obstacle, and with the ground.
+
+    A contact of two robots is recorded by both, and one that lasts again and again.
+    """
+    found: list[tuple[float, Hashable]] = []
+    for contact in contacts:
+        if contact.other.startswith("robot "):
+            pair = frozenset((contact.robot, int(contact.other.removeprefix("robot "))))
+            found.append((contact.time, pair))
+        elif contact.other == "obstacle":
+            found.append((contact.time, contact.robot))
+        elif contact.part in _BODY:
+            found.append((contact.time, (contact.robot, contact.part)))
+    last: dict[Hashable, float] = {}
+    begun: Counter[str] = Counter()
+    for time, what in sorted(found, key=lambda one: one[0]):
+        if time > last.get(what, -np.inf) + TOGETHER:
+            begun[_kind(what)] += 1
+        last[what] = time
+    return {
+        "robot_robot": begun["robot_robot"],
+        "robot_obstacle": begun["robot_obstacle"],
+        "ground": {part: begun[part] for part in _BODY},
+    }
+
+
+def _kind(what: Hashable) -> str:
+    if isinstance(what, tuple):
+        return str(what[1])
+    return "robot_robot" if isinstance(what, frozenset) else "robot_obstacle"
+
+
+def _limits(models: Sequence[RobotModel], name: str) -> Array:
+    return np.array([getattr(_description(model), name) for model in models])
+
+
+def _description(model: RobotModel) -> Any:
+    if model.description is None:
+        raise ValueError(f"{model.name} has no description")
+    return model.description
+
+
+def _rounded(value: float) -> float:
+    return round(float(value), 6)

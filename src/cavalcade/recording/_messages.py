@@ -1,0 +1,184 @@
+"""The messages of a recording, each kind with its layout on the wire."""
+
+from __future__ import annotations
+
+import struct
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cavalcade.geometry import Array
+from cavalcade.recording.cdr import ENCAPSULATION, Layout, planar_poses, stamps_of
+from cavalcade.robots import RobotModel
+from cavalcade.world import OccupancyMap
+
+Stamps = NDArray[np.int64]
+"""Times `(M,)` in ns."""
+
+FRAME = "map"
+
+# Okabe and Ito's colours, told apart by nearly everyone; the first is the leader's slot.
+_PALETTE = np.array(
+    [
+        (0.84, 0.37, 0.00),
+        (0.00, 0.45, 0.70),
+        (0.00, 0.62, 0.45),
+        (0.80, 0.47, 0.65),
+        (0.94, 0.89, 0.26),
+        (0.34, 0.71, 0.91),
+        (0.90, 0.62, 0.00),
+    ]
+)
+_NO_ROLE = np.array((0.5, 0.5, 0.5))
+_CUBE, _SPHERE, _LINE_LIST = 1, 2, 5
+_ADD, _DELETE = 0, 2
+
+
+def base_frame(robot: int) -> str:
+    """The body frame of a robot."""
+    return f"robot_{robot}/base"
+
+
+def pose_messages(times: Stamps, poses: Array) -> list[memoryview]:
+    """geometry_msgs/PoseStamped of one robot: times `(M,)` ns, poses `(M, 3)`."""
+    layout = Layout().header(FRAME).numbers("pose", "f8", 7)
+    return layout.pack(len(times), stamp=stamps_of(times), pose=planar_poses(poses))
+
+
+def twist_messages(times: Stamps, commands: Array, robot: int) -> list[memoryview]:
+    """geometry_msgs/TwistStamped in the robot's body frame; commands `(M, 3)`."""
+    layout = Layout().header(base_frame(robot)).numbers("twist", "f8", 6)
+    twist = np.zeros((len(times), 6))
+    twist[:, (0, 1, 5)] = commands
+    return layout.pack(len(times), stamp=stamps_of(times), twist=twist)
+
+
+def transform_messages(times: Stamps, poses: Array) -> list[memoryview]:
+    """tf2_msgs/TFMessage with every robot's body frame in the map; poses `(M, N, 3)`."""
+    robots = poses.shape[1]
+    layout = Layout().constant("u4", robots)
+    columns: dict[str, Array | NDArray[np.int64]] = {}
+    for robot in range(robots):
+        layout.header(FRAME, f"stamp_{robot}").text(base_frame(robot))
+        layout.numbers(f"pose_{robot}", "f8", 7)
+        columns[f"stamp_{robot}"] = stamps_of(times)
+        columns[f"pose_{robot}"] = planar_poses(poses[:, robot])
+    return layout.pack(len(times), **columns)
+
+
+def path_message(time: int, path: Array) -> bytes:
+    """nav_msgs/Path of points `(K, 2)`, each turned along the path; `time` in ns."""
+    header = struct.pack("<III4s", *divmod(time, 1_000_000_000), 4, FRAME.encode() + b"\x00")
+    start = ENCAPSULATION + header + struct.pack("<I", len(path))
+    if not len(path):
+        return start
+    ahead = np.diff(path, axis=0, append=path[-1:])
+    yaw = np.arctan2(ahead[:, 1], ahead[:, 0])
+    if len(path) > 1:
+        yaw[-1] = yaw[-2]
+    # On the wire 56 bytes of pose and 16 of the next point's header follow each other.
+    rows = np.empty((len(path), 72), dtype=np.uint8)
+    rows[:, :56] = planar_poses(np.column_stack([path, yaw])).view(np.uint8)
+    rows[:, 56:] = np.frombuffer(header, dtype=np.uint8)
+    return start + header + bytes(4) + rows.tobytes()[:-16]
+
+
+def grid_message(time: int, grid: OccupancyMap) -> memoryview:
+    """nav_msgs/OccupancyGrid; `time` in ns."""
+    stamp = stamps_of(np.array([time]))
+    layout = Layout().header(FRAME).numbers("loaded", "u4", 2)
+    layout.constant("f4", grid.resolution).constant("u4", grid.cols, grid.rows)
+    layout.numbers("origin", "f8", 7).constant("u4", grid.rows * grid.cols)
+    layout.numbers("data", "i1", grid.rows * grid.cols)
+    origin = planar_poses(np.array([grid.origin]))
+    data = grid.grid.reshape(1, -1)
+    return layout.pack(1, stamp=stamp, loaded=stamp, origin=origin, data=data)[0]
+
+
+def marker_messages(
+    times: Stamps,
+    poses: Array,
+    models: tuple[RobotModel, ...],
+    roles: NDArray[np.int64],
+    leaders: NDArray[np.int64],
+    goals: Array,
+    springs: Array,
+) -> list[memoryview]:
+    """visualization_msgs/MarkerArray: bodies coloured by role, the leader, goals and springs.
+
+    Args:
+        times: `(M,)` ns.
+        poses: `(M, N, 3)`.
+        models: N of them, for the size of the bodies.
+        roles: `(M, N)` slots, -1 without.
+        leaders: `(M,)` robots, -1 without.
+        goals: `(M, N, 2)`.
+        springs: `(M, C, 2, 2)` ends of the lines between joined robots.
+    """
+    count, robots = roles.shape
+    layout = Layout().constant("u4", 2 * robots + 2)
+    columns: dict[str, Array | NDArray[np.int64]] = {}
+    colours = np.ones((count, robots, 4))
+    colours[..., :3] = np.where(
+        roles[..., None] < 0, _NO_ROLE, _PALETTE[np.maximum(roles, 0) % len(_PALETTE)]
+    )
+    bodies = planar_poses(poses)
+    targets = planar_poses(np.concatenate([goals, np.zeros((count, robots, 1))], axis=2))
+    top = np.max([model.height for model in models])
+    for robot, model in enumerate(models):
+        bodies[:, robot, 2] = model.height / 2.0
+        size = (model.length, model.width, model.height)
+        _marker(layout, f"body_{robot}", "roles", robot, _CUBE, size)
+        columns |= _columns(f"body_{robot}", times, bodies[:, robot], colours[:, robot])
+        _marker(layout, f"goal_{robot}", "goals", robot, _SPHERE, (0.12, 0.12, 0.12))
+        columns |= _columns(f"goal_{robot}", times, targets[:, robot], colours[:, robot])
+    led = leaders >= 0
+    above = planar_poses(poses[np.arange(count), np.maximum(leaders, 0)])
+    above[:, 2] = top + 0.15
+    _marker(layout, "leader", "leader", 0, _SPHERE, (0.2, 0.2, 0.2))
+    columns |= _columns("leader", times, above, np.tile((*_PALETTE[0], 1.0), (count, 1)))
+    columns["leader_action"] = np.where(led, _ADD, _DELETE)
+    ends = np.zeros((count, springs.shape[1] * 2, 3))
+    ends[..., :2] = springs.reshape(count, -1, 2)
+    ends[..., 2] = top / 2.0
+    _marker(layout, "springs", "springs", 0, _LINE_LIST, (0.03, 0.0, 0.0), ends.shape[1])
+    origin = planar_poses(np.zeros((count, 3)))
+    columns |= _columns("springs", times, origin, np.tile((0.3, 0.3, 0.3, 0.9), (count, 1)))
+    if ends.shape[1]:
+        columns["springs_points"] = ends.reshape(count, -1)
+    else:
+        columns["springs_action"] = np.full(count, _DELETE)
+    return layout.pack(count, **columns)
+
+
+def _marker(
+    layout: Layout,
+    name: str,
+    space: str,
+    number: int,
+    kind: int,
+    size: tuple[float, float, float],
+    points: int = 0,
+) -> None:
+    layout.header(FRAME, f"{name}_stamp").text(space).constant("i4", number, kind)
+    layout.numbers(f"{name}_action", "i4").numbers(f"{name}_pose", "f8", 7)
+    layout.constant("f8", *size).numbers(f"{name}_colour", "f4", 4)
+    layout.constant("u4", 0, 0).constant("u1", 0)  # lifetime for ever, frame not locked
+    layout.constant("u4", points)
+    if points:
+        layout.numbers(f"{name}_points", "f8", 3 * points)
+    layout.constant("u4", 0)  # colours of single points
+    layout.text("").constant("u4", 0, 0).text("").text("").constant("u4", 0)  # texture
+    layout.constant("u4", 0).text("").text("").text("").constant("u4", 0)  # uv, text, mesh
+    layout.constant("u1", 0)
+
+
+def _columns(
+    name: str, times: Stamps, poses: Array, colours: Array
+) -> dict[str, Array | NDArray[np.int64]]:
+    return {
+        f"{name}_stamp": stamps_of(times),
+        f"{name}_action": np.full(len(times), _ADD),
+        f"{name}_pose": poses,
+        f"{name}_colour": colours,
+    }

@@ -1,0 +1,111 @@
+"""`plan.npz`: a team plan as arrays that any reader of NumPy files can use.
+
+The same plan gives the same bytes: entries in a fixed order with a fixed date, where
+`numpy.savez` would write the time of day.
+"""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.lib.npyio import NpzFile
+
+from cavalcade.errors import RecordingError
+from cavalcade.files import replacing
+from cavalcade.geometry import Array
+from cavalcade.geometry.trajectory import Trajectory
+
+_DATE = (1980, 1, 1, 0, 0, 0)
+_UNIX = 3
+_KEYS = ("t", "position", "velocity", "yaw", "phase", "footholds")
+
+FILE = "plan.npz"
+
+
+def write_plan(
+    path: str | Path,
+    trajectories: Sequence[Trajectory | None],
+    footholds: Sequence[Array],
+) -> Path:
+    """Write trajectories and footholds of robots 0, 1, ...
+
+    Per robot k: `t_k (T,)` s, `position_k (T, 3)` m, `velocity_k (T, 3)` m/s, `yaw_k (T,)` rad,
+    `phase_k (T,)` and `footholds_k (M, 6)`; a robot without a trajectory has none of them.
+
+    Args:
+        path: The new file; one that is there is replaced.
+        trajectories: One per robot, map frame.
+        footholds: `(M, 6)` each.
+
+    Returns:
+        The file written.
+
+    Raises:
+        OutputError: It cannot be written.
+    """
+    target = Path(path)
+    with (
+        replacing(target) as temporary,
+        zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED, compresslevel=6) as archive,
+    ):
+        for robot, (trajectory, feet) in enumerate(zip(trajectories, footholds, strict=True)):
+            if trajectory is None:
+                continue
+            arrays = (
+                np.asarray(trajectory.time, dtype=np.float64),
+                np.asarray(trajectory.position, dtype=np.float64),
+                np.asarray(trajectory.velocity, dtype=np.float64),
+                np.asarray(trajectory.yaw, dtype=np.float64),
+                np.asarray(trajectory.phase, dtype=np.int8),
+                np.asarray(feet, dtype=np.float64).reshape(-1, 6),
+            )
+            for key, array in zip(_KEYS, arrays, strict=True):
+                entry = zipfile.ZipInfo(f"{key}_{robot}.npy", _DATE)
+                entry.compress_type = zipfile.ZIP_DEFLATED
+                entry.create_system = _UNIX
+                entry.external_attr = 0o644 << 16
+                content = io.BytesIO()
+                np.lib.format.write_array(content, np.ascontiguousarray(array), allow_pickle=False)
+                archive.writestr(entry, content.getvalue())
+    return target
+
+
+def read_plan(path: str | Path) -> tuple[dict[int, Trajectory], dict[int, Array]]:
+    """Trajectories and footholds `(M, 6)` by robot.
+
+    Args:
+        path: A folder that `plan` left, or the file itself.
+
+    Raises:
+        RecordingError: It is missing, damaged or no plan.
+    """
+    file = Path(path)
+    if file.is_dir():
+        file = file / FILE
+    if not file.is_file():
+        raise RecordingError("there is no such plan", file=file)
+    trajectories: dict[int, Trajectory] = {}
+    footholds: dict[int, Array] = {}
+    try:
+        with _opened(file) as arrays:
+            robots = sorted(int(name[2:]) for name in arrays.files if name.startswith("t_"))
+            for robot in robots:
+                parts = [arrays[f"{key}_{robot}"] for key in _KEYS]
+                trajectories[robot] = Trajectory(*parts[:5])
+                footholds[robot] = parts[5]
+    except Exception as error:
+        # Damaged archives are answered with errors of zipfile, zlib, struct, numpy and more.
+        raise RecordingError(f"not a plan: {error}", file=file) from None
+    return trajectories, footholds
+
+
+def _opened(file: Path) -> NpzFile:
+    # From memory: NumPy leaves a file open that begins like an archive and is none.
+    arrays = np.load(io.BytesIO(file.read_bytes()), allow_pickle=False)
+    if not isinstance(arrays, NpzFile):
+        raise ValueError("expected an archive of arrays")
+    return arrays

@@ -1,1 +1,0 @@
-"""Runs whose robots follow commands instead of a planner."""

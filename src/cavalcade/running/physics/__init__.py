@@ -1,1 +1,0 @@
-"""Runs in physics: what is recorded of them, drawn, and summed up."""
