@@ -76,11 +76,11 @@ def test_a_variant_sets_method_and_options(name: str) -> None:
     [
         (
             {"variants": ["cavalcade"], "worlds": [PLAN]},
-            "variants[0]: 'cavalcade' is for formations, not for goals of single robots",
+            "variants[0]: 'cavalcade' is for formations, not for individual goals",
         ),
         (
             {"variants": ["auto", "cbs"], "worlds": [FORMATION]},
-            "variants[0]: 'auto' is for goals of single robots, not for formations",
+            "variants[0]: 'auto' is for individual goals, not for formations",
         ),
         (
             {"worlds": [PLAN | {"variants": ["cbs-publisht"]}]},
