@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from cavalcade.jobs.running import RunResult, run
+from cavalcade.jobs import JobResult, run
 from cavalcade.scenario.loading import parse_scenario
 
 NAMES = ("square-clutter", "cone", "triangle-lab", "triangle-corridor", "tour-ten", "office")
@@ -48,7 +48,7 @@ def main() -> None:
         compare(f"clutter {seed}", [run(scenario, backend=backend) for backend in BACKENDS])
 
 
-def compare(name: str, results: list[RunResult]) -> None:
+def compare(name: str, results: list[JobResult]) -> None:
     """Print a line for each backend."""
     apart = distances(*results)
     for backend, result in zip(BACKENDS, results, strict=True):
@@ -72,7 +72,7 @@ def compare(name: str, results: list[RunResult]) -> None:
         )
 
 
-def distances(first: RunResult, second: RunResult) -> np.ndarray:
+def distances(first: JobResult, second: JobResult) -> np.ndarray:
     """`(T, N)` m between the true positions of both runs at the same times."""
     count = min(len(first.recording.time), len(second.recording.time))
     moved = first.recording.poses[:count, :, :2] - second.recording.poses[:count, :, :2]

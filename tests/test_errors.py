@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
+
 import pytest
 
 from cavalcade import errors
@@ -19,6 +22,26 @@ def test_choices_are_listed():
 
 def test_it_stays_one_line():
     assert "\n" not in str(errors.MapError("broken\n  in two\n", file="a.yaml"))
+
+
+@pytest.mark.parametrize(
+    "copied", [copy.copy, copy.deepcopy, lambda error: pickle.loads(pickle.dumps(error))]
+)
+@pytest.mark.parametrize("kind", [errors.MapError, errors.OutputError])
+def test_copies_and_pickles_keep_every_part(copied, kind):
+    error = kind("unknown", file="a.yaml", key="shape", choices=("line", "wedge"))
+    other = copied(error)
+    assert type(other) is kind
+    assert str(other) == str(error) == "a.yaml: shape: unknown (one of: line, wedge)"
+    assert (other.message, other.file, other.key, other.choices) == (
+        "unknown", "a.yaml", "shape", ("line", "wedge"),
+    )  # fmt: skip
+
+
+def test_an_error_can_be_said_of_another_place():
+    error = errors.MapError("unknown", key="shape", choices=("line",)).at(file="b.yaml", key="x")
+    assert isinstance(error, errors.MapError)
+    assert str(error) == "b.yaml: x: unknown (one of: line)"
 
 
 @pytest.mark.parametrize(

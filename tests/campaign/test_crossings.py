@@ -12,8 +12,9 @@ import pytest
 from cavalcade.campaign.crossings import crossings
 from cavalcade.campaign.definition import define_campaign
 from cavalcade.campaign.judging import judged
-from cavalcade.campaign.trial_runner import Ran, run_trial_into
+from cavalcade.campaign.trial_runner import run_trial_into
 from cavalcade.errors import ScenarioError
+from cavalcade.jobs import JobResult
 from cavalcade.recording.physics_track import PhysicsTrack
 
 SUITE = """\
@@ -27,12 +28,12 @@ worlds:
 
 
 @pytest.fixture(scope="module")
-def leapt(tmp_path_factory: pytest.TempPathFactory) -> Ran:
+def leapt(tmp_path_factory: pytest.TempPathFactory) -> JobResult:
     pytest.importorskip("mujoco")
     file = tmp_path_factory.mktemp("leaps") / "leaps.yaml"
     file.write_text(SUITE, encoding="utf-8")
     line, ran = run_trial_into(define_campaign(file).trial("gap.0000.cavalcade"), None)
-    assert isinstance(ran, Ran)
+    assert isinstance(ran, JobResult)
     assert (line["outcome"], line["success"], line["violations"]) == ("done", True, [])
     assert (line["measured"]["crossings"], line["measured"]["strict_crossings"]) == (1, 1)
     return ran
@@ -42,8 +43,8 @@ def changed(track: PhysicsTrack, **values: Any) -> PhysicsTrack:
     return replace(track, **values)
 
 
-def test_it_flies_from_one_side_to_the_other_and_stands(leapt: Ran) -> None:
-    track = leapt.result.recording.physics
+def test_it_flies_from_one_side_to_the_other_and_stands(leapt: JobResult) -> None:
+    track = leapt.recording.physics
     assert track is not None
     loads = track.foot_forces[:, 0, :, 2].sum(axis=1)
     flying = track.time[1:][loads[1:] < 1.0]
@@ -53,9 +54,9 @@ def test_it_flies_from_one_side_to_the_other_and_stands(leapt: Ran) -> None:
     assert track.time[-1] - flying[-1] > 1.5
 
 
-def test_who_ends_before_the_gap_or_too_early_has_not_leapt(leapt: Ran) -> None:
+def test_who_ends_before_the_gap_or_too_early_has_not_leapt(leapt: JobResult) -> None:
     """A recording that is cut right after the landing, and one that is moved back."""
-    recording, summary = leapt.result.recording, leapt.result.summary
+    recording, summary = leapt.recording, leapt.summary
     track = recording.physics
     assert track is not None
     keep = track.time <= track.time[-1] - 1.0

@@ -17,9 +17,10 @@ from cavalcade.campaign.engines.local import LocalEngine
 from cavalcade.campaign.runner import run_campaign
 from cavalcade.campaign.samplers import DataFolder
 from cavalcade.campaign.trial import without_times
-from cavalcade.campaign.trial_runner import Ran, run_trial, run_trial_into
+from cavalcade.campaign.trial_runner import run_trial, run_trial_into
 from cavalcade.checking import check
 from cavalcade.checking.physics.reading import read_records
+from cavalcade.jobs import JobResult
 
 SUITE = """\
 version: 1
@@ -69,8 +70,8 @@ def test_the_checker_sees_what_a_recording_would_hold(
     definition: Definition, tmp_path: Path
 ) -> None:
     line, ran = run_trial_into(definition.trial("push.0001.cavalcade"), tmp_path / "a")
-    assert isinstance(ran, Ran)
-    track = ran.result.recording.physics
+    assert isinstance(ran, JobResult)
+    track = ran.recording.physics
     assert track is not None
     written = read_records(tmp_path / "a" / "recording.mcap", 1)
     for here, there in zip(judging.records_of(track), written, strict=True):
@@ -84,8 +85,8 @@ def test_the_checker_sees_what_a_recording_would_hold(
 def test_a_push_that_is_not_said_is_found(definition: Definition) -> None:
     """The audit takes pushes from the scenario alone: without, forces do not explain the motion."""
     _, ran = run_trial_into(definition.trial("push.0001.cavalcade"), None)
-    assert isinstance(ran, Ran)
-    done, summary = ran.result.recording, ran.result.summary
+    assert isinstance(ran, JobResult)
+    done, summary = ran.recording, ran.summary
     assert judging.judged(ran.scenario, ran.world, done, summary).success
     execution = ran.scenario.execution.model_copy(update={"events": ()})
     untold = ran.scenario.model_copy(update={"execution": execution})

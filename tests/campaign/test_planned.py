@@ -13,7 +13,7 @@ import pytest
 
 from cavalcade.campaign.definition import define_campaign
 from cavalcade.campaign.engines.local import LocalEngine
-from cavalcade.campaign.planned import Planned, arrays_of, judged_plan, measured_plan
+from cavalcade.campaign.planned import arrays_of, judged_plan, measured_plan
 from cavalcade.campaign.repeat import repeat_trial
 from cavalcade.campaign.runner import run_campaign
 from cavalcade.campaign.suite import parse_suite
@@ -23,7 +23,7 @@ from cavalcade.campaign.warming import warmth_of
 from cavalcade.checking import check
 from cavalcade.checking.plans import read_plan
 from cavalcade.coordination.result import TeamPlan
-from cavalcade.jobs.planning import PlanResult, plan
+from cavalcade.jobs import JobResult, plan
 from cavalcade.scenario import Scenario, build_world, parse_scenario, resolve_scenario
 
 SUITE = """\
@@ -42,9 +42,9 @@ def trial_of(group: dict[str, Any], **head: Any) -> Trial:
 
 
 @pytest.fixture(scope="module")
-def head_on() -> Planned:
+def head_on() -> JobResult:
     _, ran = run_trial_into(trial_of({"sampler": "shipped", "scenario": "head-on"}), None)
-    assert isinstance(ran, Planned)
+    assert isinstance(ran, JobResult)
     return ran
 
 
@@ -63,9 +63,9 @@ def test_a_line_holds_the_verdict_and_the_summary() -> None:
 def test_the_checker_sees_what_a_plan_file_would_hold(tmp_path: Path) -> None:
     trial = trial_of({"sampler": "shipped", "scenario": "corner-swap"})
     line, ran = run_trial_into(trial, tmp_path / "a")
-    assert isinstance(ran, Planned)
+    assert isinstance(ran, JobResult)
     written = read_plan(tmp_path / "a" / "plan.npz")
-    in_memory = arrays_of(ran.result)
+    in_memory = arrays_of(ran)
     assert sorted(written) == sorted(in_memory)
     for name, array in in_memory.items():
         assert array.tobytes() == written[name].tobytes()
@@ -74,24 +74,25 @@ def test_the_checker_sees_what_a_plan_file_would_hold(tmp_path: Path) -> None:
     assert (tmp_path / "a" / "replay.html").is_file()
 
 
-def changed(result: PlanResult, **changes: Any) -> PlanResult:
-    team: TeamPlan = replace(result.plan, **changes)
-    return replace(result, plan=team)
+def changed(result: JobResult, **changes: Any) -> JobResult:
+    assert result.planned is not None
+    team: TeamPlan = replace(result.planned.plan, **changes)
+    return replace(result, planned=replace(result.planned, plan=team))
 
 
-def test_a_fault_in_the_motion_is_invalid(head_on: Planned) -> None:
-    paths = head_on.result.trajectories
+def test_a_fault_in_the_motion_is_invalid(head_on: JobResult) -> None:
+    paths = head_on.trajectories
     assert paths[0] is not None
     velocity = paths[0].velocity.copy()
     velocity[len(velocity) // 2] = (30.0, 0.0, 0.0)
-    broken = changed(head_on.result, trajectories=(replace(paths[0], velocity=velocity), paths[1]))
-    assert judged_plan(head_on.scenario, head_on.result).success
-    verdict = judged_plan(head_on.scenario, broken)
+    broken = changed(head_on, trajectories=(replace(paths[0], velocity=velocity), paths[1]))
+    assert judged_plan(head_on).success
+    verdict = judged_plan(broken)
     assert (verdict.outcome, verdict.success, verdict.contacts) == ("invalid", False, 0)
     assert verdict.violations
 
 
-def test_contact_is_a_collision_even_where_the_summary_says_so_itself(head_on: Planned) -> None:
+def test_contact_is_a_collision_even_where_the_summary_says_so_itself(head_on: JobResult) -> None:
     scenario = head_on.scenario
     lone = []
     for k in range(2):
@@ -99,11 +100,11 @@ def test_contact_is_a_collision_even_where_the_summary_says_so_itself(head_on: P
         lone.append(plan(one).trajectories[0])
 
     def through_each_other(scenario: Scenario, world: Any) -> TeamPlan:
-        return replace(head_on.result.plan, trajectories=tuple(lone))
+        return replace(head_on.plan, trajectories=tuple(lone))
 
     made = plan(scenario, coordinator=through_each_other)
     assert made.reason == "collision"
-    verdict = judged_plan(scenario, made)
+    verdict = judged_plan(made)
     assert (verdict.outcome, verdict.success) == ("collision", False)
     assert verdict.contacts == verdict.avoidable >= 1
 
@@ -121,24 +122,24 @@ def test_contact_is_a_collision_even_where_the_summary_says_so_itself(head_on: P
     ],
 )
 def test_where_there_is_no_plan_refusing_is_the_success(
-    head_on: Planned, expected: str, reason: str, success: bool
+    head_on: JobResult, expected: str, reason: str, success: bool
 ) -> None:
     def refuse(scenario: Scenario, world: Any) -> TeamPlan:
-        plan = replace(head_on.result.plan, reason=reason, trajectories=(None, None))
+        plan = replace(head_on.plan, reason=reason, trajectories=(None, None))
         return replace(plan, detail="so it is")
 
     made = plan(head_on.scenario, coordinator=refuse)
-    verdict = judged_plan(head_on.scenario, made, expected)
+    verdict = judged_plan(made, expected)
     assert (verdict.outcome, verdict.success, verdict.detail) == (reason, success, "so it is")
 
 
-def test_a_plan_for_what_has_none_is_no_success(head_on: Planned) -> None:
-    assert not judged_plan(head_on.scenario, head_on.result, "infeasible").success
+def test_a_plan_for_what_has_none_is_no_success(head_on: JobResult) -> None:
+    assert not judged_plan(head_on, "infeasible").success
 
 
-def test_measures_are_what_they_say(head_on: Planned) -> None:
+def test_measures_are_what_they_say(head_on: JobResult) -> None:
     measured = measured_plan(head_on)
-    summary = head_on.result.summary
+    summary = head_on.summary
     assert measured["length_ratio"] == pytest.approx(sum(summary["path_length_m"]) / 10.0, abs=1e-5)
     durations = []
     for robot in head_on.scenario.robots:
@@ -177,11 +178,10 @@ def test_a_lost_trial_is_no_refusal() -> None:
 def test_a_replay_gives_the_plan() -> None:
     found = replay(trial_of({"sampler": "shipped", "scenario": "head-on"}))
     assert found is not None
-    scenario, world, made, summary = found
-    assert isinstance(made, PlanResult)
-    assert made.summary == summary
-    assert scenario.name == "head-on"
-    assert world.map.size == (9.0, 4.0)
+    assert found.planned is not None
+    assert found.planned.summary == found.summary
+    assert found.scenario.name == "head-on"
+    assert found.world.map.size == (9.0, 4.0)
 
 
 def test_what_has_to_be_warm() -> None:
@@ -217,7 +217,7 @@ def test_a_campaign_and_one_of_its_trials_again(
     assert refused.line["success"]
 
 
-def test_the_worlds_are_as_they_were_resolved(head_on: Planned) -> None:
+def test_the_worlds_are_as_they_were_resolved(head_on: JobResult) -> None:
     assert head_on.scenario == resolve_scenario(head_on.scenario)
     said = trial_of({"sampler": "shipped", "scenario": "head-on"}).instance().scenario
     world = build_world(parse_scenario(said))

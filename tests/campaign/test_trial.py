@@ -59,10 +59,10 @@ def test_the_checker_sees_what_a_recording_would_hold(noisy: Trial, tmp_path: Pa
     _, ran = run_trial_into(noisy, tmp_path / "a")
     assert ran is not None
     written = read_tracks(tmp_path / "a" / "recording.mcap", 2)
-    for in_memory, from_file in zip(judging.tracks_of(ran.result.recording), written, strict=True):
+    for in_memory, from_file in zip(judging.tracks_of(ran.recording), written, strict=True):
         assert in_memory.time.tobytes() == from_file.time.tobytes()
         assert in_memory.pose.tobytes() == from_file.pose.tobytes()
-    assert check(tmp_path / "a") == judging.judge(ran.scenario, written, ran.result.summary)
+    assert check(tmp_path / "a") == judging.judge(ran.scenario, written, ran.summary)
     assert (tmp_path / "a" / "replay.html").is_file()
     assert any((tmp_path / "a" / "figures").iterdir())
 

@@ -84,7 +84,7 @@ def test_an_ideal_robot_under_wild_commands_passes(dt):
         if k % 7 == 0:
             command = rng.uniform(-1.0, 1.0, 3) * (0.8, 0.5, 2.0)
         for _ in range(round(dt / 0.01)):
-            state = np.array(advance(*state, *command, 0.01, limits))
+            state = np.array(advance(tuple(state), tuple(command), 0.01, limits))
         poses.append(state[:3])
     track = Track(dt * np.arange(len(poses)), np.array(poses))
     assert kinds(track) == []

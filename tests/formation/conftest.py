@@ -57,7 +57,7 @@ def drive(
         for k, command in enumerate(commands):
             state = tuple(states[k])
             for _ in range(substeps):
-                state = advance(*state, *command, period / substeps, limits)
+                state = advance(state, tuple(command), period / substeps, limits)
             states[k] = state
     times, where, said, status = zip(*log, strict=True)
     return Drive(np.array(times), np.array(where), np.array(said), list(status))

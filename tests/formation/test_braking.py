@@ -14,12 +14,13 @@ from cavalcade.robots.motion import advance, limits_of
 
 GO1 = robot_model("go1")
 LIMITS = limits_of(GO1)
+STOP = (0.0, 0.0, 0.0)
 
 
 def braked(state, dt=0.01, seconds=1.0):
     states = [np.array(state, dtype=float)]
     for _ in range(round(seconds / dt)):
-        states.append(np.array(advance(*states[-1], 0.0, 0.0, 0.0, dt, LIMITS)))
+        states.append(np.array(advance(tuple(states[-1]), STOP, dt, LIMITS)))
     return np.array(states)
 
 

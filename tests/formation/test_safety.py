@@ -51,7 +51,7 @@ class Scene:
         for _ in range(cycles * substeps):
             for k, command in enumerate(commands):
                 state = (*self.poses[k], *self.velocities[k])
-                state = advance(*state, *command, PERIOD / substeps, LIMITS)
+                state = advance(state, tuple(command), PERIOD / substeps, LIMITS)
                 self.poses[k], self.velocities[k] = state[:3], state[3:]
             if seen is not None:
                 seen(self.poses)
@@ -299,7 +299,7 @@ def test_all_rolled_out_commands_end_at_rest():
         state = (0.0, 0.0, yaw, c * body[0] - s * body[1], s * body[0] + c * body[1],
                  rng.choice([-1.2, 1.2]))  # fmt: skip
         for _ in range(steps):
-            state = advance(*state, 0.0, 0.0, 0.0, dt, LIMITS)
+            state = advance(state, (0.0, 0.0, 0.0), dt, LIMITS)
         assert np.abs(state[3:]).max() < 0.02
 
 
@@ -317,7 +317,7 @@ def test_any_rate_stops_in_time(tools, rate):
             np.full(1, RADIUS), *NO_MOVERS,
         )  # fmt: skip
         for _ in range(10):
-            state = advance(*state, *commands[0], 0.1 / rate, LIMITS)
+            state = advance(state, tuple(commands[0]), 0.1 / rate, LIMITS)
         assert tools.occupied_gap(np.array(state[:3]), SIZE, occupied, CELL) > 0.0
     assert state[0] > 5.0 - 0.325 - 0.15
 

@@ -23,7 +23,7 @@ def test_robots_that_obey_have_the_predicted_velocity():
         for k, command in enumerate(COMMANDS):
             state = tuple(states[k])
             for _ in range(5):
-                state = advance(*state, *command, 0.01, limits_of(GO1))
+                state = advance(state, tuple(command), 0.01, limits_of(GO1))
             states[k] = state
 
 

@@ -25,7 +25,7 @@ def drive(commands, steps=25):
     states = [np.zeros(6)]
     for cx, cy, cw in commands:
         for _ in range(steps):
-            states.append(np.array(advance(*states[-1], cx, cy, cw, DT, LIMITS)))
+            states.append(np.array(advance(tuple(states[-1]), (cx, cy, cw), DT, LIMITS)))
     return np.array(states)
 
 

@@ -155,7 +155,7 @@ def go(make_scenario: Callable[..., Scenario], straight: Any) -> Callable[..., A
 
     def run_it(out: Path | None = None, change: Any = None, **options: Any) -> Any:
         fleet = options.pop("fleet", None)
-        progress = options.pop("progress", None)
+        sinks = options.pop("sinks", ())
         seed = options.pop("seed", None)
 
         def planner(scenario: Scenario, world: Any) -> Any:
@@ -167,7 +167,7 @@ def go(make_scenario: Callable[..., Scenario], straight: Any) -> Callable[..., A
             out,
             planner=planner,
             fleet=fleet,
-            progress=progress,
+            sinks=sinks,
             seed=seed,
             figures=False,
             replay=False,

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from cavalcade.execution.team import expected_of
+from cavalcade.execution.formation_policy import expected_of
 from cavalcade.jobs.running import run
 from cavalcade.scenario import load_scenario, parse_scenario
 

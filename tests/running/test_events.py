@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from cavalcade.errors import ScenarioError
 from cavalcade.execution.control import ControlLoop
 from cavalcade.execution.events import EventRunner
 from cavalcade.fleet import IdealFleet, Watchdog
@@ -26,19 +27,20 @@ class Stage:
         self.maps: list[tuple[float, OccupancyMap]] = []
         self.notes: list[tuple[float, str]] = []
         self.control = ControlLoop(self.planner, self.fleet, self.watchdog)
-        self.events = EventRunner(
-            scenario,
-            self.world,
-            self.control,
-            lambda time, grid: self.maps.append((time, grid)),
-            lambda time, text: self.notes.append((time, text)),
-        )
+        self.events = EventRunner(scenario, self.world, self.control)
         self.cycle = 0
+        self._keep(0.0)
 
     def until(self, end: float) -> None:
         while self.cycle / 20 <= end + 1e-9:
             self.events.apply(self.cycle / 20)
+            self._keep(self.cycle / 20)
             self.cycle += 1
+
+    def _keep(self, time: float) -> None:
+        notes, maps = self.events.news()
+        self.notes += [(time, text) for text in notes]
+        self.maps += [(time, grid) for grid in maps]
 
     @property
     def map(self) -> OccupancyMap:
@@ -153,3 +155,25 @@ def test_a_robot_lost_and_back(stage: Callable[..., Stage]) -> None:
     play.until(2.0)
     assert play.planner.called("rejoin") == [(2,)]
     assert [text for _, text in play.notes] == ["robot 2 lost", "robot 2 back"]
+
+
+def test_a_policy_that_takes_no_goals_is_not_given_any(
+    make_scenario: Callable[..., Scenario],
+) -> None:
+    class Stubborn:
+        status = None
+
+        def step(self, poses: Any, time: float, stamps: Any) -> Any:
+            return np.zeros((4, 3))
+
+        def pause(self) -> None: ...
+
+        def resume(self) -> None: ...
+
+    for event in ({"goals": [[2.0, 2.0, 0.0]]}, {"lose": 2}):
+        scenario = make_scenario(events=[{"at": 1.0, "add": CIRCLE}, {"at": 2.0, **event}])
+        fleet = IdealFleet(scenario.models, scenario.starts)
+        control = ControlLoop(Stubborn(), fleet, Watchdog(fleet.size))  # type: ignore[arg-type]
+        (kind,) = event
+        with pytest.raises(ScenarioError, match=rf"execution.events\[1\].{kind}: a Stubborn takes"):
+            EventRunner(scenario, build_world(scenario), control)

@@ -1,15 +1,24 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from cavalcade.execution.progress import Progress
 from cavalcade.jobs.reporter import Reporter, result_rows
+from cavalcade.recording import Frame
+
+
+def frame(time: float, *notes: str) -> Frame:
+    nothing: Any = None
+    status: Any = SimpleNamespace(state="partial")
+    return Frame(time, nothing, nothing, nothing, status, notes=notes)
+
 
 SUMMARY: dict[str, Any] = {
     "name": "a",
+    "backend": "ideal",
     "robots": 4,
     "variant": "cavalcade",
     "reason": "stuck",
@@ -32,14 +41,14 @@ def test_plain_lines_every_ten_seconds_and_at_events(capsys: pytest.CaptureFixtu
     with Reporter("a [run]") as reporter:
         for k in range(251):
             note = "robot 1 [lost]" if k == 130 else ""
-            reporter(Progress(k / 10, 180.0, "partial", note))
+            reporter(frame(k / 10, *([note] if note else [])))
     lines = capsys.readouterr().out.splitlines()
     assert lines == ["  10.0 s  partial", "  13.0 s  robot 1 [lost]", "  20.0 s  partial"]
 
 
 def test_quiet_is_quiet(capsys: pytest.CaptureFixture[str]) -> None:
     with Reporter("a", quiet=True) as reporter:
-        reporter(Progress(20.0, 180.0, "partial", "note"))
+        reporter(frame(20.0, "note"))
         reporter.say("hello")
         reporter.finish(SUMMARY, [Path("x")])
     assert capsys.readouterr() == ("", "")
@@ -52,7 +61,7 @@ def test_a_bar_on_a_terminal(
     monkeypatch.setenv("TERM", "xterm")
     with Reporter("crossing") as reporter:
         for k in range(30):
-            reporter(Progress(k / 10, 180.0, "partial"))
+            reporter(frame(k / 10))
         reporter.finish(SUMMARY, [])
     said = capsys.readouterr().out
     assert "crossing" in said

@@ -10,7 +10,7 @@ import pytest
 from rosbags.rosbag2 import Reader
 
 from cavalcade.errors import OutputError, RecordingError
-from cavalcade.recording.frames import ObstacleTrack, Recording
+from cavalcade.recording.frames import Frame, ObstacleTrack, Recording
 from cavalcade.recording.mcap_reader import read_recording
 from cavalcade.recording.mcap_writer import write_recording
 from cavalcade.recording.recorder import PATH_POINTS, Recorder, thinned
@@ -49,9 +49,8 @@ def recording() -> Recording:
         poses, seen, commands = random.uniform(-3, 3, (3, ROBOTS, 3))
         if k == 10:
             seen[1] = np.nan
-        recorder.cycle(0.05 * k, poses, seen, commands, a_status(k))
-    recorder.note(1.0, "robot 1 lost")
-    recorder.note(1.0, "obstacle added")
+        notes = ("robot 1 lost", "obstacle added") if k == 20 else ()
+        recorder(Frame(0.05 * k, poses, seen, commands, a_status(k), notes=notes))
     box = {"box": {"center": [1.0, 2.0], "size": [0.5, 0.4], "yaw": 0.1}}
     circle = {"circle": {"center": [4.0, 2.0], "radius": 0.3}}
     return recorder.recording(
@@ -167,12 +166,12 @@ def test_paths_are_kept_four_times_a_second_and_when_something_changes() -> None
     recorder = Recorder()
     nothing = np.zeros((ROBOTS, 3))
     for k in range(40):
-        recorder.cycle(0.05 * k, nothing, nothing, nothing, a_status(k))
+        recorder(Frame(0.05 * k, nothing, nothing, nothing, a_status(k)))
     kept = [status.paths for status in recorder.recording().status]
     new = [0.05 * k for k in range(40) if k == 0 or kept[k] is not kept[k - 1]]
     # The leader changes at 1.0 s, on which the quarters fall anyway.
     assert new == pytest.approx(np.arange(0, 2, 0.25))
-    recorder.cycle(2.05, nothing, nothing, nothing, replace(a_status(39), state="stuck"))
+    recorder(Frame(2.05, nothing, nothing, nothing, replace(a_status(39), state="stuck")))
     assert recorder.recording().status[-1].paths is not kept[-1]
 
 

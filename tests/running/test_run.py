@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from cavalcade.errors import InputError, OutputError, ScenarioError
-from cavalcade.execution.progress import Progress
 from cavalcade.fleet import IdealFleet
 from cavalcade.jobs.running import run
-from cavalcade.scenario import Scenario
+from cavalcade.recording import Frame
+from cavalcade.scenario import Scenario, build_world
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt, RuntimeError])
@@ -32,12 +32,12 @@ def test_cut_short_nothing_is_left_behind_and_the_team_stops(
         fleets.append(Watched(scenario.models, scenario.starts))
         return fleets[0]
 
-    def interrupt(progress: Progress) -> None:
-        if progress.time >= 1.0:
+    def interrupt(frame: Frame) -> None:
+        if frame.time >= 1.0:
             raise error
 
     with pytest.raises(error):
-        go(tmp_path / "a" / "r", fleet=fleet, progress=interrupt)
+        go(tmp_path / "a" / "r", fleet=fleet, sinks=[interrupt])
     assert list(tmp_path.iterdir()) == []
     assert np.array_equal(sent[-1], np.zeros((4, 3)))
     assert np.any(sent[-2] != 0.0)
@@ -72,12 +72,35 @@ def test_arguments_are_checked(make_scenario: Callable[..., Scenario], straight:
         run(make_scenario(), overrides=["execution.rate=10"], planner=straight)
 
 
-def test_progress_is_told_every_cycle(go: Callable[..., Any]) -> None:
-    seen: list[Progress] = []
-    result = go(progress=seen.append, events=[{"at": 1.0, "lose": 0}])
-    assert [progress.time for progress in seen] == result.recording.time.tolist()
-    assert seen[-1].state == "final"
-    assert [(p.time, p.note) for p in seen if p.note] == [(1.0, "robot 0 lost")]
+def test_sinks_get_every_frame(go: Callable[..., Any]) -> None:
+    seen: list[Frame] = []
+    result = go(sinks=[seen.append], events=[{"at": 1.0, "lose": 0}])
+    assert [frame.time for frame in seen] == result.recording.time.tolist()
+    assert seen[-1].status.state == "final"
+    assert [(frame.time, frame.notes) for frame in seen if frame.notes] == [
+        (1.0, ("robot 0 lost",))
+    ]
+    assert np.array_equal(seen[7].poses, result.recording.poses[7])
+    assert np.array_equal(seen[7].commands, result.recording.commands[7])
+
+
+def test_fleet_and_planner_may_be_made_or_given(
+    make_scenario: Callable[..., Scenario], straight: Any
+) -> None:
+    scenario = make_scenario()
+    options: dict[str, Any] = {"figures": False, "replay": False}
+    world = build_world(scenario)
+    made = run(
+        scenario,
+        planner=straight,
+        fleet=lambda scenario: IdealFleet(scenario.models, scenario.starts),
+        **options,
+    )
+    fleet = IdealFleet(scenario.models, scenario.starts)
+    given = run(scenario, planner=straight(scenario, world), fleet=fleet, **options)
+    assert np.array_equal(made.recording.poses, given.recording.poses)
+    assert np.array_equal(fleet.true_poses(), given.recording.poses[-1])
+    assert given.world.map == world.map
 
 
 def test_it_says_what_it_does_or_nothing(

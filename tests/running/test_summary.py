@@ -1,12 +1,21 @@
 from __future__ import annotations
 
-from dataclasses import replace
+import json
+from dataclasses import fields, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from cavalcade.metrics.summary import leader_changes, role_changes, versions
+from cavalcade.metrics.run_summary import leader_changes, role_changes
+from cavalcade.metrics.summary import (
+    Collisions,
+    Summary,
+    package_versions,
+    summary_columns,
+    summary_table,
+)
 from cavalcade.recording.frames import Recording
 
 SQUARE = np.array([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0)])
@@ -53,4 +62,38 @@ def test_losing_a_role_or_changing_shape_is_no_exchange(recording_of: Any) -> No
 
 
 def test_versions_are_plain_text() -> None:
-    assert all(isinstance(value, str) and value for value in versions().values())
+    assert all(isinstance(value, str) and value for value in package_versions().values())
+
+
+def test_the_documentation_lists_every_key_with_its_meaning() -> None:
+    docs = Path(__file__).resolve().parents[2] / "docs" / "recording.md"
+    assert summary_table() in docs.read_text(encoding="utf-8")
+
+
+def test_a_summary_is_a_mapping_of_plain_values() -> None:
+    summary = Summary(
+        name="a",
+        version=1,
+        seed=3,
+        method="formation",
+        variant="cavalcade",
+        robots=2,
+        success=True,
+        reason="arrived",
+        collisions=Collisions(1, 0),
+        path_length_m=(1.5, None),
+        versions={"python": "3"},
+    )
+    assert summary["collisions"] == {"robot_robot": 1, "robot_obstacle": 0}
+    assert summary["path_length_m"] == [1.5, None]
+    assert summary == json.loads(json.dumps(summary.to_dict()))
+    assert list(summary) == [field.name for field in fields(Summary)]
+    with pytest.raises(KeyError):
+        summary["to_dict"]
+
+
+def test_every_value_of_a_summary_has_a_column() -> None:
+    columns = summary_columns()
+    flat = {name.split(".")[0] for name in columns}
+    # What a search counts differs by method: such columns are added where they are known.
+    assert flat == {field.name for field in fields(Summary)} - {"counts"}

@@ -6,15 +6,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cavalcade.execution.team import (
-    formation_of,
-    make_fleet,
-    make_planner,
-    make_watchdog,
-    settings_of,
-)
+from cavalcade.execution.formation_policy import formation_of, make_planner, settings_of
 from cavalcade.formation.settings import LABORATORY, LABORATORY_SPRINGS, SIMULATION_SPRINGS
-from cavalcade.scenario import FormationSection, PlannerSection, Scenario, build_world
+from cavalcade.jobs.reporter import Reporter
+from cavalcade.jobs.tasks import task_of
+from cavalcade.scenario import (
+    FormationSection,
+    PlannerSection,
+    Scenario,
+    build_world,
+    resolve_scenario,
+)
 
 
 def planner_section(**values: Any) -> PlannerSection:
@@ -77,13 +79,13 @@ def test_settings_are_the_preset_s_unless_said_otherwise() -> None:
     assert settings_of(planner_section()).r_max == pytest.approx(0.30)
 
 
-def test_fleet_and_watchdog_fit_the_scenario(make_scenario: Callable[..., Scenario]) -> None:
+def test_the_fleet_fits_the_scenario(make_scenario: Callable[..., Scenario]) -> None:
     scenario = make_scenario(noise={"position": 0.1}, seed=4)
-    fleet = make_fleet(scenario)
+    resolved = resolve_scenario(scenario)
+    fleet = task_of(resolved, build_world(resolved), Reporter("a", quiet=True)).make_fleet()
     assert fleet.size == 4
     assert np.allclose(fleet.true_poses(), scenario.starts)
     assert not np.allclose(fleet.observe().poses, scenario.starts)
-    assert make_watchdog(scenario, build_world(scenario)).check(fleet.observe()).ok
 
 
 def test_the_planner_drives_to_the_scenario_s_goal(make_scenario: Callable[..., Scenario]) -> None:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
-from cavalcade.jobs.running import RunResult, run
+from cavalcade.jobs import JobResult, run
 from cavalcade.scenario import parse_scenario
 
 
-def alley(yaw: float, variant: str) -> RunResult:
+def alley(yaw: float, variant: str) -> JobResult:
     """One robot drives into a dead end 0.7 m wide, 0.9 m deep at its slot."""
     walls = [
         {"box": {"center": [4.5, 3.0 + side * 0.5], "size": [3.0, 0.3]}} for side in (1.0, -1.0)

@@ -11,7 +11,6 @@ import yaml
 
 from cavalcade.errors import ScenarioError
 from cavalcade.scenario import dump_scenario, load_scenario, parse_scenario, scenario_schema
-from cavalcade.scenario.backends import with_backend
 
 Data = dict[str, Any]
 
@@ -38,7 +37,7 @@ def test_commands_are_in_order_of_time_and_last_two_seconds_more(walk: Data) -> 
     task = parse_scenario(walk).task
     assert task.commands is not None
     assert [command.at for command in task.commands] == [0.5, 4.0]
-    assert (task.individual, task.formation, task.goals) == (False, None, ())
+    assert (task.kind, task.formation, task.goals) == ("commands", None, ())
     assert task.length == 6.0
     assert task.commands[1].pace == 0.4
     walk["task"]["duration"] = 3
@@ -142,7 +141,7 @@ def test_robots_with_pushes_do_not_become_ideal(walk: Data) -> None:
         "events": [{"at": 1, "push": {"robot": 0, "impulse": [3, -4]}}],
     }
     with pytest.raises(ScenarioError, match="expected backend mujoco"):
-        with_backend(parse_scenario(walk), "ideal")
+        parse_scenario(walk).with_backend("ideal")
 
 
 def test_the_schema_takes_goals_or_commands() -> None:

@@ -33,7 +33,7 @@ def single() -> Data:
 
 def test_defaults_of_individual_goals_are_written_out(single: Data, tmp_path: Path) -> None:
     scenario = parse_scenario(single)
-    assert scenario.task.individual
+    assert scenario.task.kind == "individual"
     assert scenario.task.goals == ()
     assert scenario.goals == ((7.0, 2.5, 0.0), (1.0, 1.0, 3.0))
     dump_scenario(scenario, tmp_path / "s.yaml")
@@ -72,7 +72,7 @@ def test_overrides_choose_the_method(single: Data, tmp_path: Path, method: str) 
 
 def test_formations_stay_what_they_were(data: Data, tmp_path: Path) -> None:
     scenario = parse_scenario(data)
-    assert not scenario.task.individual
+    assert scenario.task.kind == "formation"
     assert scenario.planner.method == "formation"
     assert scenario.goals == ()
     dump_scenario(scenario, tmp_path / "s.yaml")

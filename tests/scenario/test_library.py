@@ -168,7 +168,7 @@ TERRAIN = ("gap", "step", "rough")
 @pytest.mark.parametrize("name", [*SWAPS, *TERRAIN])
 def test_robots_with_goals_of_their_own_face_them(name: str) -> None:
     scenario = load_scenario(name)
-    assert scenario.task.individual
+    assert scenario.task.kind == "individual"
     assert scenario.planner.method == "auto"
     for start, goal in zip(scenario.starts, scenario.goals, strict=True):
         heading = math.atan2(goal[1] - start[1], goal[0] - start[0])

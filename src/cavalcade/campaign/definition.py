@@ -18,7 +18,7 @@ from cavalcade.campaign.suite import MOST_SEEDS, Suite, parse_suite, with_curren
 from cavalcade.campaign.trial import Trial, check_worlds, trials_of
 from cavalcade.errors import InputError, RecordingError, ScenarioError
 from cavalcade.scenario.backends import BACKENDS
-from cavalcade.scenario.yaml_text import parse_yaml
+from cavalcade.yaml_text import parse_yaml
 
 FILE = "campaign.json"
 _VARIANT, _METHOD, _BACKEND = "planner.variant", "planner.method", "execution.backend"

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,62 +11,27 @@ from numpy.typing import NDArray
 from cavalcade.campaign.samplers.sampler import EXPECTED, SOLVED
 from cavalcade.campaign.verdict import COLLISION, INVALID, Verdict, count_contacts, lines_of
 from cavalcade.checking import judge_plan
-from cavalcade.coordination import TeamPlan, TeamProblem, plan_team, problem_of
-from cavalcade.jobs.plan_settings import settings_of
-from cavalcade.jobs.planning import coordinate, plan
-from cavalcade.metrics.plan_result import PlanResult
+from cavalcade.coordination import TeamProblem, plan_team, problem_of
+from cavalcade.jobs import JobResult
+from cavalcade.jobs.individual_task import settings_of
 from cavalcade.scenario import Scenario, World
 
 _ALONE = "cbs"
 """Of a single robot: the course that all methods but the joint one begin with."""
 
 
-@dataclass(frozen=True)
-class Planned:
-    """A plan that was made.
-
-    Attributes:
-        scenario: The resolved one.
-        world: Its ground.
-        result: The plan with its summary, and files if there are any.
-    """
-
-    scenario: Scenario
-    world: World
-    result: PlanResult
-
-
-def run_plan(scenario: Scenario, out: Path | None, force: bool, quiet: bool) -> Planned:
-    """Plan; with `out` into a folder, with everything that a plan leaves.
-
-    Raises:
-        InputError: The scenario or its world cannot be used.
-        OutputError: `out` cannot be written.
-    """
-    seen: list[tuple[Scenario, World]] = []
-
-    def coordinator(resolved: Scenario, world: World) -> TeamPlan:
-        # The one place where planning shows its resolved scenario and the world that it built.
-        seen.append((resolved, world))
-        return coordinate(resolved, world)
-
-    result = plan(scenario, out, force=force, quiet=quiet, coordinator=coordinator)
-    return Planned(*seen[0], result)
-
-
-def judged_plan(scenario: Scenario, result: PlanResult, expected: str = SOLVED) -> Verdict:
+def judged_plan(result: JobResult, expected: str = SOLVED) -> Verdict:
     """The verdict on a plan; nothing is written or read back.
 
     Args:
-        scenario: The resolved one.
-        result: Its plan.
+        result: What planning came to.
         expected: As in `Instance`: where there is no plan, refusing is the success.
     """
     # Also of a plan whose own summary finds contact, all that the coordinator claims is judged.
-    claimed = {**result.summary, "success": result.plan.solved}
-    report = judge_plan(scenario, arrays_of(result), claimed)
+    claimed = {**result.summary, "success": result.plan is not None and result.plan.solved}
+    report = judge_plan(result.scenario, arrays_of(result), claimed)
     contacts = count_contacts(report)
-    outcome = str(result.summary["reason"])
+    outcome = result.reason
     if contacts:
         outcome = COLLISION
     elif report.violations:
@@ -75,7 +39,7 @@ def judged_plan(scenario: Scenario, result: PlanResult, expected: str = SOLVED) 
     solved = result.solved and not report.violations
     return Verdict(
         outcome=outcome,
-        detail=str(result.summary["detail"] or ""),
+        detail=result.summary.detail or "",
         success=solved if expected == SOLVED else outcome in EXPECTED[expected],
         contacts=contacts,
         avoidable=contacts,
@@ -83,7 +47,7 @@ def judged_plan(scenario: Scenario, result: PlanResult, expected: str = SOLVED) 
     )
 
 
-def arrays_of(result: PlanResult) -> dict[str, NDArray[Any]]:
+def arrays_of(result: JobResult) -> dict[str, NDArray[Any]]:
     """What `plan.npz` would hold."""
     arrays: dict[str, NDArray[Any]] = {}
     for k, (path, feet) in enumerate(zip(result.trajectories, result.footholds, strict=True)):
@@ -99,28 +63,28 @@ def arrays_of(result: PlanResult) -> dict[str, NDArray[Any]]:
     return arrays
 
 
-def measured_plan(planned: Planned) -> dict[str, float | None]:
+def measured_plan(result: JobResult) -> dict[str, float | None]:
     """Figures beside those of the summary; null where there is no plan, or only one robot.
 
     `length_ratio`: the summed lengths over the summed lower bounds; `makespan_ratio`: the
     makespan over that of the slowest robot planned alone with the same options;
     `single_time_ratio`: the planning time over that of all these single plans.
     """
-    summary = planned.result.summary
+    summary = result.summary
     found: dict[str, float | None] = {
         "time_ratio": None,
         "length_ratio": None,
         "makespan_ratio": None,
         "single_time_ratio": None,
     }
-    if not planned.result.solved:
+    if not result.solved:
         return found
     lengths, bounds = summary["path_length_m"], summary["lower_bound_m"]
     if None not in bounds and sum(bounds) > 0.0:
         found["length_ratio"] = round(sum(lengths) / sum(bounds), 6)
-    if len(planned.scenario.robots) < 2:
+    if len(result.scenario.robots) < 2:
         return found
-    durations, seconds = _alone(planned.scenario, planned.world)
+    durations, seconds = _alone(result.scenario, result.world)
     slowest = max((time for time in durations if time is not None), default=0.0)
     if None not in durations and slowest > 0.0:
         found["makespan_ratio"] = round(summary["makespan_s"] / slowest, 6)

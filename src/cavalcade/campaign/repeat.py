@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 from cavalcade.campaign.definition import read_definition
 from cavalcade.campaign.store import LINES
 from cavalcade.campaign.trial import Line, without_times
-from cavalcade.campaign.trial_runner import Ran, run_trial_into
+from cavalcade.campaign.trial_runner import run_trial_into
 from cavalcade.errors import InputError, OutputError
 
 if TYPE_CHECKING:
-    from cavalcade.campaign.planned import Planned
+    from cavalcade.jobs import JobResult
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Repeated:
     """
 
     line: Line
-    ran: Ran | Planned | None
+    ran: JobResult | None
     before: Line | None
     same: bool | None
     version: str

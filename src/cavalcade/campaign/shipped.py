@@ -9,7 +9,7 @@ from pathlib import Path
 from cavalcade.campaign.suite import Suite, parse_suite, with_current_names
 from cavalcade.errors import ScenarioError
 from cavalcade.scenario.shipped import read_text
-from cavalcade.scenario.yaml_text import parse_yaml
+from cavalcade.yaml_text import parse_yaml
 
 SUITES = Path(__file__).parent / "suites"
 

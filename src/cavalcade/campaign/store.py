@@ -11,9 +11,10 @@ from types import TracebackType
 from typing import Any, Self
 
 from cavalcade.campaign.definition import FILE, Definition, difference, read_definition_file
-from cavalcade.campaign.folder import locked, make_folders, remove_empty, unlock, write_whole
+from cavalcade.campaign.folder import locked, make_folders, remove_empty, unlock
 from cavalcade.campaign.trial import Line, failure_line
 from cavalcade.errors import OutputError
+from cavalcade.files import write_file
 
 LINES, CORRUPT = "trials.jsonl", "trials.corrupt.jsonl"
 _OF_THE_DEFINITION = ("trial", "suite", "scenario", "variant", "disturbance", "seed")
@@ -64,7 +65,7 @@ class Store:
                     raise OutputError(f"{self.folder}: {other}; name another folder")
             else:
                 text = json.dumps(definition.to_dict(), indent=2, ensure_ascii=False) + "\n"
-                write_whole(self.folder / FILE, _encoded(text))
+                write_file(self.folder / FILE, _encoded(text), durable=True)
             self._mend(warn)
             flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND
             self._file = os.open(self.folder / LINES, flags, 0o644)
@@ -170,7 +171,7 @@ class Store:
                 stream.writelines(corrupt)
                 stream.flush()
                 os.fsync(stream.fileno())
-        write_whole(file, b"".join(kept))
+        write_file(file, b"".join(kept), durable=True)
         for text in warnings:
             warn(text)
 

@@ -246,7 +246,7 @@ def _check_variant(name: str, individual_goals: bool, file: str | Path | None, k
     try:
         check_variant(name, individual_goals, key)
     except ScenarioError as error:
-        raise ScenarioError(str(error).removeprefix(f"{key}: "), file=file, key=key) from None
+        raise error.at(file=file, key=key) from None
 
 
 def _check_references(
@@ -310,8 +310,5 @@ def _validated(
         found = scenario_error(error, model, None)
     except InputError as error:
         found = ScenarioError(str(error))
-    inner = found.key or ""
-    text = str(found).removeprefix(f"{inner}: ") if inner else str(found)
-    key = ".".join(part for part in (place, inner) if part)
-    # The choices stand in the text already.
-    raise ScenarioError(text, file=file, key=key or None)
+    key = ".".join(part for part in (place, found.key) if part)
+    raise found.at(file=file, key=key or None)

@@ -18,6 +18,7 @@ from types import MappingProxyType
 from typing import Any
 
 from cavalcade.errors import OutputError
+from cavalcade.metrics.summary import summary_columns
 
 TABLE = "trials.parquet"
 
@@ -36,53 +37,9 @@ _FRONT = {
     "avoidable": "BIGINT",
     "detail": "VARCHAR",
 }
-_SUMMARY = {
-    "name": "VARCHAR",
-    "version": "BIGINT",
-    "method": "VARCHAR",
-    "backend": "VARCHAR",
-    "robots": "BIGINT",
-    "reason": "VARCHAR",
-    "involved": "BIGINT[]",
-    "sim_time_s": "DOUBLE",
-    "wall_time_s": "DOUBLE",
-    "makespan_s": "DOUBLE",
-    "min_obstacle_distance_m": "DOUBLE",
-    "min_robot_distance_m": "DOUBLE",
-    "min_footprint_gap_m": "DOUBLE",
-    "collisions.robot_robot": "BIGINT",
-    "collisions.robot_obstacle": "BIGINT",
-    "falls": "BIGINT",
-    "formation_error_m.mean": "DOUBLE",
-    "formation_error_m.p95": "DOUBLE",
-    "formation_error_m.max": "DOUBLE",
-    "leader_changes": "BIGINT",
-    "role_changes": "BIGINT",
-    "cycle_ms.p50": "DOUBLE",
-    "cycle_ms.p99": "DOUBLE",
-    "cycle_ms.max": "DOUBLE",
-    "planning_time_s": "DOUBLE",
-    "path_length_m": "DOUBLE[]",
-    "lower_bound_m": "DOUBLE[]",
-    "duration_s": "DOUBLE[]",
-    "goal_error_m": "DOUBLE[]",
-    "goal_moved_m": "DOUBLE",
-    "versions.python": "VARCHAR",
-    "versions.cavalcade": "VARCHAR",
-    "versions.numpy": "VARCHAR",
-    "versions.numba": "VARCHAR",
-    "versions.scipy": "VARCHAR",
-}
 _BACK = {
-    "real_time_factor": "DOUBLE",
     "measured.crossings": "BIGINT",
     "measured.strict_crossings": "BIGINT",
-    "physics.max_tilt_rad": "DOUBLE",
-    "physics.max_torque_share": "DOUBLE",
-    "commanded.speed_error": "DOUBLE",
-    "commanded.yaw_rate_error": "DOUBLE",
-    "commanded.drift_m_s": "DOUBLE",
-    "commanded.rms_m_s": "DOUBLE",
     "measured.time_ratio": "DOUBLE",
     "measured.length_ratio": "DOUBLE",
     "measured.makespan_ratio": "DOUBLE",
@@ -92,7 +49,9 @@ _BACK = {
     "violations": "VARCHAR[]",
 }
 
-COLUMNS: Mapping[str, str] = MappingProxyType({**_FRONT, **_SUMMARY, **_BACK})
+COLUMNS: Mapping[str, str] = MappingProxyType(
+    {**_FRONT, **{k: kind for k, kind in summary_columns().items() if k not in _FRONT}, **_BACK}
+)
 """DuckDB's type of each column that every table has, in their order.
 
 Where a key of the summary has the name of a column in front (`seed`, `variant`, `success`,

@@ -139,9 +139,8 @@ def _check_overrides(trial: Trial, instance: Instance) -> None:
         trial.scenario(instance)
     except InputError as error:
         key = error.key or ""
-        text = str(error).removeprefix(f"{key}: ") if key else str(error)
         place = key if key.startswith("--set") else f"--set {key}".strip()
-        raise ScenarioError(text, key=place) from None
+        raise ScenarioError(error.message, key=place, choices=error.choices) from None
 
 
 def failure_line(

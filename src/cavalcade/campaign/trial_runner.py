@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import traceback
 import warnings
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,26 +17,8 @@ from cavalcade.campaign.trial import CRASHED, REFUSED, Line, Trial, failure_line
 from cavalcade.errors import InputError, OutputError
 
 if TYPE_CHECKING:
-    from cavalcade.campaign.planned import Planned
-    from cavalcade.jobs.running import RunResult
-    from cavalcade.metrics.plan_result import PlanResult
-    from cavalcade.recording.frames import Recording
-    from cavalcade.scenario import Scenario, World
-
-
-@dataclass(frozen=True)
-class Ran:
-    """A trial's run.
-
-    Attributes:
-        scenario: The resolved one.
-        world: As it was at the start.
-        result: Recording, summary and files.
-    """
-
-    scenario: Scenario
-    world: World
-    result: RunResult
+    from cavalcade.jobs import JobResult
+    from cavalcade.scenario import Scenario
 
 
 def run_trial(trial: Trial) -> Line:
@@ -45,15 +26,9 @@ def run_trial(trial: Trial) -> Line:
     return run_trial_into(trial, None)[0]
 
 
-def replay(
-    trial: Trial,
-) -> tuple[Scenario, World, Recording | PlanResult, Mapping[str, Any]] | None:
-    """Scenario, world at the start, recording or plan, and summary; None without a run."""
-    _, ran = run_trial_into(trial, None)
-    if ran is None:
-        return None
-    what = ran.result.recording if isinstance(ran, Ran) else ran.result
-    return ran.scenario, ran.world, what, ran.result.summary
+def replay(trial: Trial) -> JobResult | None:
+    """The trial's run or plan again, in memory; None without a run."""
+    return run_trial_into(trial, None)[1]
 
 
 def lost_line(trial: Trial, outcome: str, detail: str) -> Line:
@@ -68,7 +43,7 @@ def lost_line(trial: Trial, outcome: str, detail: str) -> Line:
 
 def run_trial_into(
     trial: Trial, out: Path | None, *, force: bool = False, quiet: bool = True
-) -> tuple[Line, Ran | Planned | None]:
+) -> tuple[Line, JobResult | None]:
     """Run one trial and judge it.
 
     Args:
@@ -124,16 +99,18 @@ class _Known:
         return failure_line(self.trial, outcome, detail, *known) | more
 
 
-def _carried_out(known: _Known, out: Path | None, force: bool, quiet: bool) -> tuple[Line, Ran]:
+def _carried_out(
+    known: _Known, out: Path | None, force: bool, quiet: bool
+) -> tuple[Line, JobResult]:
     from cavalcade.campaign.crossings import crossings
     from cavalcade.campaign.judging import judged, time_ratio
     from cavalcade.jobs.running import run
-    from cavalcade.scenario import build_world, resolve_scenario
 
-    scenario = resolve_scenario(known.sample())
-    result = run(scenario, out, force=force, quiet=quiet)
-    world = build_world(scenario)
-    verdict = judged(scenario, world, result.recording, result.summary)
+    result = run(known.sample(), out, force=force, quiet=quiet)
+    scenario, summary, recording = result.scenario, result.summary, result.recording
+    if recording is None:  # a run always has one
+        raise RuntimeError("a run without a recording")
+    verdict = judged(scenario, result.world, recording, summary)
     line = known.line(
         verdict.outcome,
         verdict.detail,
@@ -142,22 +119,23 @@ def _carried_out(known: _Known, out: Path | None, force: bool, quiet: bool) -> t
         avoidable=verdict.avoidable,
         violations=list(verdict.violations),
         measured={
-            "time_ratio": time_ratio(scenario, result.summary),
-            **crossings(scenario, result.recording),
+            "time_ratio": time_ratio(scenario, summary),
+            **crossings(scenario, recording),
         },
-        summary=result.summary,
+        summary=summary.to_dict(),
     )
-    return line, Ran(scenario, world, result)
+    return line, result
 
 
-def _planned(known: _Known, out: Path | None, force: bool, quiet: bool) -> tuple[Line, Planned]:
-    from cavalcade.campaign.planned import judged_plan, measured_plan, run_plan
+def _planned(known: _Known, out: Path | None, force: bool, quiet: bool) -> tuple[Line, JobResult]:
+    from cavalcade.campaign.planned import judged_plan, measured_plan
     from cavalcade.campaign.warming import warm
+    from cavalcade.jobs.planning import plan
 
     scenario = known.sample()
     warm(known.trial.variant, scenario.world.has_heights)
-    planned = run_plan(scenario, out, force, quiet)
-    verdict = judged_plan(planned.scenario, planned.result, known.expected)
+    result = plan(scenario, out, force=force, quiet=quiet)
+    verdict = judged_plan(result, known.expected)
     line = known.line(
         verdict.outcome,
         verdict.detail,
@@ -165,10 +143,10 @@ def _planned(known: _Known, out: Path | None, force: bool, quiet: bool) -> tuple
         contacts=verdict.contacts,
         avoidable=verdict.avoidable,
         violations=list(verdict.violations),
-        measured=measured_plan(planned),
-        summary=planned.result.summary,
+        measured=measured_plan(result),
+        summary=result.summary.to_dict(),
     )
-    return line, planned
+    return line, result
 
 
 def _told(error: BaseException) -> str:

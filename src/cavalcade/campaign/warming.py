@@ -68,4 +68,4 @@ def warm(variant: str, uneven: bool) -> None:
         "planner": {**planner_settings(variant, True), "budget": {"iterations": 20_000}},
     }
     scenario = parse_scenario(said)
-    judged_plan(scenario, plan(scenario))
+    judged_plan(plan(scenario))

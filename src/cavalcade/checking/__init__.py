@@ -4,8 +4,9 @@ It reads the recorded true poses or the planned motion, the scenario's own obsta
 map file; its distances, its map decoder, its idea of a formation and of legs are its own.
 """
 
+from cavalcade.checking.arrays import check_motion
 from cavalcade.checking.check import check
 from cavalcade.checking.plans import judge_plan
 from cavalcade.checking.report import Report, Violation
 
-__all__ = ["Report", "Violation", "check", "judge_plan"]
+__all__ = ["Report", "Violation", "check", "check_motion", "judge_plan"]

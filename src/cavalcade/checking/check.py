@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from cavalcade.checking.arrival import PHYSICS, check_arrival
+from cavalcade.checking.arrival import IDEAL, PHYSICS, Criterion, check_arrival
 from cavalcade.checking.commands import check_commands
 from cavalcade.checking.contact import find_contacts
 from cavalcade.checking.limits import TOLERANCE, Effort, exceeded, measure
@@ -54,9 +54,10 @@ def check(directory: str | Path) -> Report:
     scenario = _read_scenario(folder / "scenario.yaml")
     summary = _read_summary(folder / "summary.json")
     recording, plan = folder / RECORDING, folder / PLAN
-    if not plan.is_file() and (recording.is_file() or not scenario.task.individual):
+    individual = scenario.task.kind == "individual"
+    if not plan.is_file() and (recording.is_file() or not individual):
         return _judge_recording(scenario, recording, summary)
-    if not scenario.task.individual:
+    if not individual:
         raise RecordingError("there is a plan, but the scenario has a formation", file=plan)
     if not recording.is_file():
         return judge_plan(scenario, read_plan(plan), summary)
@@ -94,7 +95,7 @@ def judge(
     if violations:
         return _report(violations, None)
     models, speeding = scenario.models, TOLERANCE
-    if scenario.task.individual:
+    if scenario.task.kind == "individual":
         leaps = scenario.world.has_heights
         models = tuple(with_own_limits(model, leaps) for model in models)
         speeding = OWN_SPEEDING
@@ -106,14 +107,8 @@ def judge(
         violations += exceeded(effort, model, robot, speeding)
     violations += misplaced(tracks, scenario.starts)
     violations += incomplete(tracks, scenario.execution.rate, _number(summary, "sim_time_s"))
-    if summary.get("success") and scenario.task.commands is not None:
-        violations += check_commands(scenario, tracks)
-    elif summary.get("success") and scenario.task.individual:
-        violations += check_own_arrival(scenario, tracks)
-    elif summary.get("success"):
-        violations += check_arrival(scenario, tracks, _number(summary, "goal_moved_m") or 0.0)
-    duration = float(ticks[-1] - ticks[0])
-    return _report(violations, _figures(efforts, duration, gap))
+    violations += _unfinished(scenario, tracks, summary, IDEAL)
+    return make_report(violations, efforts, float(ticks[-1] - ticks[0]), gap)
 
 
 def judge_physics(
@@ -143,18 +138,29 @@ def judge_physics(
     violations, gap, physics = judge_motion(scenario, tracks, records, summary, scene, heights)
     violations += misplaced(tracks, scenario.starts)
     violations += incomplete(tracks, scenario.execution.rate, _number(summary, "sim_time_s"))
-    if summary.get("success") and scenario.task.commands is not None:
-        violations += check_commands(scenario, tracks)
+    violations += _unfinished(scenario, tracks, summary, PHYSICS)
+    if summary.get("success") and scenario.task.kind == "commands":
         violations += check_leaps(scenario, records, heights)
-    elif summary.get("success") and scenario.task.individual:
-        violations += check_own_arrival(scenario, tracks, PHYSICS)
-    elif summary.get("success"):
-        moved = _number(summary, "goal_moved_m") or 0.0
-        violations += check_arrival(scenario, tracks, moved, PHYSICS)
     efforts = [measure(track, model) for track, model in zip(tracks, scenario.models, strict=True)]
     duration = max(float(track.time[-1] - track.time[0]) for track in tracks)
     figures = replace(_figures(efforts, duration, gap), physics=physics)
     return _report(violations, figures)
+
+
+def _unfinished(
+    scenario: Scenario, tracks: tuple[Track, ...], summary: dict[str, Any], criterion: Criterion
+) -> list[Violation]:
+    """Where the summary claims success: what of the task was not done."""
+    if not summary.get("success"):
+        return []
+    match scenario.task.kind:
+        case "commands":
+            return check_commands(scenario, tracks)
+        case "individual":
+            return check_own_arrival(scenario, tracks, criterion)
+        case "formation":
+            moved = _number(summary, "goal_moved_m") or 0.0
+            return check_arrival(scenario, tracks, moved, criterion)
 
 
 def _judge_recording(scenario: Scenario, path: Path, summary: dict[str, Any]) -> Report:
@@ -177,6 +183,16 @@ def _figures(efforts: list[Effort], duration: float, gap: float) -> Figures:
         max_acceleration=largest("acceleration"),
         max_yaw_acceleration=largest("yaw_acceleration"),
     )
+
+
+def make_report(
+    violations: list[Violation],
+    efforts: list[Effort] | None = None,
+    duration: float = 0.0,
+    gap: float = math.inf,
+) -> Report:
+    """The verdict on planar motion; without efforts it could not be measured."""
+    return _report(violations, None if efforts is None else _figures(efforts, duration, gap))
 
 
 def _report(violations: list[Violation], figures: Figures | None) -> Report:

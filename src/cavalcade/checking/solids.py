@@ -89,6 +89,11 @@ def build_scene(scenario: Scenario, place: Place | None = None) -> Scene:
         _solid(span, f"world.obstacles[{k}]" if k < fixed else f"event at {span.start:g} s")
         for k, span in enumerate(obstacle_spans(scenario))
     )
+    return scene_on(ground, solids)
+
+
+def scene_on(ground: Ground, solids: tuple[Solid, ...]) -> Scene:
+    """The scene of these obstacles on this ground."""
     x0, y0, x1, y1 = ground.blocks.T
     corners = np.stack((x0, y0, x1, y0, x1, y1, x0, y1), axis=1).reshape(-1, 4, 2)
     blocks = corners @ rotation(ground.origin[2]).T + ground.origin[:2]
@@ -107,7 +112,7 @@ def _ground(scenario: Scenario) -> Ground:
 
 
 def _solid(span: ObstacleSpan, key: str) -> Solid:
-    points, radius = _outline(span.obstacle)
+    points, radius = outline(span.obstacle)
     return Solid(
         key,
         points,
@@ -119,7 +124,8 @@ def _solid(span: ObstacleSpan, key: str) -> Solid:
     )
 
 
-def _outline(obstacle: Obstacle) -> tuple[Array, float]:
+def outline(obstacle: Obstacle) -> tuple[Array, float]:
+    """Corners of an obstacle, or the centre and the radius of a circle; map frame, m."""
     if obstacle.circle is not None:
         return np.array([obstacle.circle.center]), obstacle.circle.radius
     if obstacle.box is not None:

@@ -45,9 +45,8 @@ def draw_overview(scenario: Scenario, world: World, path: Path) -> Path:
             from cavalcade.drawing.terrain import draw_terrain
 
             draw_terrain(axes, world.terrain)
-        if scenario.task.individual:
-            _draw_own_goals(axes, scenario)
-        elif scenario.task.formation is not None:
+        _draw_own_goals(axes, scenario)
+        if scenario.task.formation is not None:
             goals = np.array(scenario.task.goals, dtype=float).reshape(-1, 3)
             _draw_goals(axes, goals, _slots(scenario))
         _draw_events(axes, scenario.execution.events)
@@ -62,7 +61,7 @@ def draw_overview(scenario: Scenario, world: World, path: Path) -> Path:
         team = f"{len(models)} {models[0].name}" if len({m.name for m in models}) == 1 else "mixed"
         axes.set_title(str(scenario.name), loc="left", pad=3)
         axes.set_title(
-            f"{team}, {_asked(scenario)}",
+            f"{team}, {scenario.task.headline}",
             loc="right",
             pad=3,
             fontsize=7,
@@ -72,19 +71,12 @@ def draw_overview(scenario: Scenario, world: World, path: Path) -> Path:
         return style.save(figure, path)
 
 
-def _asked(scenario: Scenario) -> str:
-    task = scenario.task
-    if task.commands is not None:
-        return "commanded"
-    return "individual goals" if task.formation is None else task.formation.shape
-
-
 def _draw_own_goals(axes: Axes, scenario: Scenario) -> None:
-    """Each robot's goal as its outline in the robot's colour, at the end of a thin line."""
+    """Goals of single robots as outlines in the robot's colour, at the end of a thin line."""
     from matplotlib.patches import Polygon
 
     for robot, (start, goal, model) in enumerate(
-        zip(scenario.starts, scenario.goals, scenario.models, strict=True)
+        zip(scenario.starts, scenario.goals, scenario.models, strict=False)
     ):
         color, pose = style.robot_color(robot), np.array(goal)
         axes.plot(*zip(start[:2], goal[:2], strict=True), color=color, linewidth=0.7,
@@ -101,7 +93,7 @@ def _slots(scenario: Scenario) -> Array:
     section = scenario.task.the_formation
     if section.slots is not None:
         return np.array(section.slots, dtype=float)
-    from cavalcade.execution.team import formation_of
+    from cavalcade.execution.formation_policy import formation_of
 
     return np.asarray(formation_of(section, len(scenario.robots), scenario.planner).slots)
 

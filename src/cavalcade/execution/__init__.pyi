@@ -1,5 +1,4 @@
 from .control import ControlLoop as ControlLoop
-from .control import Planner as Planner
-from .progress import Progress as Progress
-from .progress import ProgressSink as ProgressSink
-from .simulation import simulate as simulate
+from .loop import carry_out as carry_out
+from .policy import Policy as Policy
+from .policy import Reconfigurable as Reconfigurable

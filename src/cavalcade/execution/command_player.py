@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
-from cavalcade.errors import InputError
 from cavalcade.fleet import LeapingFleet, LeapRequest
 from cavalcade.geometry import Array, wrap_angle
 from cavalcade.recording.status import PlannerStatus
@@ -41,13 +38,16 @@ class CommandPlayer:
     Args:
         scenario: Its task has commands.
         terrain: Of its world; None for level ground.
-
-    Attributes:
         leaper: The fleet, for robots that are to leap.
     """
 
-    def __init__(self, scenario: Scenario, terrain: Terrain | None = None) -> None:
-        self.leaper: LeapingFleet | None = None
+    def __init__(
+        self,
+        scenario: Scenario,
+        terrain: Terrain | None = None,
+        leaper: LeapingFleet | None = None,
+    ) -> None:
+        self._leaper = leaper
         self._terrain = terrain
         self._failed: int | None = None
         self._robots = len(scenario.robots)
@@ -100,7 +100,7 @@ class CommandPlayer:
         self._moment = time - self._start
         commands = np.zeros((self._robots, 3))
         for robot, pose in enumerate(poses):
-            if self.leaper is not None and self.leaper.leap_failed[robot]:
+            if self._leaper is not None and self._leaper.leap_failed[robot]:
                 self._failed = robot
             due, new = self._due[robot], None
             while due and due[0].at <= self._moment + 1e-9:
@@ -127,14 +127,14 @@ class CommandPlayer:
         if command.leap is None:
             return
         self._landed[robot] = None
-        if self.leaper is None or self.leaper.leaping[robot]:
+        if self._leaper is None or self._leaper.leaping[robot]:
             self._failed = robot
         else:
-            self.leaper.leap(robot, leap_request(pose, command.leap, self._terrain))
+            self._leaper.leap(robot, leap_request(pose, command.leap, self._terrain))
 
     def _await(self, robot: int) -> None:
         """Look whether a robot has leapt, and stood for a while."""
-        if self.leaper is None or self.leaper.leaping[robot] or self._reached[robot]:
+        if self._leaper is None or self._leaper.leaping[robot] or self._reached[robot]:
             return
         landed = self._landed[robot]
         if landed is None:
@@ -168,28 +168,6 @@ class CommandPlayer:
 
     def resume(self) -> None:
         """Go on with what is to be done by now."""
-
-    def update_map(self, map: Any) -> None:
-        """Commands know no map."""
-
-    def set_moving_obstacles(self, obstacles: Sequence[Any]) -> None:
-        """Commands know no obstacles."""
-
-    def set_goals(self, goals: Sequence[Sequence[float]]) -> None:
-        """Commands have no goals."""
-        raise InputError("the task has commands, not goals")
-
-    def set_formation(self, formation: Any) -> None:
-        """Commands have no formation."""
-        raise InputError("the task has commands, not a formation")
-
-    def lose(self, robot: int) -> None:
-        """Commands are for all robots."""
-        raise InputError("the task has commands; no robot can be lost")
-
-    def rejoin(self, robot: int) -> None:
-        """Commands are for all robots."""
-        raise InputError("the task has commands; no robot can come back")
 
 
 def leap_request(pose: Array, point: tuple[float, float], terrain: Terrain | None) -> LeapRequest:

@@ -1,53 +1,17 @@
-"""One control cycle: observe, watch, plan, command. Usable with any fleet and any planner."""
+"""One control cycle: observe, watch, decide, command. Usable with any fleet and any policy."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass
 from types import TracebackType
-from typing import Any, Protocol, Self
+from typing import Self
 
 import numpy as np
 
+from cavalcade.execution.policy import Policy, Reconfigurable
 from cavalcade.fleet import Fleet, Observation, Watchdog, WatchdogReport
 from cavalcade.geometry import Array
-from cavalcade.recording.status import PlannerStatus
-
-
-class Planner(Protocol):
-    """What the loop asks of a planner; `cavalcade.formation.FormationPlanner` is one."""
-
-    @property
-    def status(self) -> PlannerStatus:
-        """Of the last cycle."""
-
-    def step(self, poses: Array, time: float, stamps: Array) -> Array:
-        """Poses `(N, 3)` and their times `(N,)` in, body-frame velocities `(N, 3)` out."""
-
-    def set_goals(self, goals: Sequence[Sequence[float]]) -> None:
-        """Replace the goals by these poses of the formation's centre."""
-
-    def set_formation(self, formation: Any) -> None:
-        """Change the shape."""
-
-    def lose(self, robot: int) -> None:
-        """Go on without a robot."""
-
-    def rejoin(self, robot: int) -> None:
-        """Take a robot back."""
-
-    def update_map(self, map: Any) -> None:
-        """Replace the map."""
-
-    def set_moving_obstacles(self, obstacles: Sequence[Any]) -> None:
-        """Say what moves and how fast."""
-
-    def pause(self) -> None:
-        """Stop until `resume`."""
-
-    def resume(self) -> None:
-        """Go on."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +22,7 @@ class Cycle:
         observation: What the fleet reported.
         report: What the watchdog made of it.
         commands: `(N, 3)` body-frame velocities to send.
-        planning: Time spent in the planner, s of wall time.
+        planning: Time spent in the policy, s of wall time.
     """
 
     observation: Observation
@@ -68,17 +32,17 @@ class Cycle:
 
 
 class ControlLoop:
-    """Runs planner and watchdog over a fleet.
+    """Runs policy and watchdog over a fleet.
 
     Use it as a context: however it is left, the last command that the fleet gets is zero.
 
     While the watchdog objects, every robot is commanded to stop in the very cycle in which the
-    fault is seen, and the planner is paused. `resume` lets the team go on, from the next cycle
+    fault is seen, and the policy is paused. `resume` lets the team go on, from the next cycle
     in which all data are fresh.
     """
 
-    def __init__(self, planner: Planner, fleet: Fleet, watchdog: Watchdog) -> None:
-        self.planner = planner
+    def __init__(self, policy: Policy, fleet: Fleet, watchdog: Watchdog) -> None:
+        self.policy = policy
         self.fleet = fleet
         self.watchdog = watchdog
         self._paused = False
@@ -104,16 +68,16 @@ class ControlLoop:
         planning = 0.0
         if report.ok:
             if self._paused:
-                self.planner.resume()
+                self.policy.resume()
                 self._paused = False
             poses, stamps = self._usable(observation)
             start = time.perf_counter()
-            wanted = self.planner.step(poses, observation.time, stamps)
+            wanted = self.policy.step(poses, observation.time, stamps)
             commands = np.array(wanted, dtype=float)
             planning = time.perf_counter() - start
             commands[self._lost] = 0.0
         elif not self._paused:
-            self.planner.pause()
+            self.policy.pause()
             self._paused = True
         return Cycle(observation, report, commands, planning)
 
@@ -133,13 +97,15 @@ class ControlLoop:
         """The robot is known to be lost: no fault, no commands, and the others go on."""
         self._lost[robot] = True
         self.watchdog.lose(robot)
-        self.planner.lose(robot)
+        if isinstance(self.policy, Reconfigurable):
+            self.policy.lose(robot)
 
     def rejoin(self, robot: int) -> None:
         """The robot is back."""
         self._lost[robot] = False
         self.watchdog.rejoin(robot)
-        self.planner.rejoin(robot)
+        if isinstance(self.policy, Reconfigurable):
+            self.policy.rejoin(robot)
 
     def _usable(self, observation: Observation) -> tuple[Array, Array]:
         """Poses and stamps; where a lost robot reports nonsense, those of its last sound report."""

@@ -1,15 +1,16 @@
-"""Lets the scenario's events happen: on the world, the planner and the fleet."""
+"""Lets the scenario's events happen: on the world, the policy and the fleet."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
+from cavalcade.errors import ScenarioError
 from cavalcade.execution.control import ControlLoop
-from cavalcade.execution.team import formation_of
+from cavalcade.execution.formation_policy import formation_of
+from cavalcade.execution.policy import Reconfigurable
 from cavalcade.fleet import Fleet
 from cavalcade.formation import MovingObstacle
 from cavalcade.recording.frames import ObstacleTrack
@@ -18,6 +19,9 @@ from cavalcade.world import OccupancyMap, shape_from_mapping
 
 _TASK_KINDS = ("goals", "formation", "rejoin")
 """Events that give the team something to do."""
+
+_TEAM_KINDS = ("goals", "formation", "lose", "rejoin")
+"""Events that a policy must be able to take up."""
 
 MAP_PERIOD = 1.0
 """While an obstacle moves, its map is handed to the recording this often, s."""
@@ -32,28 +36,39 @@ class EventRunner:
     Args:
         scenario: Whose events.
         world: Its ground at the start.
-        control: The planner's and fleet's loop.
-        on_map: Called with (time, map) for the recording.
-        on_note: Called with (time, text).
+        control: The policy's and fleet's loop.
+
+    Raises:
+        ScenarioError: An event is for a policy that can be reconfigured, and this one cannot.
     """
 
-    def __init__(
-        self,
-        scenario: Scenario,
-        world: World,
-        control: ControlLoop,
-        on_map: Callable[[float, OccupancyMap], None],
-        on_note: Callable[[float, str], None],
-    ) -> None:
+    def __init__(self, scenario: Scenario, world: World, control: ControlLoop) -> None:
+        policy = control.policy
+        self._team = policy if isinstance(policy, Reconfigurable) else None
+        for index, event in enumerate(scenario.execution.events):
+            if self._team is None and event.kind in _TEAM_KINDS:
+                raise ScenarioError(
+                    f"a {type(policy).__name__} takes no new {event.kind} while it runs",
+                    file=scenario.file,
+                    key=f"execution.events[{index}].{event.kind}",
+                )
         self._scenario = scenario
         self._control = control
-        self._on_map = on_map
-        self._on_note = on_note
+        self._notes: list[str] = []
+        self._maps = [world.map]
         self._due = list(scenario.execution.events)
         self._goal_count = len(scenario.task.goals)
         self._obstacles = _Obstacles(world)
         self._map_time = 0.0
-        on_map(0.0, world.map)
+
+    def news(self) -> tuple[tuple[str, ...], tuple[OccupancyMap, ...]]:
+        """What happened since it was asked last, a line each, and each new map for the recording.
+
+        The map at the start is the first of them.
+        """
+        notes, maps = tuple(self._notes), tuple(self._maps)
+        self._notes, self._maps = [], []
+        return notes, maps
 
     @property
     def last_waypoint(self) -> int:
@@ -73,33 +88,33 @@ class EventRunner:
         """Let everything happen that is due at `time` s; True if something did."""
         happened = False
         while self._due and self._due[0].at <= time + 1e-9:
-            self._happen(self._due.pop(0), time)
+            self._happen(self._due.pop(0))
             happened = True
         changed = self._obstacles.update(time)
         if changed is not None:
-            self._control.planner.update_map(changed)
+            if self._team is not None:
+                self._team.update_map(changed)
             resting = not self._obstacles.motion_changed
             if happened or resting or time - self._map_time >= MAP_PERIOD - 1e-9:
-                self._on_map(time, changed)
+                self._maps.append(changed)
                 self._map_time = time
-        if self._obstacles.motion_changed:
-            self._control.planner.set_moving_obstacles(self._obstacles.movers(time))
+        if self._team is not None and self._obstacles.motion_changed:
+            self._team.set_moving_obstacles(self._obstacles.movers(time))
         return happened
 
     def tracks(self, end: float) -> tuple[ObstacleTrack, ...]:
         """Every obstacle that came, went or moved until `end` s."""
         return tuple(_track(span) for span in self._obstacles.spans if span.start <= end)
 
-    def _happen(self, event: Event, time: float) -> None:
-        planner = self._control.planner
-        text: str = event.kind
-        if event.goals is not None:
-            planner.set_goals(event.goals)
+    def _happen(self, event: Event) -> None:
+        team, text = self._team, str(event.kind)
+        if team is not None and event.goals is not None:
+            team.set_goals(event.goals)
             self._goal_count = len(event.goals)
             text = f"new goals: {len(event.goals)}" if len(event.goals) > 1 else "new goal"
-        elif event.formation is not None:
+        elif team is not None and event.formation is not None:
             robots = len(self._scenario.robots)
-            planner.set_formation(formation_of(event.formation, robots, self._scenario.planner))
+            team.set_formation(formation_of(event.formation, robots, self._scenario.planner))
             text = f"new formation: {event.formation.shape}"
         elif event.lose is not None:
             _set_lost(self._control.fleet, event.lose, True)
@@ -120,7 +135,7 @@ class EventRunner:
             text = "obstacle removed"
         elif event.move is not None:
             text = "obstacle moves"
-        self._on_note(time, text)
+        self._notes.append(text)
 
 
 class _Obstacles:

@@ -13,10 +13,6 @@ from cavalcade.lattice.ground import make_ground
 from cavalcade.locomotion.settings import GaitSettings
 from cavalcade.scenario import Scenario, World
 
-AGILE = 4.0
-"""Change of the yaw rate on the way to goals of their own, rad/s²: plans turn from one bend into
-the next at once, and on the spot with this."""
-
 
 def with_own_robots(scenario: Scenario) -> Scenario:
     """The scenario with the robots of the MuJoCo models that it names.
@@ -39,8 +35,13 @@ def with_own_robots(scenario: Scenario) -> Scenario:
     return scenario.with_models(models)
 
 
-def physics_fleet(scenario: Scenario, world: World) -> MujocoFleet:
+def physics_fleet(scenario: Scenario, world: World, turning: float | None = None) -> MujocoFleet:
     """The robots of a scenario in MuJoCo, standing at their starts on its ground.
+
+    Args:
+        scenario: The resolved one.
+        world: Its ground.
+        turning: Change of the yaw rate that they are allowed, rad/s²; None for the gait's own.
 
     Raises:
         InputError: MuJoCo is not installed.
@@ -62,7 +63,7 @@ def physics_fleet(scenario: Scenario, world: World) -> MujocoFleet:
         ),
         noise=LocalisationNoise(execution.noise.position, execution.noise.heading),
         delay=CommandDelay(execution.delay.mean, execution.delay.jitter, execution.delay.drop),
-        gait=GaitSettings(turning=AGILE) if scenario.task.individual else None,
+        gait=None if turning is None else GaitSettings(turning=turning),
         sensing=SensingErrors(**said.state_noise.model_dump(), delay=said.state_delay),
         seed=scenario.seed,
     )

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
-from cavalcade.errors import InputError
 from cavalcade.execution.leaping import Leaps
 from cavalcade.execution.speed_profile import rounded_headings
 from cavalcade.execution.time_scaling import EXACT, FollowSettings, Pace
@@ -210,30 +208,6 @@ class PlanFollower:
 
     def resume(self) -> None:
         """Go on from where the robots were."""
-
-    def set_goals(self, goals: Sequence[Sequence[float]]) -> None:
-        """A plan has its goals."""
-        raise InputError("the goals of a plan cannot be changed")
-
-    def set_formation(self, formation: Any) -> None:
-        """A plan has no formation."""
-        raise InputError("a plan has no formation")
-
-    def lose(self, robot: int) -> None:
-        """A plan is for all its robots."""
-        raise InputError("a plan cannot go on without a robot")
-
-    def rejoin(self, robot: int) -> None:
-        """A plan is for all its robots."""
-        raise InputError("a plan cannot go on without a robot")
-
-    def update_map(self, map: Any) -> None:
-        """A plan is for the world as it was."""
-        raise InputError("a plan is for a world that stays as it is")
-
-    def set_moving_obstacles(self, obstacles: Sequence[Any]) -> None:
-        """A plan is for the world as it was."""
-        raise InputError("a plan is for a world that stays as it is")
 
 
 def _bounded(vector: Array, most: float) -> Array:

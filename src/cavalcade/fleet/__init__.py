@@ -8,6 +8,7 @@ from cavalcade.fleet.protocol import (
     LeapingFleet,
     LeapRequest,
     Observation,
+    SampledFleet,
 )
 from cavalcade.fleet.radio import CommandDelay, LocalisationNoise
 from cavalcade.fleet.watchdog import Fault, Watchdog, WatchdogReport
@@ -23,6 +24,7 @@ __all__ = [
     "LeapingFleet",
     "LocalisationNoise",
     "Observation",
+    "SampledFleet",
     "Watchdog",
     "WatchdogReport",
 ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from numba import njit
 
-from cavalcade.robots.motion import advance
+from cavalcade.robots.motion import MotionLimits, advance
 
 
 @njit(cache=True)
@@ -15,13 +15,14 @@ def advance_team(poses, velocities, commands, limits, dt, steps):
         poses: `(N, 3)` x, y, yaw in the map frame; changed.
         velocities: `(N, 3)` vx, vy, wz in the map frame; changed.
         commands: `(N, 3)` body-frame velocities.
-        limits: `(N, 5)` as `cavalcade.robots.motion.limits_of` gives them.
+        limits: `(N, 5)` a row of `cavalcade.robots.motion.MotionLimits` per robot.
+        dt, steps: Length of each step, s, and their number.
     """
     for robot in range(poses.shape[0]):
-        x, y, yaw = poses[robot, 0], poses[robot, 1], poses[robot, 2]
-        vx, vy, wz = velocities[robot, 0], velocities[robot, 1], velocities[robot, 2]
-        cx, cy, cw = commands[robot, 0], commands[robot, 1], commands[robot, 2]
+        pose, velocity, row = poses[robot], velocities[robot], limits[robot]
+        state = (pose[0], pose[1], pose[2], velocity[0], velocity[1], velocity[2])
+        command = (commands[robot, 0], commands[robot, 1], commands[robot, 2])
+        own = MotionLimits(row[0], row[1], row[2], row[3], row[4])
         for _ in range(steps):
-            x, y, yaw, vx, vy, wz = advance(x, y, yaw, vx, vy, wz, cx, cy, cw, dt, limits[robot])
-        poses[robot, 0], poses[robot, 1], poses[robot, 2] = x, y, yaw
-        velocities[robot, 0], velocities[robot, 1], velocities[robot, 2] = vx, vy, wz
+            state = advance(state, command, dt, own)
+        pose[0], pose[1], pose[2], velocity[0], velocity[1], velocity[2] = state

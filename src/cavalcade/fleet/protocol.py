@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,7 @@ class Observation:
     stamps: Array
 
 
+@runtime_checkable
 class Fleet(Protocol):
     """Robots that take velocity commands: perfect ones, simulated ones, real ones."""
 
@@ -76,6 +77,14 @@ class FallingFleet(Fleet, Protocol):
     @property
     def falls(self) -> tuple[Fall, ...]:
         """The first fall of each robot that fell, in order of time."""
+
+
+@runtime_checkable
+class SampledFleet(FallingFleet, Protocol):
+    """A fleet in physics, which keeps bodies, joints, forces and contacts over time."""
+
+    def samples(self) -> Any:
+        """What was kept so far, see `cavalcade.fleet.physics.sampling.Samples`."""
 
 
 @dataclass(frozen=True)

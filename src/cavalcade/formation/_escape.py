@@ -48,8 +48,8 @@ def roll(pose, velocity, dx, dy, turning, top, moving, limits, out):
         if t < moving:
             c, s = math.cos(yaw), math.sin(yaw)
             cx, cy = top * (c * dx + s * dy), top * (c * dy - s * dx)
-            cw = turn_rate(yaw, dx, dy, limits[2]) if turning else 0.0
-        x, y, yaw, vx, vy, wz = advance(x, y, yaw, vx, vy, wz, cx, cy, cw, STEP, limits)
+            cw = turn_rate(yaw, dx, dy, limits.max_yaw_rate) if turning else 0.0
+        x, y, yaw, vx, vy, wz = advance((x, y, yaw, vx, vy, wz), (cx, cy, cw), STEP, limits)
 
 
 @njit(cache=True)

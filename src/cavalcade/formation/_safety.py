@@ -197,17 +197,12 @@ def least_change(poses, wanted, weights, sizes, movers, mover_speeds, discs, dis
 @njit(cache=True)
 def roll_out(pose, velocity, command, limits, period, substeps, held, out):
     """Poses `(T, 3)` while the command is held for some steps and then a stop is commanded."""
-    x, y, yaw = pose[0], pose[1], pose[2]
-    vx, vy, wz = velocity[0], velocity[1], velocity[2]
+    state = (pose[0], pose[1], pose[2], velocity[0], velocity[1], velocity[2])
+    going, stop = (command[0], command[1], command[2]), (0.0, 0.0, 0.0)
     dt = period / substeps
     for t in range(out.shape[0]):
-        if t < held:
-            x, y, yaw, vx, vy, wz = advance(
-                x, y, yaw, vx, vy, wz, command[0], command[1], command[2], dt, limits
-            )
-        else:
-            x, y, yaw, vx, vy, wz = advance(x, y, yaw, vx, vy, wz, 0.0, 0.0, 0.0, dt, limits)
-        out[t, 0], out[t, 1], out[t, 2] = x, y, yaw
+        state = advance(state, going if t < held else stop, dt, limits)
+        out[t, 0], out[t, 1], out[t, 2] = state[0], state[1], state[2]
 
 
 @njit(cache=True)

@@ -1,3 +1,3 @@
 from .planning import plan as plan
-from .running import RunResult as RunResult
+from .result import JobResult as JobResult
 from .running import run as run

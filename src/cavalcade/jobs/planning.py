@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-import time as clock
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
-from cavalcade.coordination.result import TeamPlan
-from cavalcade.jobs.footholds import plan_feet
+from cavalcade.errors import InputError
+from cavalcade.jobs.individual_task import Coordinator, make_plan
 from cavalcade.jobs.output_folder import FIGURES, PLAN, REPLAY, OutputFolder
-from cavalcade.jobs.plan_reporter import PlanReporter
-from cavalcade.jobs.plan_settings import require_own_goals, settings_of, with_method
+from cavalcade.jobs.reporter import Reporter
+from cavalcade.jobs.result import JobResult
 from cavalcade.jobs.running import load_for_running
-from cavalcade.metrics.plan_result import PlanResult
-from cavalcade.metrics.plan_summary import summarise_plan
 from cavalcade.recording.plan_file import write_plan
-from cavalcade.scenario import Scenario, World, build_world, resolve_scenario
-
-Coordinator = Callable[[Scenario, World], TeamPlan]
-"""What makes a team plan; tests and users may bring their own."""
+from cavalcade.scenario import Scenario, build_world, resolve_scenario
+from cavalcade.scenario.settings import TEAM_METHODS
 
 
 def plan(
@@ -35,7 +30,7 @@ def plan(
     replay: bool = True,
     quiet: bool = True,
     coordinator: Coordinator | None = None,
-) -> PlanResult:
+) -> JobResult:
     """Plan the motion of robots that have goals of their own.
 
     Args:
@@ -55,63 +50,56 @@ def plan(
         OutputError: The results cannot be written; nothing is left behind then.
     """
     loaded = load_for_running(scenario, seed, overrides, None)
-    loaded = with_method(loaded, method)
-    require_own_goals(loaded)
+    loaded = _with_method(loaded, method)
+    _require_own_goals(loaded)
     with ExitStack() as stack:
         folder = stack.enter_context(OutputFolder(out, force)) if out is not None else None
-        reporter = stack.enter_context(PlanReporter(loaded, quiet))
+        reporter = stack.enter_context(Reporter(loaded.name, quiet))
         resolved = resolve_scenario(loaded)
         world = build_world(resolved)
         made = make_plan(resolved, world, coordinator, reporter)
         files: tuple[Path, ...] = ()
         if folder is not None:
-            write_plan(folder.stage / PLAN, made.plan.trajectories, made.footholds)
+            write_plan(folder.stage / PLAN, made.trajectories, made.footholds)
             if figures:
                 from cavalcade.drawing.plans import make_plan_figures
 
-                reporter.say("drawing the figures")
+                reporter.say("Drawing the figures ...")
                 make_plan_figures(resolved, world, made, folder.stage / FIGURES)
             if replay:
                 from cavalcade.drawing.replay.plan import write_plan_replay
 
                 write_plan_replay(resolved, world, made, folder.stage / REPLAY)
-            files = folder.commit(resolved, made.summary)
+            files = folder.commit(resolved, made.summary.to_dict())
         reporter.finish(made.summary, files)
-    return PlanResult(
-        made.plan, made.footholds, made.summary, None if folder is None else folder.path, files
-    )
+    directory = None if folder is None else folder.path
+    return JobResult(resolved, world, made.summary, None, made, directory, files)
 
 
-def make_plan(
-    scenario: Scenario,
-    world: World,
-    coordinator: Coordinator | None = None,
-    reporter: PlanReporter | None = None,
-) -> PlanResult:
-    """Plan and judge, without files.
+def _require_own_goals(scenario: Scenario) -> None:
+    """Refuse a scenario whose goals are those of a formation.
 
-    Args:
-        scenario: Resolved, with goals of single robots.
-        world: Its ground.
-        coordinator: Instead of the scenario's method.
-        reporter: Told what goes on.
+    Raises:
+        InputError: It is one.
     """
-    started = clock.perf_counter()
-    with reporter or PlanReporter(scenario, quiet=True) as telling:
-        with telling.planning():
-            team = (coordinator or coordinate)(scenario, world)
-        footholds, stretches = plan_feet(scenario, world, team.trajectories)
-        summary = summarise_plan(scenario, world, team, stretches, clock.perf_counter() - started)
-    return PlanResult(team, footholds, summary, None, ())
+    if not scenario.goals:
+        raise InputError(
+            "plan is for robots with goals of their own (task.goals: individual); "
+            "use `cavalcade run` for formations",
+            file=scenario.file or scenario.name,
+            key="task.goals",
+        )
 
 
-def coordinate(scenario: Scenario, world: World) -> TeamPlan:
-    """The plan of the scenario's own method."""
-    from cavalcade.coordination import plan_team, problem_of
+def _with_method(scenario: Scenario, method: str | None) -> Scenario:
+    """The scenario with another method; itself if that is None.
 
-    return plan_team(
-        problem_of(scenario, world),
-        scenario.planner.method,
-        settings_of(scenario),
-        scenario.seed,
-    )
+    Raises:
+        InputError: There is no such method.
+    """
+    if method is None or method == scenario.planner.method:
+        return scenario
+    if method not in TEAM_METHODS:
+        raise InputError(f"unknown method {method!r}", key="method", choices=TEAM_METHODS)
+    planner = scenario.planner.model_copy(update={"method": method})
+    return scenario.model_copy(update={"planner": planner})

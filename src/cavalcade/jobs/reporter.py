@@ -1,14 +1,17 @@
-"""What a run says while it goes on, and at its end."""
+"""What a job says while it goes on, and at its end."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
-from cavalcade.execution.progress import Progress
+from cavalcade.jobs.warm import kernels_are_cached
+from cavalcade.recording.frames import Frame
+from cavalcade.scenario import Scenario
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -19,12 +22,16 @@ PLAIN_PERIOD = 10.0
 
 
 class Reporter:
-    """Says on stdout what a run does: a bar on a terminal, plain lines elsewhere.
+    """Says on stdout what a job does: a bar on a terminal, plain lines elsewhere.
 
-    Use it as a context; with `quiet` it says nothing.
+    Use it as a context; with `quiet` it says nothing. It is a sink of frames.
+
+    Attributes:
+        timeout: When a run will be given up, s of simulated time.
     """
 
     def __init__(self, name: str, quiet: bool = False) -> None:
+        self.timeout = 0.0
         self._name = name
         self._quiet = quiet
         self._console: Console | None = None
@@ -52,17 +59,41 @@ class Reporter:
         if self._console is not None:
             self._console.print(text, markup=False)
 
-    def __call__(self, progress: Progress) -> None:
+    @contextmanager
+    def planning(self, scenario: Scenario) -> Iterator[None]:
+        """While a coordinator works. How long a search will take nobody knows: there is no bar."""
+        text = f"{scenario.name}: {len(scenario.robots)} robots, method {scenario.planner.method}"
+        limit = scenario.planner.budget.seconds
+        if limit is not None:
+            text += f", at most {limit:g} s"
+        if self._console is not None and not kernels_are_cached("coordination", "*"):
+            text += "; compiling the numerical kernels, once after installation (a minute or two)"
+        if self._console is None or not self._console.is_terminal:
+            self.say(text)
+            yield
+            return
+        from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+        columns = (
+            SpinnerColumn(),
+            TextColumn("{task.description}", markup=False),
+            TimeElapsedColumn(),
+        )
+        with Progress(*columns, console=self._console, transient=True) as progress:
+            progress.add_task(text, total=None)
+            yield
+
+    def __call__(self, frame: Frame) -> None:
         """Take note of a cycle."""
         if self._console is None:
             return
         if self._console.is_terminal:
-            self._update_bar(progress)
-        elif progress.time - self._last >= PLAIN_PERIOD - 1e-9:
-            self._last = progress.time
-            self.say(f"{progress.time:6.1f} s  {progress.state}")
-        if progress.note:
-            self.say(f"{progress.time:6.1f} s  {progress.note}")
+            self._update_bar(frame)
+        elif frame.time - self._last >= PLAIN_PERIOD - 1e-9:
+            self._last = frame.time
+            self.say(f"{frame.time:6.1f} s  {frame.status.state}")
+        if frame.notes:
+            self.say(f"{frame.time:6.1f} s  {'; '.join(frame.notes)}")
 
     def finish(self, summary: Mapping[str, Any], files: Sequence[Path]) -> None:
         """The table of the result and where to look."""
@@ -82,7 +113,7 @@ class Reporter:
         for file in files:
             self.say(str(file))
 
-    def _update_bar(self, progress: Progress) -> None:
+    def _update_bar(self, frame: Frame) -> None:
         if self._bar is None:
             from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
             from rich.progress import Progress as Bar
@@ -96,13 +127,12 @@ class Reporter:
                 transient=True,
                 refresh_per_second=5,
             )
-            self._task = self._bar.add_task(
-                self._name, total=progress.timeout, state=progress.state
-            )
+            state = frame.status.state
+            self._task = self._bar.add_task(self._name, total=self.timeout, state=state)
             self._bar.start()
-        if progress.time - self._last >= 0.5 or progress.time < self._last:
-            self._last = progress.time
-            self._bar.update(self._task, completed=progress.time, state=progress.state)
+        if frame.time - self._last >= 0.5 or frame.time < self._last:
+            self._last = frame.time
+            self._bar.update(self._task, completed=frame.time, state=frame.status.state)
 
     def _close_bar(self) -> None:
         if self._bar is not None:
@@ -112,6 +142,47 @@ class Reporter:
 
 def result_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
     """The summary's most telling figures as rows of a table."""
+    return _plan_rows(summary) if summary["backend"] is None else _run_rows(summary)
+
+
+def _plan_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
+    result = summary["reason"]
+    if summary["detail"]:
+        result += f" ({summary['detail']})"
+    method = summary["method"]
+    if summary["found_by"] != method:
+        method += f" (found by {summary['found_by']})"
+    rows = [
+        ("scenario", f"{summary['name']}, {summary['robots']} robots"),
+        ("method", f"{method}, {summary['variant']}"),
+        ("result", result),
+        ("planning time", _with(summary["planning_time_s"], "s", 3)),
+    ]
+    if not summary["success"]:
+        return rows
+    length, bound = _total(summary["path_length_m"]), _total(summary["lower_bound_m"])
+    ways = _with(length, "m")
+    if length is not None and bound:
+        ways += f", {length / bound:.3f} × the shortest ways alone"
+    collisions, feet = summary["collisions"], summary["footholds"]
+    rows += [
+        ("all in place after", _with(summary["makespan_s"], "s", 1)),
+        ("summed length", ways),
+        (
+            "collisions",
+            f"{collisions['robot_robot']} between robots, "
+            f"{collisions['robot_obstacle']} with obstacles",
+        ),
+        ("closest to an obstacle", _with(summary["min_obstacle_distance_m"], "m (centre)")),
+        ("closest to each other", _with(summary["min_robot_distance_m"], "m (centres)")),
+        ("smallest footprint gap", _with(summary["min_footprint_gap_m"], "m")),
+    ]
+    if feet["count"]:
+        rows.append(("footholds", f"{feet['count']}, {feet['out_of_reach']} out of reach"))
+    return rows
+
+
+def _run_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
     collisions = summary["collisions"]
     error, cycle = summary["formation_error_m"], summary["cycle_ms"]
     result = summary["reason"]
@@ -160,6 +231,11 @@ def _commanded_rows(figures: Mapping[str, Any]) -> list[tuple[str, str]]:
         ("error of mean yaw rate", "" if turn is None else f"{100.0 * turn:.1f} %"),
         ("spread of speed", "" if spread is None else f"{spread:.3f} m/s (root mean square)"),
     ]
+
+
+def _total(values: Sequence[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return sum(known) if len(known) == len(values) else None
 
 
 def _with(value: float | None, unit: str, digits: int = 2) -> str:

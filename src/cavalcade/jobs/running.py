@@ -4,49 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from cavalcade.drawing.physics.drawing import add_figures, replay_in_physics
 from cavalcade.errors import InputError
-from cavalcade.execution.control import Planner
-from cavalcade.execution.progress import Progress, ProgressSink
-from cavalcade.execution.simulation import simulate
+from cavalcade.execution.loop import Execution, carry_out
+from cavalcade.execution.policy import Policy
 from cavalcade.fleet import Fleet
-from cavalcade.jobs.output_folder import FIGURES, RECORDING, REPLAY, OutputFolder
+from cavalcade.jobs.output_folder import FIGURES, PLAN, RECORDING, REPLAY, OutputFolder
 from cavalcade.jobs.reporter import Reporter
-from cavalcade.metrics.summary import summarise
-from cavalcade.recording.frames import Recording
-from cavalcade.scenario import Scenario, World, build_world, load_scenario, resolve_scenario
-from cavalcade.scenario.backends import with_backend
-
-
-@dataclass(frozen=True)
-class RunResult:
-    """What a run came to.
-
-    Attributes:
-        summary: The content of `summary.json`.
-        recording: Every cycle.
-        directory: The folder of the results, None if none was asked for.
-        files: What was written there.
-    """
-
-    summary: dict[str, Any]
-    recording: Recording
-    directory: Path | None
-    files: tuple[Path, ...]
-
-    @property
-    def success(self) -> bool:
-        """The team arrived without a collision."""
-        return bool(self.summary["success"])
-
-    @property
-    def reason(self) -> str:
-        """Why it ended, as in `summary.json`."""
-        return str(self.summary["reason"])
+from cavalcade.jobs.result import JobResult
+from cavalcade.jobs.task import PolicyMaker, Task
+from cavalcade.jobs.tasks import task_of
+from cavalcade.metrics.summary import Summary
+from cavalcade.recording.frames import FrameSink
+from cavalcade.scenario import (
+    ResolvedScenario,
+    Scenario,
+    build_world,
+    load_scenario,
+    resolve_scenario,
+)
 
 
 def run(
@@ -61,10 +39,10 @@ def run(
     figures: bool = True,
     replay: bool = True,
     quiet: bool = True,
-    progress: ProgressSink | None = None,
-    planner: Callable[[Scenario, World], Planner] | None = None,
-    fleet: Callable[[Scenario], Fleet] | None = None,
-) -> RunResult:
+    sinks: Sequence[FrameSink] = (),
+    planner: PolicyMaker | Policy | None = None,
+    fleet: Callable[[ResolvedScenario], Fleet] | Fleet | None = None,
+) -> JobResult:
     """Plan and carry out a scenario.
 
     Args:
@@ -78,9 +56,11 @@ def run(
         figures: Draw the figures.
         replay: Write the replay.
         quiet: Print nothing; otherwise progress, a table and the names of the files.
-        progress: Called with a `Progress` once per cycle.
-        planner: Makes another planner than the scenario's.
-        fleet: Makes another fleet than the scenario's.
+        sinks: Called with a `Frame` once per cycle.
+        planner: Another policy than the scenario's, or a function of scenario and world that
+            makes it.
+        fleet: Other robots than the scenario's, at its starts, or a function of the scenario that
+            makes them.
 
     Raises:
         InputError: The scenario, its map or an argument cannot be used.
@@ -88,8 +68,7 @@ def run(
         KeyboardInterrupt: As it came; the team was commanded to stop and nothing is left behind.
     """
     loaded = load_for_running(scenario, seed, overrides, backend)
-    in_physics = loaded.execution.backend == "mujoco" and fleet is None
-    if in_physics:
+    if loaded.execution.backend == "mujoco" and fleet is None:
         from cavalcade.execution.physics_fleet import with_own_robots
         from cavalcade.fleet.physics.engine import load_mujoco
 
@@ -98,56 +77,30 @@ def run(
     with ExitStack() as stack:
         folder = stack.enter_context(OutputFolder(out, force)) if out is not None else None
         reporter = stack.enter_context(Reporter(loaded.name, quiet))
-        loaded = resolve_scenario(loaded)
-        world = build_world(loaded)
-        reporter.say(_preparing(loaded))
-
-        def tell(now: Progress) -> None:
-            reporter(now)
-            if progress is not None:
-                progress(now)
-
-        sink = tell if progress is not None or not quiet else None
-        make_robots = fleet
-        if in_physics:
-            from cavalcade.execution.physics_fleet import physics_fleet
-
-            def make_robots(scenario: Scenario) -> Fleet:
-                return physics_fleet(scenario, world)
-
-        if loaded.task.individual and planner is None:
-            from cavalcade.jobs.plan_and_run import carry_out
-
-            return carry_out(
-                loaded,
-                world,
-                folder,
-                reporter,
-                sink,
-                realtime=realtime,
-                figures=figures,
-                replay=replay,
-                quiet=quiet,
-                fleet=make_robots,
-            )
-        made_planner = (planner or _default_planner)(loaded, world)
-        made_fleet = (make_robots or _default_fleet)(loaded)
-        done = simulate(loaded, world, made_planner, made_fleet, realtime=realtime, progress=sink)
-        summary = summarise(loaded, world, done.recording, done.outcome)
+        resolved = resolve_scenario(loaded)
+        world = build_world(resolved)
+        reporter.say(_preparing(resolved))
+        reporter.timeout = resolved.execution.timeout
+        task = task_of(resolved, world, reporter, planner)
+        robots = _made(fleet, resolved) if fleet is not None else task.make_fleet()
+        policy = task.make_policy(robots)
+        done = carry_out(
+            resolved,
+            world,
+            policy,
+            robots,
+            budget=task.budget,
+            realtime=realtime,
+            sinks=sinks if quiet else (reporter, *sinks),
+        )
+        summary = task.summarise(policy, done)
         files: tuple[Path, ...] = ()
         if folder is not None:
-            _write(folder.stage, loaded, world, done.recording, done.maps, summary)
-            if figures:
-                from cavalcade.drawing.formation import make_figures
-
-                reporter.say("Drawing the figures ...")
-                make_figures(loaded, world, done.recording, summary, folder.stage / FIGURES)
-                add_figures(loaded, done.recording, folder.stage / FIGURES)
-            if replay:
-                _write_replay(loaded, world, done.recording, summary, folder.stage / REPLAY)
-            files = folder.commit(loaded, summary)
+            _write(folder.stage, task, policy, done, summary, figures, replay)
+            files = folder.commit(resolved, summary.to_dict())
         reporter.finish(summary, files)
-    return RunResult(summary, done.recording, None if folder is None else folder.path, files)
+    directory = None if folder is None else folder.path
+    return JobResult(resolved, world, summary, done.recording, task.planned, directory, files)
 
 
 def load_for_running(
@@ -166,13 +119,17 @@ def load_for_running(
     elif overrides:
         raise InputError("only for a scenario's name or file", key="overrides")
     if backend is not None:
-        scenario = with_backend(scenario, backend)
+        scenario = scenario.with_backend(backend)
     if seed is None or seed == scenario.execution.seed:
         return scenario
     if not isinstance(seed, int) or seed < 0:
         raise InputError(f"expected a whole number from 0 on, got {seed!r}", key="seed")
     execution = scenario.execution.model_copy(update={"seed": seed})
     return scenario.model_copy(update={"execution": execution})
+
+
+def _made(fleet: Callable[[ResolvedScenario], Fleet] | Fleet, scenario: ResolvedScenario) -> Fleet:
+    return fleet if isinstance(fleet, Fleet) else fleet(scenario)
 
 
 def _preparing(scenario: Scenario) -> str:
@@ -187,35 +144,31 @@ def _preparing(scenario: Scenario) -> str:
     return f"{what}; compiling the numerical kernels, once after installation ({duration}) ..."
 
 
-def _default_planner(scenario: Scenario, world: World) -> Planner:
-    from cavalcade.execution.team import make_planner
-
-    return make_planner(scenario, world)
-
-
-def _default_fleet(scenario: Scenario) -> Fleet:
-    from cavalcade.execution.team import make_fleet
-
-    return make_fleet(scenario)
-
-
-def _write_replay(
-    scenario: Scenario, world: World, recording: Recording, summary: dict[str, Any], path: Path
-) -> None:
-    if not replay_in_physics(scenario, world, recording, summary, path):
-        from cavalcade.drawing.replay.formation import write_replay
-
-        write_replay(scenario, world, recording, summary, path)
-
-
 def _write(
     stage: Path,
-    scenario: Scenario,
-    world: World,
-    recording: Recording,
-    maps: Any,
-    summary: dict[str, Any],
+    task: Task,
+    policy: Policy,
+    done: Execution,
+    summary: Summary,
+    figures: bool,
+    replay: bool,
 ) -> None:
     from cavalcade.recording.mcap_writer import write_recording
+    from cavalcade.recording.plan_file import write_plan
 
-    write_recording(stage / RECORDING, recording, scenario.models, maps)
+    recording = done.recording
+    write_recording(stage / RECORDING, recording, task.scenario.models, done.maps)
+    if task.planned is not None:
+        write_plan(stage / PLAN, task.planned.trajectories, task.planned.footholds)
+    if figures:
+        from cavalcade.drawing.physics.drawing import add_figures
+
+        task.reporter.say("Drawing the figures ...")
+        task.draw(recording, policy, summary, stage / FIGURES)
+        add_figures(task.scenario, recording, stage / FIGURES)
+    if replay:
+        from cavalcade.drawing.physics.drawing import replay_in_physics
+
+        path = stage / REPLAY
+        if not replay_in_physics(task.scenario, task.world, recording, summary, path):
+            task.write_replay(recording, policy, summary, path)

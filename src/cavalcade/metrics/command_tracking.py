@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
 from cavalcade.geometry import Array
+from cavalcade.metrics.summary import CommandTracking
 from cavalcade.recording.frames import Recording
 
 SETTLED = 2.0
@@ -43,7 +43,7 @@ Push = tuple[float, int]
 """When somebody was pushed, s, and who."""
 
 
-def summarise_commands(recording: Recording, pushes: Sequence[Push] = ()) -> dict[str, Any]:
+def summarise_commands(recording: Recording, pushes: Sequence[Push] = ()) -> CommandTracking:
     """What `commanded` holds in `summary.json`; null where no velocity was held long enough.
 
     Of the stretches of a robot's way over which its commanded velocity had stood for 2 s, and
@@ -71,12 +71,12 @@ def summarise_commands(recording: Recording, pushes: Sequence[Push] = ()) -> dic
             spreads.append(float(np.sqrt((off**2).mean())))
         if abs(wanted[2]) >= _MOVING:
             turns.append(abs(float(mean[2] / wanted[2]) - 1.0))
-    return {
-        "speed_error": _largest(speeds),
-        "yaw_rate_error": _largest(turns),
-        "drift_m_s": _largest(drifts),
-        "rms_m_s": _largest(spreads),
-    }
+    return CommandTracking(
+        speed_error=_largest(speeds),
+        yaw_rate_error=_largest(turns),
+        drift_m_s=_largest(drifts),
+        rms_m_s=_largest(spreads),
+    )
 
 
 def stretches(recording: Recording, pushes: Sequence[Push] = ()) -> Iterator[Stretch]:

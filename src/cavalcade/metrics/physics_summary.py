@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from cavalcade.geometry import Array
+from cavalcade.metrics.summary import BodyContacts, GroundContacts, PhysicsSummary
 from cavalcade.recording.physics_track import ContactEvent, PhysicsTrack
 from cavalcade.robots import RobotModel
 
@@ -18,7 +19,7 @@ TOGETHER = 0.1
 _BODY = ("trunk", "hip", "thigh", "calf")
 
 
-def summarise_physics(track: PhysicsTrack, models: Sequence[RobotModel]) -> dict[str, Any]:
+def summarise_physics(track: PhysicsTrack, models: Sequence[RobotModel]) -> PhysicsSummary:
     """What `physics` holds in `summary.json`.
 
     - `contacts`: how many began `robot_robot`, `robot_obstacle`, and with the ground by part, but
@@ -39,22 +40,20 @@ def summarise_physics(track: PhysicsTrack, models: Sequence[RobotModel]) -> dict
     w_to_z = 1.0 - 2.0 * (track.base[..., 4] ** 2 + track.base[..., 5] ** 2)
     # The first sample has nothing before it.
     carried = track.foot_forces[1:, ..., 2].sum(axis=-1)
-    return {
-        "contacts": count_contacts(track.contacts),
-        "max_torque_share": _rounded(np.abs(track.torques / torque).max(initial=0.0)),
-        "max_speed_share": _rounded(np.abs(track.joint_rates / speed).max(initial=0.0)),
-        "max_tilt_rad": _rounded(np.arccos(np.clip(w_to_z, -1.0, 1.0)).max(initial=0.0)),
-        "min_height_m": _rounded(track.base[..., 2].min()) if len(track.time) else None,
-        "max_height_m": _rounded(track.base[..., 2].max()) if len(track.time) else None,
-        "carried_share": (
-            [_rounded(share) for share in carried.mean(axis=0) / weights]
-            if len(carried)
-            else [None] * track.size
-        ),
-    }
+    heights = track.base[..., 2]
+    shares = carried.mean(axis=0) / weights if len(carried) else [None] * track.size
+    return PhysicsSummary(
+        contacts=count_contacts(track.contacts),
+        max_torque_share=_rounded(np.abs(track.torques / torque).max(initial=0.0)),
+        max_speed_share=_rounded(np.abs(track.joint_rates / speed).max(initial=0.0)),
+        max_tilt_rad=_rounded(np.arccos(np.clip(w_to_z, -1.0, 1.0)).max(initial=0.0)),
+        min_height_m=_rounded(heights.min()) if len(track.time) else None,
+        max_height_m=_rounded(heights.max()) if len(track.time) else None,
+        carried_share=tuple(None if share is None else _rounded(share) for share in shares),
+    )
 
 
-def count_contacts(contacts: Iterable[ContactEvent]) -> dict[str, Any]:
+def count_contacts(contacts: Iterable[ContactEvent]) -> BodyContacts:
     """How many contacts began, of two robots, of a robot and an obstacle, and with the ground.
 
     A contact of two robots is recorded by both, and one that lasts again and again.
@@ -74,11 +73,11 @@ def count_contacts(contacts: Iterable[ContactEvent]) -> dict[str, Any]:
         if time > last.get(what, -np.inf) + TOGETHER:
             begun[_kind(what)] += 1
         last[what] = time
-    return {
-        "robot_robot": begun["robot_robot"],
-        "robot_obstacle": begun["robot_obstacle"],
-        "ground": {part: begun[part] for part in _BODY},
-    }
+    return BodyContacts(
+        begun["robot_robot"],
+        begun["robot_obstacle"],
+        GroundContacts(**{part: begun[part] for part in _BODY}),
+    )
 
 
 def _kind(what: Hashable) -> str:

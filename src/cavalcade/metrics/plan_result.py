@@ -1,14 +1,13 @@
-"""What planning came to."""
+"""A plan with its footholds and its summary."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
 
 from cavalcade.coordination.result import TeamPlan
 from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import Trajectory
+from cavalcade.metrics.summary import Summary
 
 
 @dataclass(frozen=True)
@@ -19,26 +18,22 @@ class PlanResult:
         plan: The coordinator's answer.
         footholds: Per robot `(M, 6)` t_down, t_up (s), leg, x, y, z (m, map frame); empty for
             robots without legs and where there is no trajectory.
-        summary: The content of `summary.json`.
-        directory: The folder of the results, None if none was asked for.
-        files: What was written there.
+        summary: Its metrics.
     """
 
     plan: TeamPlan
     footholds: tuple[Array, ...]
-    summary: dict[str, Any]
-    directory: Path | None
-    files: tuple[Path, ...]
+    summary: Summary
 
     @property
     def solved(self) -> bool:
         """Whether every robot has a trajectory and none meets anything."""
-        return bool(self.summary["success"])
+        return self.summary.success
 
     @property
     def reason(self) -> str:
         """`solved`, `infeasible` or `budget`, as in `summary.json`."""
-        return str(self.summary["reason"])
+        return self.summary.reason
 
     @property
     def trajectories(self) -> tuple[Trajectory | None, ...]:

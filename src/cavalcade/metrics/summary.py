@@ -1,121 +1,241 @@
-"""The figures of a run: `summary.json`."""
+"""The summary of a job: what `summary.json`, the table of a campaign and the docs have as keys."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, fields, is_dataclass
 from importlib.metadata import PackageNotFoundError, version
-from itertools import pairwise
 from platform import python_version
-from typing import Any
-
-import numpy as np
-
-from cavalcade.execution.arrival import ArrivalTolerance, has_goal, slot_poses, tolerance_of
-from cavalcade.execution.outcome import Outcome
-from cavalcade.geometry import Array, wrap_angle
-from cavalcade.metrics.clearance import clearance
-from cavalcade.metrics.formation_error import formation_errors
-from cavalcade.metrics.lower_bound import ShortestWays
-from cavalcade.metrics.physics_summary import summarise_physics
-from cavalcade.recording.frames import Recording
-from cavalcade.scenario import Scenario, World
+from types import UnionType
+from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
 _PACKAGES = ("cavalcade", "numpy", "numba", "scipy")
 _DIGITS = 6
 
 
-def summarise(
-    scenario: Scenario, world: World, recording: Recording, outcome: Outcome
-) -> dict[str, Any]:
-    """All keys of `summary.json`, null where they do not apply. Distances are of true poses.
+@dataclass(frozen=True, eq=False)
+class Keys(Mapping[str, Any]):
+    """Base of the dataclasses here: their fields are keys of a mapping, too, with plain values.
 
-    Beyond the contract's keys there are `detail`, one line or null, and `involved`, the robots
-    that the reason is about; of runs in physics, `real_time_factor` and `physics` (see
-    `cavalcade.metrics.physics_summary`), of commands, `commanded` (see
-    `cavalcade.metrics.command_tracking`). In physics collisions are those of footprints or those
-    of bodies, whichever are more.
+    They equal each mapping of the same content.
     """
-    near = clearance(world, recording, scenario.models)
-    collisions = {"robot_robot": near.robot_robot, "robot_obstacle": near.robot_obstacle}
-    track, physics = recording.physics, None
-    if track is not None:
-        physics = summarise_physics(track, scenario.models)
-        for kind in collisions:
-            collisions[kind] = max(collisions[kind], physics["contacts"][kind])
-    reason = outcome.reason
-    if any(collisions.values()) and reason != "fallen":
-        reason = "collision"
-    arrived = outcome.reason == "arrived"
-    ends = _ends(recording)
-    durations = _durations(recording, ends, tolerance_of(scenario))
-    commanded = None
-    if scenario.task.commands is not None:
-        from cavalcade.metrics.command_tracking import summarise_commands
 
-        events = scenario.execution.events
-        pushes = [(event.at, event.push.robot) for event in events if event.push is not None]
-        commanded = summarise_commands(recording, pushes)
-    cycles = outcome.planning * 1e3
-    return {
-        "name": scenario.name,
-        "version": scenario.version,
-        "seed": scenario.seed,
-        "method": scenario.planner.method,
-        "variant": scenario.planner.variant,
-        "backend": scenario.execution.backend,
-        "robots": len(scenario.robots),
-        "success": reason in ("arrived", "done"),
-        "reason": reason,
-        "detail": outcome.detail or None,
-        "involved": list(outcome.involved),
-        "sim_time_s": rounded(recording.time[-1] if len(recording.time) else 0.0),
-        "wall_time_s": rounded(outcome.wall_time),
-        "makespan_s": _makespan(durations) if arrived else None,
-        "min_obstacle_distance_m": rounded(near.obstacle_distance),
-        "min_robot_distance_m": rounded(near.robot_distance),
-        "min_footprint_gap_m": rounded(near.footprint_gap),
-        "collisions": collisions,
-        "falls": 0 if track is None else len(track.falls),
-        "formation_error_m": _formation_error(recording),
-        "leader_changes": leader_changes(recording),
-        "role_changes": role_changes(recording),
-        "cycle_ms": {
-            "p50": rounded(np.percentile(cycles, 50)) if len(cycles) else None,
-            "p99": rounded(np.percentile(cycles, 99)) if len(cycles) else None,
-            "max": rounded(cycles.max()) if len(cycles) else None,
-        },
-        "planning_time_s": rounded(outcome.planning.sum()),
-        "path_length_m": _numbers(_path_lengths(recording)),
-        "lower_bound_m": _lower_bounds(scenario, world, recording),
-        "duration_s": durations,
-        "goal_error_m": _goal_errors(recording, ends),
-        "goal_moved_m": _goal_moved(recording),
-        "real_time_factor": _real_time_factor(recording, outcome),
-        "physics": physics,
-        "commanded": commanded,
-        "versions": versions(() if track is None else ("mujoco",)),
-    }
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values, lists and dictionaries, as JSON has them."""
+        return {name: self[name] for name in self}
+
+    def __getitem__(self, key: str) -> Any:
+        if key not in self.__dataclass_fields__:
+            raise KeyError(key)
+        return _plain(getattr(self, key))
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.__dataclass_fields__)
+
+    def __len__(self) -> int:
+        return len(self.__dataclass_fields__)
 
 
-def leader_changes(recording: Recording) -> int:
-    """How often another robot took the lead."""
-    leaders = [status.leader for status in recording.status if status.leader >= 0]
-    return sum(a != b for a, b in pairwise(leaders))
+@dataclass(frozen=True, eq=False)
+class Collisions(Keys):
+    """Contacts of footprints or bodies, as events."""
+
+    robot_robot: int | None = None
+    robot_obstacle: int | None = None
 
 
-def role_changes(recording: Recording) -> int:
-    """How often a robot changed from one slot to another of the same shape, over all robots."""
-    count = 0
-    for before, after in pairwise(recording.status):
-        if before.roles is after.roles or not np.array_equal(before.slots, after.slots):
-            continue
-        changed = (before.roles != after.roles) & (before.roles >= 0) & (after.roles >= 0)
-        count += int(np.count_nonzero(changed))
-    return count
+@dataclass(frozen=True, eq=False)
+class FormationError(Keys):
+    """Distances of the robots to their slots, m."""
+
+    mean: float | None = None
+    p95: float | None = None
+    max: float | None = None
 
 
-def versions(more: Sequence[str] = ()) -> dict[str, str]:
+@dataclass(frozen=True, eq=False)
+class CycleTimes(Keys):
+    """Wall time of the policy per cycle, ms."""
+
+    p50: float | None = None
+    p99: float | None = None
+    max: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class GroundContacts(Keys):
+    """Contacts of parts of bodies, but for feet, with the ground."""
+
+    trunk: int
+    hip: int
+    thigh: int
+    calf: int
+
+
+@dataclass(frozen=True, eq=False)
+class BodyContacts(Keys):
+    """Contacts of bodies that began."""
+
+    robot_robot: int
+    robot_obstacle: int
+    ground: GroundContacts
+
+
+@dataclass(frozen=True, eq=False)
+class PhysicsSummary(Keys):
+    """What bodies and joints did in physics."""
+
+    contacts: BodyContacts
+    max_torque_share: float
+    max_speed_share: float
+    max_tilt_rad: float
+    min_height_m: float | None
+    max_height_m: float | None
+    carried_share: tuple[float | None, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class CommandTracking(Keys):
+    """How well commanded velocities were followed."""
+
+    speed_error: float | None
+    yaw_rate_error: float | None
+    drift_m_s: float | None
+    rms_m_s: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class FootholdCount(Keys):
+    """Footholds of a plan, and how many lie beyond the reach of their leg."""
+
+    count: int
+    out_of_reach: int
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Summary(Keys):
+    """What a job came to; null where a key does not apply. Distances are of true poses.
+
+    It is a mapping, too: `summary["cycle_ms"]["p99"]` is `summary.cycle_ms.p99`.
+    """
+
+    name: Annotated[str, "the scenario's name"]
+    version: Annotated[int, "of the scenario file's format"]
+    seed: Annotated[int, "what was run with"]
+    method: Annotated[str, "the planner's"]
+    variant: Annotated[str, "the planner's"]
+    backend: Annotated[str | None, "who moved the robots; null for plans"] = None
+    robots: Annotated[int, "how many"]
+    success: Annotated[bool, "whether it was done as asked, without a collision"]
+    reason: Annotated[
+        str,
+        "`arrived`, `done` (of [commands](commands.md)), `solved`, `timeout`, `stuck`, "
+        "`collision`, `fallen`, `infeasible`, `budget`, `stopped` (with which watchdog), "
+        "`crashed`",
+    ]
+    detail: Annotated[str | None, "one line about the reason"] = None
+    involved: Annotated[tuple[int, ...], "the robots that the reason is about"] = ()
+    sim_time_s: Annotated[float | None, "simulated time"] = None
+    wall_time_s: Annotated[float | None, "of everything but figures and files"] = None
+    makespan_s: Annotated[float | None, "until all robots were in place"] = None
+    min_obstacle_distance_m: Annotated[
+        float | None,
+        "least distance of a robot's centre from an obstacle's surface",
+    ] = None
+    min_robot_distance_m: Annotated[
+        float | None,
+        "least distance between two robots' centres",
+    ] = None
+    min_footprint_gap_m: Annotated[
+        float | None,
+        "least distance between oriented footprints, or a footprint and an obstacle",
+    ] = None
+    collisions: Annotated[
+        Collisions,
+        "as events; in physics of footprints or of bodies, whichever are more",
+    ] = field(default_factory=Collisions)
+    falls: Annotated[int | None, "robots that fell"] = None
+    formation_error_m: Annotated[
+        FormationError,
+        "distance to the own slot of the best-fitting rigid placement of the shape",
+    ] = field(default_factory=FormationError)
+    leader_changes: Annotated[int | None, "how often another robot took the lead"] = None
+    role_changes: Annotated[int | None, "how often a robot changed its slot"] = None
+    cycle_ms: Annotated[CycleTimes, "the planner's wall time per cycle"] = field(
+        default_factory=CycleTimes
+    )
+    planning_time_s: Annotated[float | None, "wall time spent planning"] = None
+    path_length_m: Annotated[tuple[float | None, ...], "per robot; of plans in space"] = ()
+    lower_bound_m: Annotated[
+        tuple[float | None, ...],
+        "per robot: the shortest length, alone, for a disc of half the body's width",
+    ] = ()
+    duration_s: Annotated[
+        tuple[float | None, ...],
+        "per robot: until it was in place for good",
+    ] = ()
+    goal_error_m: Annotated[
+        tuple[float | None, ...],
+        "per robot: distance from its goal at the end",
+    ] = ()
+    goal_moved_m: Annotated[
+        float | None,
+        "how far the goal was moved so that its slots fit",
+    ] = None
+    real_time_factor: Annotated[float | None, "simulated over wall time, in physics"] = None
+    physics: Annotated[
+        PhysicsSummary | None,
+        "what bodies and joints did in [physics](physics.md)",
+    ] = None
+    commanded: Annotated[
+        CommandTracking | None,
+        "how well the velocities of [commands](commands.md) were followed",
+    ] = None
+    found_by: Annotated[str | None, "of a plan: the method that `auto` ended with"] = None
+    iterations: Annotated[int | None, "of a plan's search"] = None
+    limit_s: Annotated[float | None, "of a plan: the limit of wall time that it had"] = None
+    counts: Annotated[Mapping[str, int] | None, "of a plan's search: nodes and the like"] = None
+    margin_m: Annotated[
+        tuple[float, ...] | None,
+        "of a plan, per robot: inflation of its body",
+    ] = None
+    footholds: Annotated[FootholdCount | None, "of a plan"] = None
+    delay_s: Annotated[
+        tuple[float | None, ...] | None,
+        "per robot: how much later than planned it was sent to the end of its path",
+    ] = None
+    versions: Annotated[Mapping[str, str], "of Python and the packages that figures depend on"]
+
+
+def summary_columns() -> dict[str, str]:
+    """DuckDB's type of each value of a summary, nested keys joined by `.`, in their order.
+
+    Of `versions` those are named that every summary has; of other free mappings none.
+    """
+    return dict(_columns(Summary, ""))
+
+
+def summary_table() -> str:
+    """The keys of a summary with their meanings, as a table in Markdown."""
+    hints = get_type_hints(Summary, include_extras=True)
+    rows = [f"| `{key.name}` | {hints[key.name].__metadata__[0]} |" for key in fields(Summary)]
+    return "\n".join(("| key | |", "|---|---|", *rows))
+
+
+def rounded(value: float | None) -> float | None:
+    """As summaries give it; None for what is not finite."""
+    if value is None or not math.isfinite(value):
+        return None
+    return round(float(value), _DIGITS)
+
+
+def rounded_each(values: Iterable[float | None]) -> tuple[float | None, ...]:
+    """Each value as summaries give it."""
+    return tuple(rounded(value) for value in values)
+
+
+def package_versions(more: Sequence[str] = ()) -> dict[str, str]:
     """Python's version and those of the packages that figures depend on, `more` among them."""
     found = {"python": python_version()}
     for package in (*_PACKAGES, *more):
@@ -129,117 +249,32 @@ def versions(more: Sequence[str] = ()) -> dict[str, str]:
     return found
 
 
-def _real_time_factor(recording: Recording, outcome: Outcome) -> float | None:
-    """Simulated by wall time of a run in physics."""
-    if recording.physics is None or not len(recording.time) or outcome.wall_time <= 0.0:
-        return None
-    return rounded(recording.time[-1] / outcome.wall_time)
+def _plain(value: Any) -> Any:
+    if isinstance(value, Keys):
+        return value.to_dict()
+    if isinstance(value, Mapping):
+        return dict(value)
+    return list(value) if isinstance(value, tuple) else value
 
 
-def _ends(recording: Recording) -> Array | None:
-    """Poses `(N, 3)` of the slots that were driven to last; infinite for a robot without one."""
-    for status in reversed(recording.status):
-        if has_goal(status):
-            return slot_poses(status)
-    return None
+_TYPES = {str: "VARCHAR", int: "BIGINT", float: "DOUBLE", bool: "BOOLEAN"}
 
 
-def _durations(
-    recording: Recording, ends: Array | None, limit: ArrivalTolerance
-) -> list[float | None]:
-    """When each robot was at its last slot for good, s; null if it was not at the end."""
-    robots = recording.poses.shape[1]
-    if ends is None or not len(recording.time):
-        return [None] * robots
-    result: list[float | None] = []
-    for robot in range(robots):
-        if not np.isfinite(ends[robot]).all():
-            result.append(None)
-            continue
-        off = recording.poses[:, robot] - ends[robot]
-        there = np.hypot(off[:, 0], off[:, 1]) <= limit.position
-        there &= np.abs(wrap_angle(off[:, 2])) <= limit.heading
-        away = np.flatnonzero(~there)
-        first = 0 if len(away) == 0 else int(away[-1]) + 1
-        result.append(rounded(recording.time[first]) if first < len(there) else None)
-    return result
-
-
-def _makespan(durations: Sequence[float | None]) -> float | None:
-    known = [duration for duration in durations if duration is not None]
-    return max(known, default=None)
-
-
-def _goal_errors(recording: Recording, ends: Array | None) -> list[float | None]:
-    robots = recording.poses.shape[1]
-    if ends is None or not len(recording.time):
-        return [None] * robots
-    off = recording.poses[-1, :, :2] - ends[:, :2]
-    return _numbers(np.hypot(off[:, 0], off[:, 1]))
-
-
-def _goal_moved(recording: Recording) -> float | None:
-    moved = [status.goal_moved for status in recording.status if has_goal(status)]
-    return rounded(max(moved)) if moved else None
-
-
-def _formation_error(recording: Recording) -> dict[str, float | None]:
-    errors, taking_part = formation_errors(recording)
-    values = errors[taking_part]
-    if not len(values):
-        return {"mean": None, "p95": None, "max": None}
-    return {
-        "mean": rounded(values.mean()),
-        "p95": rounded(np.percentile(values, 95)),
-        "max": rounded(values.max()),
-    }
-
-
-def _path_lengths(recording: Recording) -> Array:
-    steps = np.diff(recording.poses[..., :2], axis=0)
-    return np.asarray(np.hypot(steps[..., 0], steps[..., 1]).sum(axis=0))
-
-
-def _lower_bounds(scenario: Scenario, world: World, recording: Recording) -> list[float | None]:
-    """Per robot over the legs that the team was to drive, on the ground as it was at the start.
-
-    A leg ends at the robot's own slot of each goal that was reached before the next one, and of
-    the last goal.
-    """
-    ends = _leg_ends(recording)
-    ways: dict[float, ShortestWays] = {}
-    result: list[float | None] = []
-    for robot, model in enumerate(scenario.models):
-        stops = [np.asarray(scenario.starts[robot][:2])]
-        stops += [end[robot, :2] for end in ends if np.isfinite(end[robot]).all()]
-        if len(stops) < 2:
-            result.append(None)
-            continue
-        if model.width not in ways:
-            ways[model.width] = ShortestWays(world.map, model.width / 2.0)
-        legs = [ways[model.width].length(a, b) for a, b in pairwise(stops)]
-        known = [leg for leg in legs if leg is not None]
-        result.append(rounded(sum(known)) if len(known) == len(legs) else None)
-    return result
-
-
-def _leg_ends(recording: Recording) -> list[Array]:
-    """Slot poses `(N, 3)` at every goal that was reached before the next, and at the last."""
-    driven = [status for status in recording.status if has_goal(status)]
-    ends = []
-    for before, after in pairwise(driven):
-        if after.waypoint == before.waypoint + 1:
-            ends.append(slot_poses(before))
-    if driven:
-        ends.append(slot_poses(driven[-1]))
-    return [end for end in ends if end is not None]
-
-
-def rounded(value: float) -> float | None:
-    """As summaries give it; None for what is not finite."""
-    number = float(value)
-    return round(number, _DIGITS) if math.isfinite(number) else None
-
-
-def _numbers(values: Array) -> list[float | None]:
-    return [rounded(value) for value in values]
+def _columns(cls: Any, prefix: str) -> Iterator[tuple[str, str]]:
+    hints = get_type_hints(cls)
+    for key in fields(cls):
+        name = prefix + key.name
+        kind = hints[key.name]
+        if get_origin(kind) in (Union, UnionType):
+            (kind,) = (one for one in get_args(kind) if one is not type(None))
+        if is_dataclass(kind):
+            yield from _columns(kind, f"{name}.")
+        elif get_origin(kind) is tuple:
+            inner = next(
+                one for one in (get_args(get_args(kind)[0]) or get_args(kind)) if one in _TYPES
+            )
+            yield name, f"{_TYPES[inner]}[]"
+        elif kind in _TYPES:
+            yield name, _TYPES[kind]
+        elif key.name == "versions":
+            yield from ((f"{name}.{package}", "VARCHAR") for package in ("python", *_PACKAGES))

@@ -1,3 +1,4 @@
+from .frames import Frame as Frame
 from .frames import ObstacleTrack as ObstacleTrack
 from .frames import Recording as Recording
 from .mcap_reader import read_recording as read_recording

@@ -1,7 +1,8 @@
-"""A recording in memory: what figures, metrics and the replay are made from."""
+"""A run in memory, cycle by cycle: what figures, metrics and the replay are made from."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -13,6 +14,37 @@ from cavalcade.recording.status import PlannerStatus
 
 if TYPE_CHECKING:
     from cavalcade.recording.physics_track import PhysicsTrack
+    from cavalcade.world import OccupancyMap
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One control cycle of N robots; map frame, SI units. The arrays must not be changed.
+
+    Attributes:
+        time: s since the run began.
+        poses: `(N, 3)` true poses.
+        estimated: `(N, 3)` poses as the policy was given them; may hold nan.
+        commands: `(N, 3)` body-frame velocities commanded.
+        status: What the policy says of itself.
+        planning: Wall time spent in the policy, s.
+        notes: What just happened, a line each.
+        maps: The map anew, each time it changed in this cycle; of the first frame the map at the
+            start, too.
+    """
+
+    time: float
+    poses: Array
+    estimated: Array
+    commands: Array
+    status: PlannerStatus
+    planning: float = 0.0
+    notes: tuple[str, ...] = ()
+    maps: tuple[OccupancyMap, ...] = ()
+
+
+FrameSink = Callable[[Frame], None]
+"""Whoever wants to see a run while it goes on: called once per cycle."""
 
 
 @dataclass(frozen=True)

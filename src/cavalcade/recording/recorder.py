@@ -1,4 +1,4 @@
-"""Collects a run cycle by cycle, in memory."""
+"""Collects the frames of a run in memory."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from cavalcade.geometry import Array
-from cavalcade.recording.frames import ObstacleTrack, Recording
+from cavalcade.recording.frames import Frame, ObstacleTrack, Recording
 from cavalcade.recording.status import PlannerStatus
 from cavalcade.world import OccupancyMap
 
@@ -19,7 +19,7 @@ PATH_POINTS = 40
 
 
 class Recorder:
-    """Takes what each cycle saw and did; gives a `Recording`."""
+    """A sink of frames that gives a `Recording`."""
 
     def __init__(self) -> None:
         self._time: list[float] = []
@@ -34,18 +34,12 @@ class Recorder:
 
     @property
     def maps(self) -> tuple[tuple[float, OccupancyMap], ...]:
-        """(time, map) pairs as they were given to `map`."""
+        """(time, map) pairs: the map as it was from then on."""
         return tuple(self._maps)
 
-    def cycle(
-        self,
-        time: float,
-        poses: Array,
-        estimated: Array,
-        commands: Array,
-        status: PlannerStatus,
-    ) -> None:
-        """Keep one cycle; the arrays `(N, 3)` must not be changed afterwards."""
+    def __call__(self, frame: Frame) -> None:
+        """Keep one cycle."""
+        status, time = frame.status, round(frame.time, 9)
         before = self._status[-1] if self._status else None
         turning_point = (
             before is None
@@ -53,22 +47,16 @@ class Recorder:
             or status.leader != before.leader
             or status.waypoint != before.waypoint
         )
-        if turning_point or time - self._paths_time >= PATH_PERIOD - 1e-9:
+        if turning_point or frame.time - self._paths_time >= PATH_PERIOD - 1e-9:
             self._paths = tuple(thinned(path) for path in status.paths)
-            self._paths_time = time
-        self._time.append(round(time, 9))
-        self._poses.append(poses)
-        self._estimated.append(estimated)
-        self._commands.append(commands)
+            self._paths_time = frame.time
+        self._time.append(time)
+        self._poses.append(frame.poses)
+        self._estimated.append(frame.estimated)
+        self._commands.append(frame.commands)
         self._status.append(replace(status, paths=self._paths))
-
-    def note(self, time: float, text: str) -> None:
-        """Keep a line about something that happened."""
-        self._notes.append((round(time, 9), text))
-
-    def map(self, time: float, grid: OccupancyMap) -> None:
-        """Keep the map as it is from `time` on."""
-        self._maps.append((round(time, 9), grid))
+        self._notes += [(time, text) for text in frame.notes]
+        self._maps += [(time, grid) for grid in frame.maps]
 
     def recording(self, obstacles: tuple[ObstacleTrack, ...] = ()) -> Recording:
         """Everything so far."""

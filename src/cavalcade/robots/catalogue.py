@@ -3,21 +3,58 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from types import MappingProxyType
+from collections.abc import Iterable, Iterator, Mapping
 
 from cavalcade.errors import InputError
 from cavalcade.robots import go1, go2
 from cavalcade.robots.description import QuadrupedDescription
 from cavalcade.robots.legs import GO1, GO2, SPIRIT, LegModel
-from cavalcade.robots.model import Drive, RobotModel
+from cavalcade.robots.model import Drive, RobotModel, check_model
 
 _PAPER = "Norén et al., Role-Adaptive Collaborative Formation Planning"
-_STRAY = 0.03
+_TRACKING_ERROR = 0.03
 """Of Go1 and Go2, m: of 100 positions 99 are foreseen to 0.026 m for 0.3 s and to 0.037 m for 0.6 s
 (`benchmarks/physics_plant.py`)."""
 
 _DB_CBS = "db-CBS (IMRCLab/db-CBS, src/robots.cpp)"
+
+
+class ModelRegistry(Mapping[str, RobotModel]):
+    """Robot models by name: those that come with the package, and those that a program adds."""
+
+    def __init__(self, shipped: Iterable[RobotModel]) -> None:
+        self._models = {model.name: model for model in shipped}
+        self.shipped = tuple(self._models)
+
+    def __getitem__(self, name: str) -> RobotModel:
+        return self._models[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._models)
+
+    def __len__(self) -> int:
+        return len(self._models)
+
+    def add(self, model: RobotModel) -> RobotModel:
+        """Add a model; one that is there already, with the same values, stays.
+
+        Raises:
+            InputError: Its values do not fit, or another model has that name.
+        """
+        check_model(model)
+        if self._models.setdefault(model.name, model) != model:
+            raise InputError(f"there is another robot model {model.name!r}", key="name")
+        return model
+
+    def remove(self, name: str) -> None:
+        """Take a model away that a program added.
+
+        Raises:
+            InputError: There is none of that name, or it comes with the package.
+        """
+        if name in self.shipped or name not in self._models:
+            raise InputError(f"no robot model {name!r} was added", key="name")
+        del self._models[name]
 
 
 def _quadruped(
@@ -40,7 +77,7 @@ def _quadruped(
         max_acceleration=1.0,
         max_yaw_acceleration=2.0,
         source=source,
-        stray=0.0 if description is None else _STRAY,
+        tracking_error=0.0 if description is None else _TRACKING_ERROR,
         legs=legs,
         description=description,
     )
@@ -108,10 +145,24 @@ _PLANAR = (
     _integrator("double-integrator", "integrator-2", 0.15, 2.0, "double_integrator_0, ±2 m/s²"),
 )
 
-MODELS: Mapping[str, RobotModel] = MappingProxyType(
-    {model.name: model for model in (*_QUADRUPEDS, *_PLANAR)}
-)
-"""Name to model."""
+MODELS = ModelRegistry((*_QUADRUPEDS, *_PLANAR))
+"""Where names of robot models are looked up: by `robot_model`, and in scenario files."""
+
+
+def register_model(model: RobotModel) -> RobotModel:
+    """Make a model of one's own known by its name, in Python and in scenario files.
+
+    It is known in this process alone: `MODELS.remove(name)` takes it away again, and who reads
+    the scenario of a run elsewhere registers it there, too. A model that stands in a file of its
+    own (see `load_model`) needs no registration.
+
+    Returns:
+        The model.
+
+    Raises:
+        InputError: Its values do not fit, or another model has that name.
+    """
+    return MODELS.add(model)
 
 
 def robot_model(name: str) -> RobotModel:

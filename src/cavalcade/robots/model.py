@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
+import re
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
+from cavalcade.errors import InputError
 from cavalcade.robots.description import QuadrupedDescription
 from cavalcade.robots.legs import LegModel
 
@@ -31,7 +34,7 @@ class RobotModel:
         max_acceleration: m/s², of the velocity seen in the map frame; inf for drives without.
         max_yaw_acceleration: rad/s²; likewise.
         source: Where the figures come from.
-        stray: How far a walking robot may be, in physics, from where the motion model of
+        tracking_error: How far a walking robot may be, in physics, from where the motion model of
             `cavalcade.robots.motion` sees it come to a stop, m; measured, see docs/physics.md.
         drive: How it moves towards a goal of its own.
         round: Whether the footprint is a disc.
@@ -49,7 +52,7 @@ class RobotModel:
     max_acceleration: float
     max_yaw_acceleration: float
     source: str
-    stray: float = 0.0
+    tracking_error: float = 0.0
     drive: Drive = "legged"
     round: bool = False
     legs: LegModel | None = None
@@ -61,3 +64,46 @@ class RobotModel:
         if self.round:
             return 0.0, 0.0, 0.5 * self.length
         return self.length, self.width, 0.0
+
+
+_NAME = re.compile(r"[A-Za-z0-9][\w-]{0,59}")
+_RANGES: dict[str, tuple[float, float]] = {
+    "length": (0.01, 100.0),
+    "width": (0.01, 100.0),
+    "height": (0.01, 100.0),
+    "max_speed_x": (0.01, 100.0),
+    "max_speed_y": (0.0, 100.0),
+    "max_yaw_rate": (0.01, 100.0),
+    "max_acceleration": (0.01, math.inf),
+    "max_yaw_acceleration": (0.01, math.inf),
+    "tracking_error": (0.0, 10.0),
+}
+"""Least and largest values: m, m/s, rad/s, m/s², rad/s²."""
+
+
+def check_model(model: RobotModel) -> None:
+    """Refuse a model that nothing can plan for.
+
+    Raises:
+        InputError: One line with the attribute and what was expected.
+    """
+    if not isinstance(model.name, str) or not _NAME.fullmatch(model.name):
+        raise InputError("expected a name of letters, digits, - and _", key="name")
+    for key, (least, most) in _RANGES.items():
+        value = getattr(model, key)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise InputError("expected a number", key=key)
+        if not least <= value <= most:
+            raise InputError(f"expected {least:g} to {most:g}, got {value:g}", key=key)
+    if model.drive not in get_args(Drive):
+        raise InputError("unknown drive", key="drive", choices=get_args(Drive))
+    if model.round and model.length != model.width:
+        raise InputError("expected the same length and width of a round robot", key="round")
+    if model.drive in ("legged", "integrator", "integrator-2") and model.max_speed_y == 0.0:
+        raise InputError(f"a robot with drive {model.drive} moves sideways, too", key="max_speed_y")
+    # Otherwise turning at full speed alone would break the acceleration limit.
+    turning = model.max_speed_x * model.max_yaw_rate
+    if turning > model.max_acceleration:
+        raise InputError(
+            f"expected at least max_speed_x * max_yaw_rate, {turning:g}", key="max_acceleration"
+        )

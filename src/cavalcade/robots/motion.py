@@ -1,35 +1,40 @@
 """How an ideal holonomic robot answers a velocity command: the one model of it.
 
-The ideal fleet moves its robots with it and the last filter predicts with it. The checker does
+The ideal fleet moves its robots with it and the safety filter predicts with it. The checker does
 not: it judges poses by finite differences.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
-from cavalcade.geometry import Array
 from cavalcade.robots.model import RobotModel
 
 
-def limits_of(model: RobotModel) -> Array:
-    """The model's limits as the array `(5,)` that `advance` takes.
+class MotionLimits(NamedTuple):
+    """The motion limits of one robot, as kernels take them; see `RobotModel`.
 
-    Order: max_speed_x, max_speed_y, max_yaw_rate (m/s, m/s, rad/s), max_acceleration (m/s²),
-    max_yaw_acceleration (rad/s²).
+    Attributes:
+        max_speed_x, max_speed_y: Semi-axes of the velocity ellipse in the body frame, m/s.
+        max_yaw_rate: rad/s.
+        max_acceleration: m/s², of the velocity seen in the map frame.
+        max_yaw_acceleration: rad/s².
     """
-    return np.array(
-        [
-            model.max_speed_x,
-            model.max_speed_y,
-            model.max_yaw_rate,
-            model.max_acceleration,
-            model.max_yaw_acceleration,
-        ]
-    )
+
+    max_speed_x: float
+    max_speed_y: float
+    max_yaw_rate: float
+    max_acceleration: float
+    max_yaw_acceleration: float
+
+
+def limits_of(model: RobotModel) -> MotionLimits:
+    """The motion limits that a robot model gives."""
+    return MotionLimits(*(float(getattr(model, name)) for name in MotionLimits._fields))
 
 
 @njit(cache=True)
@@ -40,7 +45,7 @@ def ellipse_scale(vx, vy, max_x, max_y):
 
 
 @njit(cache=True)
-def advance(x, y, yaw, vx, vy, wz, cx, cy, cw, dt, limits):
+def advance(state, command, dt, limits):
     """One time step of one robot under a held command.
 
     The velocity moves towards the commanded one along a straight line inside the velocity
@@ -48,18 +53,21 @@ def advance(x, y, yaw, vx, vy, wz, cx, cy, cw, dt, limits):
     as long as `max_speed_x * max_yaw_rate <= max_acceleration`.
 
     Args:
-        x, y, yaw: Pose in the map frame, m and rad.
-        vx, vy, wz: Present velocity in the *map* frame, m/s and rad/s.
-        cx, cy, cw: Commanded velocity in the *body* frame, m/s and rad/s.
+        state: Tuple (x, y, yaw, vx, vy, wz): pose and velocity, both in the *map* frame, m, rad,
+            m/s and rad/s.
+        command: Tuple (vx, vy, wz): the commanded velocity in the *body* frame, m/s and rad/s.
         dt: Length of the step, s.
-        limits: As `limits_of` gives them.
+        limits: The robot's `MotionLimits`.
 
     Returns:
-        x, y, yaw, vx, vy, wz at the end of the step.
+        The state at the end of the step.
     """
-    max_x, max_y, max_w, max_a, max_aw = limits[0], limits[1], limits[2], limits[3], limits[4]
+    x, y, yaw, vx, vy, wz = state
+    cx, cy, cw = command
+    max_x, max_y, max_w, max_a, max_aw = limits
     target_w = min(max(cw, -max_w), max_w)
     new_w = min(max(target_w, wz - max_aw * dt), wz + max_aw * dt)
+    # Yaw and velocity change evenly over the step: the mean rate is what turns the body.
     turn = 0.5 * (wz + new_w) * dt
     new_yaw = yaw + turn
 
@@ -109,19 +117,18 @@ def predict_team(poses, velocities, commands, dt, steps, limits):
         commands: `(N, 3)` in the body frame.
         dt: Length of each step, s.
         steps: Number of steps.
-        limits: As `limits_of` gives them.
+        limits: The robots' `MotionLimits`.
 
     Returns:
         `(N, 6)` x, y, yaw, vx, vy, yaw rate.
     """
     out = np.empty((poses.shape[0], 6))
     for k in range(poses.shape[0]):
-        x, y, yaw = poses[k, 0], poses[k, 1], poses[k, 2]
-        vx, vy, wz = velocities[k, 0], velocities[k, 1], velocities[k, 2]
+        pose, velocity = poses[k], velocities[k]
+        state = (pose[0], pose[1], pose[2], velocity[0], velocity[1], velocity[2])
+        command = (commands[k, 0], commands[k, 1], commands[k, 2])
         for _ in range(steps):
-            x, y, yaw, vx, vy, wz = advance(
-                x, y, yaw, vx, vy, wz, commands[k, 0], commands[k, 1], commands[k, 2], dt, limits
-            )
-        out[k, 0], out[k, 1], out[k, 2] = x, y, yaw
-        out[k, 3], out[k, 4], out[k, 5] = vx, vy, wz
+            state = advance(state, command, dt, limits)
+        for column in range(6):
+            out[k, column] = state[column]
     return out

@@ -2,16 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from pydantic_core import PydanticCustomError
-
-from cavalcade.errors import ScenarioError
 from cavalcade.robots import MODELS
 from cavalcade.scenario.fields import expected
-
-if TYPE_CHECKING:
-    from cavalcade.scenario.model import Scenario
+from cavalcade.scenario.parts import Parts
 
 BACKENDS = ("ideal", "mujoco")
 """Who can move robots."""
@@ -21,7 +14,7 @@ SLOWEST, FASTEST = 2.5, 500.0
 steps of physics a second."""
 
 
-def check_backend(scenario: Scenario) -> None:
+def check_backend(scenario: Parts) -> None:
     """Refuse what the backend cannot do.
 
     Raises:
@@ -46,7 +39,7 @@ def check_backend(scenario: Scenario) -> None:
         )
 
 
-def _check_ideal(scenario: Scenario) -> None:
+def _check_ideal(scenario: Parts) -> None:
     """Refuse what ideal robots cannot do."""
     if scenario.execution.backend == "mujoco":
         return
@@ -64,7 +57,7 @@ def _check_ideal(scenario: Scenario) -> None:
             )
 
 
-def _check_pushes(scenario: Scenario) -> None:
+def _check_pushes(scenario: Parts) -> None:
     for index, event in enumerate(scenario.execution.events):
         if event.push is None:
             continue
@@ -72,26 +65,3 @@ def _check_pushes(scenario: Scenario) -> None:
         if event.push.robot > last:
             text = f"there is no robot {event.push.robot}; expected 0 to {last}"
             raise expected(text, key=f"{key}.robot")
-
-
-def with_backend(scenario: Scenario, backend: str) -> Scenario:
-    """The scenario with another backend.
-
-    Raises:
-        ScenarioError: There is none of that name, or it cannot carry the scenario out.
-    """
-    if backend not in BACKENDS:
-        raise ScenarioError(f"unknown backend {backend!r}", key="backend", choices=BACKENDS)
-    execution = scenario.execution.model_copy(update={"backend": backend})
-    changed = scenario.model_copy(update={"execution": execution})
-    try:
-        check_backend(changed)
-    except PydanticCustomError as error:
-        said = error.context or {}
-        raise ScenarioError(
-            str(said.get("text")),
-            file=scenario.file,
-            key=said.get("key"),
-            choices=said.get("choices"),
-        ) from None
-    return changed

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Self
+from typing import Annotated, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
 from cavalcade.scenario.fields import Index, Number, Point, Seconds, Section, Speed, expected
-
-if TYPE_CHECKING:
-    from cavalcade.scenario.model import Scenario
 
 KINDS = ("velocity", "to", "leap")
 
@@ -64,23 +61,3 @@ class CommandSection(Section):
 
 
 Commands = Annotated[tuple[CommandSection, ...], Field(min_length=1, max_length=100_000)]
-
-
-def check_commands(scenario: Scenario) -> None:
-    """Refuse commands for robots that are not there and tasks that outlast the run.
-
-    Raises:
-        PydanticCustomError: One line with the key and what was expected.
-    """
-    task, robots = scenario.task, len(scenario.robots)
-    for index, command in enumerate(task.commands or ()):
-        if command.robot is not None and command.robot >= robots:
-            raise expected(
-                f"there is no robot {command.robot}; expected 0 to {robots - 1}, or none for all",
-                key=f"task.commands[{index}].robot",
-            )
-    if task.length > scenario.execution.timeout:
-        raise expected(
-            f"the task lasts {task.length:g} s; expected at least as much",
-            key="execution.timeout",
-        )

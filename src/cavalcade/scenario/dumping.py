@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from pathlib import Path
 from typing import Any
 
 import yaml
 
-from cavalcade.errors import OutputError
+from cavalcade.files import write_file
+from cavalcade.robots import is_model_file
+from cavalcade.scenario.fields import OneLine
+from cavalcade.scenario.kinds import RULES, plain_formation
 from cavalcade.scenario.model import Scenario
-from cavalcade.scenario.settings import FORMATION_KEYS, TEAM_KEYS
-from cavalcade.scenario.task import INDIVIDUAL
 from cavalcade.scenario.worlds import resolve_scenario
-
-
-class _OneLine(dict[str, Any]):
-    """A mapping that is written on one line."""
 
 
 class _Dumper(yaml.SafeDumper):  # type: ignore[misc]  # PyYAML has no types
@@ -28,7 +24,7 @@ class _Dumper(yaml.SafeDumper):  # type: ignore[misc]  # PyYAML has no types
 
 
 _Dumper.add_representer(
-    _OneLine,
+    OneLine,
     lambda dumper, data: dumper.represent_mapping(
         "tag:yaml.org,2002:map", data.items(), flow_style=True
     ),
@@ -39,29 +35,15 @@ def dump_scenario(scenario: Scenario, path: str | Path) -> None:
     """Write a scenario with every default and override written out.
 
     A `generate` or `barn` source becomes `empty` with the obstacles listed, so that the file
-    alone says where they stand; generated terrain is written with its seed. Names of map and
-    terrain files are written relative to the new file. Reading the file gives
+    alone says where they stand; generated terrain is written with its seed. Names of maps,
+    terrains and robot models are written relative to the new file. Reading the file gives
     `resolve_scenario(scenario)`.
 
     Raises:
         ScenarioError, MapError: The world cannot be made.
         OutputError: The file cannot be written.
     """
-    target = Path(path)
-    text = scenario_text(scenario, target.parent)
-    temporary: Path | None = None
-    try:
-        handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}-")
-        temporary = Path(name)
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as stream:
-            stream.write(text)
-        temporary.chmod(0o644)
-        os.replace(temporary, target)
-    except OSError as error:
-        if temporary is not None:
-            temporary.unlink(missing_ok=True)
-        reason = error.strerror or error
-        raise OutputError(f"{target}: cannot be written: {reason}") from None
+    write_file(path, scenario_text(scenario, Path(path).parent))
 
 
 def scenario_text(scenario: Scenario, folder: str | Path) -> str:
@@ -89,24 +71,19 @@ def _plain(scenario: Scenario, folder: Path) -> dict[str, Any]:
         world["generate"] = scenario.world.generate.words
     if scenario.world.movingai is not None:
         world["movingai"]["file"] = _relative(scenario.world.movingai.file, folder)
-    world["obstacles"] = [_OneLine(obstacle) for obstacle in world["obstacles"]]
+    world["obstacles"] = [OneLine(obstacle) for obstacle in world["obstacles"]]
     robots = [
-        _OneLine(robot.model_dump(mode="json", exclude_none=True)) for robot in scenario.robots
+        OneLine(robot.model_dump(mode="json", exclude_none=True)) for robot in scenario.robots
     ]
     for words, robot in zip(robots, scenario.robots, strict=True):
         if robot.mjcf is not None:
             words["mjcf"] = _relative(robot.mjcf, folder)
-    task, planner = data["task"], data["planner"]
-    if scenario.task.commands is not None:
-        data["task"] = _commands(task)
-    elif scenario.task.individual:
-        task = data["task"] = {"goals": INDIVIDUAL}
-    else:
-        data["task"] = {"formation": _formation(task["formation"]), "goals": task["goals"]}
-    others: tuple[str, ...] = FORMATION_KEYS if scenario.task.individual else TEAM_KEYS
-    if scenario.task.commands is not None:
-        others = (*FORMATION_KEYS, *TEAM_KEYS)
-    data["planner"] = {key: value for key, value in planner.items() if key not in others}
+        if is_model_file(robot.model):
+            words["model"] = _relative(Path(robot.model), folder)
+    rules = RULES[scenario.task.kind]
+    data["task"] = rules.plain_task(data["task"])
+    planner = data["planner"]
+    data["planner"] = {k: value for k, value in planner.items() if k not in rules.unused_keys}
     execution = data["execution"]
     execution["events"] = [_event(event) for event in execution["events"]]
     head = {key: data[key] for key in ("version", "name", "description")}
@@ -116,29 +93,13 @@ def _plain(scenario: Scenario, folder: Path) -> dict[str, Any]:
 _TAIL = ("task", "planner", "execution")
 
 
-def _commands(task: dict[str, Any]) -> dict[str, Any]:
-    said = [
-        _OneLine({key: value for key, value in command.items() if value is not None})
-        for command in task["commands"]
-    ]
-    return {"commands": said, "duration": task["duration"]}
-
-
-def _formation(formation: dict[str, Any]) -> dict[str, Any]:
-    said = {key: value for key, value in formation.items() if value is not None}
-    joints = formation["connections"]
-    # Null stands for the shape's own springs: that is a choice, and is written out.
-    said["connections"] = joints if joints is None else [_OneLine(joint) for joint in joints]
-    return said
-
-
 def _event(event: dict[str, Any]) -> dict[str, Any]:
-    said = _OneLine({key: value for key, value in event.items() if value is not None})
+    said = OneLine({key: value for key, value in event.items() if value is not None})
     for kind in ("add", "remove", "move"):
         if kind in said:
             said[kind] = {key: value for key, value in said[kind].items() if value is not None}
     if "formation" in said:
-        said["formation"] = _formation(said["formation"])
+        said["formation"] = plain_formation(said["formation"])
     return said
 
 

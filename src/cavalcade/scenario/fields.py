@@ -71,7 +71,8 @@ def _numbers(names: str) -> BeforeValidator:
     return BeforeValidator(check)
 
 
-def _path(value: Any) -> Any:
+def checked_path(value: Any) -> Any:
+    """A name that a file can have."""
     if not isinstance(value, str | Path) or not str(value).strip():
         raise expected("expected a file name")
     if not str(value).isprintable():
@@ -79,7 +80,8 @@ def _path(value: Any) -> Any:
     return value
 
 
-def _below_file(path: Path, info: ValidationInfo) -> Path:
+def below_file(path: Path, info: ValidationInfo) -> Path:
+    """A name in the file: relative to the file, not to the folder the program runs in."""
     base = (info.context or {}).get("base")
     return path if base is None or path.is_absolute() else Path(base) / path
 
@@ -97,4 +99,8 @@ Seed = Annotated[int, Strict(), Field(ge=0, lt=2**63)]
 Point = Annotated[tuple[Coordinate, Coordinate], _numbers("x, y")]
 Size = Annotated[tuple[Length, Length], _numbers("width, height")]
 Pose = Annotated[tuple[Coordinate, Coordinate, Coordinate], _numbers("x, y, yaw")]
-File = Annotated[Path, BeforeValidator(_path), AfterValidator(_below_file)]
+File = Annotated[Path, BeforeValidator(checked_path), AfterValidator(below_file)]
+
+
+class OneLine(dict[str, Any]):
+    """A mapping that is written to a file on one line."""

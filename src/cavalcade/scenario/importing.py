@@ -20,7 +20,7 @@ from cavalcade.scenario.loading import parse_scenario
 from cavalcade.scenario.messages import short
 from cavalcade.scenario.model import Scenario
 from cavalcade.scenario.shipped import read_text
-from cavalcade.scenario.yaml_text import parse_yaml
+from cavalcade.yaml_text import parse_yaml
 
 RESOLUTION = 0.025
 """Cells of imported worlds, m: they are small and their gaps are."""

@@ -13,7 +13,7 @@ from cavalcade.scenario.messages import scenario_error
 from cavalcade.scenario.model import Scenario
 from cavalcade.scenario.overrides import Overrides, apply_overrides
 from cavalcade.scenario.shipped import find_scenario, read_text
-from cavalcade.scenario.yaml_text import parse_yaml
+from cavalcade.yaml_text import parse_yaml
 
 
 def load_scenario(

@@ -13,8 +13,9 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, PrivateAttr, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from cavalcade.robots import MODELS, RobotModel
-from cavalcade.scenario.backends import check_backend
+from cavalcade.errors import ScenarioError
+from cavalcade.robots import RobotModel
+from cavalcade.scenario.backends import BACKENDS, check_backend
 from cavalcade.scenario.events import Event, Move
 from cavalcade.scenario.fields import Section, expected
 from cavalcade.scenario.ground import (
@@ -24,7 +25,7 @@ from cavalcade.scenario.ground import (
     MovingAISource,
     WorldSection,
 )
-from cavalcade.scenario.kinds import check_kind, with_planner_defaults
+from cavalcade.scenario.kinds import RULES, with_planner_defaults
 from cavalcade.scenario.obstacles import Box, Circle, Obstacle, Polygon
 from cavalcade.scenario.settings import (
     Budget,
@@ -74,7 +75,7 @@ class Scenario(Section):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        check_kind(self)
+        RULES[self.task.kind].check(self)
         check_backend(self)
         if self.task.formation is not None:
             self._check_formations()
@@ -126,6 +127,28 @@ class Scenario(Section):
         changed._models = tuple(models)
         return changed
 
+    def with_backend(self, backend: str) -> Self:
+        """The same scenario with another backend.
+
+        Raises:
+            ScenarioError: There is none of that name, or it cannot carry the scenario out.
+        """
+        if backend not in BACKENDS:
+            raise ScenarioError(f"unknown backend {backend!r}", key="backend", choices=BACKENDS)
+        execution = self.execution.model_copy(update={"backend": backend})
+        changed = self.model_copy(update={"execution": execution})
+        try:
+            check_backend(changed)
+        except PydanticCustomError as error:
+            said = error.context or {}
+            raise ScenarioError(
+                str(said.get("text")),
+                file=self.file,
+                key=said.get("key"),
+                choices=said.get("choices"),
+            ) from None
+        return changed
+
     def __eq__(self, other: object) -> bool:
         """By content, wherever it was read from."""
         if not isinstance(other, Scenario):
@@ -143,7 +166,7 @@ class Scenario(Section):
     @property
     def models(self) -> tuple[RobotModel, ...]:
         """The model of each robot."""
-        return self._models or tuple(MODELS[robot.model] for robot in self.robots)
+        return self._models or tuple(robot.the_model for robot in self.robots)
 
     @property
     def starts(self) -> tuple[tuple[float, float, float], ...]:
@@ -159,6 +182,18 @@ class Scenario(Section):
     def seed(self) -> int:
         """`execution.seed`."""
         return self.execution.seed
+
+
+class ResolvedScenario(Scenario):
+    """A scenario that says by itself everything that is run: see `resolve_scenario`."""
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> ResolvedScenario:
+        """The same content, taken for resolved."""
+        fields = {name: getattr(scenario, name) for name in Scenario.model_fields}
+        resolved = cls.model_construct(set(scenario.model_fields_set), **fields)
+        resolved._file, resolved._models = scenario._file, scenario._models
+        return resolved
 
 
 def _below(place: str, error: PydanticCustomError) -> PydanticCustomError:

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from cavalcade.errors import ScenarioError
-from cavalcade.scenario.yaml_text import parse_yaml
+from cavalcade.yaml_text import parse_yaml
 
 Overrides = Sequence[str] | Mapping[str, Any]
 

@@ -6,7 +6,8 @@ import difflib
 from pathlib import Path
 
 from cavalcade.errors import ScenarioError
-from cavalcade.scenario.yaml_text import parse_yaml
+from cavalcade.files import read_head
+from cavalcade.yaml_text import parse_yaml
 
 LIBRARY = Path(__file__).parent / "library"
 MAX_BYTES = 8_000_000
@@ -61,11 +62,7 @@ def read_text(path: Path) -> str:
     Raises:
         ScenarioError: It cannot be read, is too large or is no UTF-8 text.
     """
-    try:
-        with path.open("rb") as stream:
-            raw = stream.read(MAX_BYTES + 1)
-    except OSError as error:
-        raise ScenarioError(f"cannot be read: {error.strerror or error}", file=path) from None
+    raw = read_head(path, MAX_BYTES + 1, ScenarioError)
     if len(raw) > MAX_BYTES:
         raise ScenarioError(f"larger than {MAX_BYTES // 1_000_000} MB", file=path)
     try:

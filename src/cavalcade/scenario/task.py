@@ -4,12 +4,20 @@ from __future__ import annotations
 
 import math
 from itertools import combinations
+from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import ConfigDict, Field, field_validator, model_validator
+from pydantic import (
+    ConfigDict,
+    Field,
+    PrivateAttr,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 
 from cavalcade.errors import InputError
-from cavalcade.robots import MODELS
+from cavalcade.robots import RobotModel, is_model_file, load_model, robot_model
 from cavalcade.scenario.commands import WAIT, Commands
 from cavalcade.scenario.fields import (
     File,
@@ -20,6 +28,8 @@ from cavalcade.scenario.fields import (
     Pose,
     Positive,
     Section,
+    below_file,
+    checked_path,
     expected,
 )
 
@@ -35,10 +45,13 @@ _SIZE_KEY = {
 _SIZES = {"triangle": 1.15}  # the paper's; 1 m for all others
 _SLOTS = {"square": 4, "triangle": 3}
 INDIVIDUAL = "individual"
+Kind = Literal["formation", "individual", "commands"]
 
 
 class RobotSection(Section):
-    """One robot: the name of its model, its start (x, y, yaw) in the map frame, maybe its goal.
+    """One robot: its model, its start (x, y, yaw) in the map frame, maybe its goal.
+
+    `model` is the name of a known one, or a file (`*.yaml`) with one of one's own.
 
     `mjcf` is a MuJoCo model of one's own that is taken in physics: a robot with footprint and
     speeds of `model`, and masses, joints and shapes of that file.
@@ -49,12 +62,29 @@ class RobotSection(Section):
     goal: Pose | None = None
     mjcf: File | None = None
 
+    _model: RobotModel = PrivateAttr()
+
     @field_validator("model")
     @classmethod
-    def _known(cls, name: str) -> str:
-        if name not in MODELS:
-            raise expected(f"unknown robot model {name!r}", choices=MODELS)
-        return name
+    def _below_the_file(cls, name: str, info: ValidationInfo) -> str:
+        if not is_model_file(name):
+            return name
+        return str(below_file(Path(checked_path(name)), info))
+
+    @model_validator(mode="after")
+    def _known(self) -> Self:
+        read = load_model if is_model_file(self.model) else robot_model
+        try:
+            self._model = read(self.model)
+        except InputError as error:
+            text = ": ".join(part for part in (error.file, error.key, error.message) if part)
+            raise expected(text, key="model", choices=error.choices) from None
+        return self
+
+    @property
+    def the_model(self) -> RobotModel:
+        """The model itself, as it was when this was read."""
+        return self._model
 
 
 class ConnectionSection(Section):
@@ -200,17 +230,25 @@ class TaskSection(Section):
             return self
         if self.duration is not None:
             raise expected("is for commands", key="duration")
-        if self.individual and self.formation is not None:
+        individual = self.kind == INDIVIDUAL
+        if individual and self.formation is not None:
             raise expected("individual goals take no formation", key="formation")
-        if not self.individual and self.formation is None:
+        if not individual and self.formation is None:
             wanted = ", ".join(FormationSection.model_fields)
             raise expected(f"missing; expected a mapping with {wanted}", key="formation")
         return self
 
     @property
-    def individual(self) -> bool:
-        """Whether each robot has its own goal."""
-        return not self.goals and self.commands is None
+    def kind(self) -> Kind:
+        """What is to be done: keep a `formation`, reach `individual` goals, follow `commands`."""
+        return kind_of(self.commands, self.goals)
+
+    @property
+    def headline(self) -> str:
+        """What is to be done, in a word or two."""
+        if self.commands is not None:
+            return "commanded"
+        return "individual goals" if self.formation is None else self.formation.shape
 
     @property
     def length(self) -> float:
@@ -229,6 +267,13 @@ class TaskSection(Section):
         if self.formation is None:
             raise InputError("goals are individual; expected a formation", key="task.formation")
         return self.formation
+
+
+def kind_of(commands: object, goals: object) -> Kind:
+    """The kind of a task with these commands, None for none, and goals of the formation, if any."""
+    if commands is not None:
+        return "commands"
+    return "formation" if goals else "individual"
 
 
 def check_formation(

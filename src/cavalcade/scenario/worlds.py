@@ -10,7 +10,7 @@ import numpy as np
 
 from cavalcade.errors import InputError, ScenarioError
 from cavalcade.scenario.ground import EmptySource, GenerateSource
-from cavalcade.scenario.model import Scenario
+from cavalcade.scenario.model import ResolvedScenario, Scenario
 from cavalcade.scenario.obstacles import Obstacle
 from cavalcade.scenario.placement import check_starts
 from cavalcade.scenario.timeline import ObstacleSpan, obstacle_spans
@@ -114,7 +114,7 @@ def _terrain(scenario: Scenario) -> Terrain:
         raise _at(scenario, place, error) from None
 
 
-def resolve_scenario(scenario: Scenario) -> Scenario:
+def resolve_scenario(scenario: Scenario) -> ResolvedScenario:
     """The same scenario with every obstacle listed: `generate` and `barn` become `empty`.
 
     Generated terrain stays what it is, with its seed and options written out.
@@ -123,6 +123,8 @@ def resolve_scenario(scenario: Scenario) -> Scenario:
         MapError: The BARN file cannot be used.
         ScenarioError: The generator refuses its options.
     """
+    if isinstance(scenario, ResolvedScenario):
+        return scenario
     world = scenario.world
     if world.generate is not None and world.generate.is_terrain:
         from cavalcade.world import terrain_options
@@ -131,14 +133,14 @@ def resolve_scenario(scenario: Scenario) -> Scenario:
         known, given = terrain_options(world.generate.kind), world.generate.options
         source = world.generate.model_copy(update={"seed": seed, **known, **given})
         changed = world.model_copy(update={"generate": source})
-        return scenario.model_copy(update={"world": changed})
+        return ResolvedScenario.of(scenario.model_copy(update={"world": changed}))
     if world.generate is not None:
         size, shapes = _generated(scenario, world.generate)
     elif world.barn is not None:
         field = load_barn(world.barn.file)
         size, shapes = field.size, field.circles
     else:
-        return scenario
+        return ResolvedScenario.of(scenario)
     listed = tuple(_obstacle(shape) for shape in shapes)
     resolved = world.model_copy(
         update={
@@ -148,7 +150,7 @@ def resolve_scenario(scenario: Scenario) -> Scenario:
             "obstacles": (*world.obstacles, *listed),
         }
     )
-    return scenario.model_copy(update={"world": resolved})
+    return ResolvedScenario.of(scenario.model_copy(update={"world": resolved}))
 
 
 def shape_of(obstacle: Obstacle) -> Shape:
@@ -192,9 +194,4 @@ def _obstacle(shape: Shape) -> Obstacle:
 
 def _at(scenario: Scenario, key: str, error: InputError) -> ScenarioError:
     """The error as one of the scenario file's `key`."""
-    text = str(error)
-    if error.file is not None:
-        text = text.removeprefix(f"{error.file}: ")
-    if error.key is not None:
-        text = text.removeprefix(f"{error.key}: ")
-    return ScenarioError(text, file=scenario.file, key=key)
+    return ScenarioError(error.message, file=scenario.file, key=key, choices=error.choices)

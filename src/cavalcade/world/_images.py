@@ -1,28 +1,32 @@
 """Map pictures: PGM and PNG to 8-bit grey and back, row 0 at the top.
 
-Sizes are checked in the header, before memory is taken for the picture.
+Sizes are checked in the header, before memory is taken for the picture. PNG is Pillow's. PGM is
+read here: Pillow takes pixel by pixel what is text or has another largest grey than 255, rounds it
+otherwise, and lets pass what exceeds the largest grey.
 """
 
 from __future__ import annotations
 
 import io
 import re
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.errors import MapError
-from cavalcade.world._files import read_bytes, read_head
+from cavalcade.files import read_bytes, read_head
 from cavalcade.world.occupancy import check_cell_count
 
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture
 
 Pixels = NDArray[np.uint8]
+T = TypeVar("T")
 
-_PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _GAP = rb"(?:\s|#[^\r\n]*[\r\n])+"
 _PGM_HEADER = re.compile(
     rb"P([25])" + _GAP + rb"(\d{1,9})" + _GAP + rb"(\d{1,9})" + _GAP + rb"(\d{1,5})\s"
@@ -44,16 +48,16 @@ def read_grey(path: Path) -> tuple[Pixels, Pixels | None]:
         MapError: Not such a picture, truncated, damaged, or too large.
     """
     head = read_head(path, _HEAD)
-    if head.startswith(_PNG_SIGNATURE):
-        width, height = _png_size(head, path)
+    if head.startswith(PNG_SIGNATURE):
+        width, height = png_size(head, path)
     elif head[:2] in (b"P2", b"P5"):
         _, width, height, _ = (int(part) for part in _pgm_header(head, path).groups())
     else:
         raise MapError("expected a PGM (P2, P5) or PNG picture", file=path)
     check_cell_count(height, width, file=str(path), key="picture")
     content = read_bytes(path, _BYTES_PER_PIXEL * width * height + 16 * _HEAD)
-    if head.startswith(_PNG_SIGNATURE):
-        return _decode_png(content, path)
+    if head.startswith(PNG_SIGNATURE):
+        return decode_png(content, _grey_and_alpha, path)
     return _decode_pgm(content, path), None
 
 
@@ -125,20 +129,29 @@ def _text_samples(body: bytes, count: int, path: Path) -> NDArray[np.integer]:
     return values[:count]
 
 
-def _png_size(head: bytes, path: Path) -> tuple[int, int]:
-    """Width and height from the first chunk."""
-    if len(head) < 24 or head[12:16] != b"IHDR":
+def png_size(head: bytes, path: Path) -> tuple[int, int]:
+    """Width and height from the first chunk.
+
+    Raises:
+        MapError: There is no such chunk.
+    """
+    if len(head) < 24 or not head.startswith(PNG_SIGNATURE) or head[12:16] != b"IHDR":
         raise MapError("the header of the PNG picture is damaged", file=path)
     return int.from_bytes(head[16:20], "big"), int.from_bytes(head[20:24], "big")
 
 
-def _decode_png(content: bytes, path: Path) -> tuple[Pixels, Pixels | None]:
+def decode_png(content: bytes, convert: Callable[[Picture], T], path: Path) -> T:
+    """What `convert` makes of a PNG.
+
+    Raises:
+        MapError: It is truncated or damaged.
+    """
     from PIL import Image
 
     try:
         with Image.open(io.BytesIO(content), formats=["PNG"]) as picture:
             picture.load()
-            return _grey_and_alpha(picture)
+            return convert(picture)
     except MemoryError:
         raise
     except Exception:

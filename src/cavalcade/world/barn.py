@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from cavalcade.errors import InputError, MapError
+from cavalcade.files import read_bytes
 from cavalcade.geometry import Array
-from cavalcade.world._files import read_bytes
 from cavalcade.world.occupancy import MAX_EXTENT, OccupancyMap
 from cavalcade.world.shapes import Circle
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from cavalcade.errors import MapError
-from cavalcade.world._files import read_bytes, read_head
+from cavalcade.files import read_bytes, read_head
 from cavalcade.world.occupancy import OccupancyMap, check_cell_count
 
 _FREE = b".GS"

@@ -21,15 +21,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.errors import MapError
-from cavalcade.world._files import write_atomically
-from cavalcade.world._images import encode_pgm, encode_png, read_grey
-from cavalcade.world._map_yaml import (
+from cavalcade.files import write_file
+from cavalcade.world._descriptions import (
     MODES,
     MapDescription,
     Mode,
     description_text,
     read_description,
 )
+from cavalcade.world._images import encode_pgm, encode_png, read_grey
 from cavalcade.world.occupancy import FREE, OCCUPIED, UNKNOWN, OccupancyMap, Unknown
 
 _SAVED_UNKNOWN = 205
@@ -132,9 +132,9 @@ def save_map(
         occupied_thresh=occupied_thresh,
         unknown=occupancy_map.unknown,
     )
-    write_atomically(picture, encode_pgm(grey) if image == "pgm" else encode_png(grey, alpha))
+    write_file(picture, encode_pgm(grey) if image == "pgm" else encode_png(grey, alpha))
     # Last, so that a description never names a picture that is not there.
-    write_atomically(path, description_text(description).encode())
+    write_file(path, description_text(description))
 
 
 def _occupancy_of_grey(description: MapDescription) -> NDArray[np.int8]:

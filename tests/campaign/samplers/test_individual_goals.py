@@ -16,7 +16,7 @@ from cavalcade.campaign.samplers import DataFolder, SamplerSection, unplanned
 from cavalcade.campaign.samplers.feasibility import DiscRegions
 from cavalcade.campaign.samplers.individual_goals import bodies_meet, keeps_apart
 from cavalcade.geometry import rectangle_corners, transform_points
-from cavalcade.jobs.planning import plan
+from cavalcade.jobs import plan
 from cavalcade.robots import MODELS
 from cavalcade.scenario import build_world, parse_scenario
 from cavalcade.world import OccupancyMap
@@ -64,7 +64,7 @@ def test_laws_of_every_draw(name):
         plain = json.loads(json.dumps(instance.scenario))
         assert plain == instance.scenario
         scenario = parse_scenario(plain)
-        assert scenario.task.individual
+        assert scenario.task.kind == "individual"
         assert scenario.seed == seed
         build_world(scenario)  # refuses starts in an obstacle or in each other
         seen.append(json.dumps({**plain, "name": "", "execution": {}}))

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cavalcade.errors import InputError
 from cavalcade.execution.command_player import REACHED, CommandPlayer
+from cavalcade.execution.policy import Policy, Reconfigurable
 from cavalcade.jobs.running import run
 from cavalcade.scenario import build_world, parse_scenario
 
@@ -139,8 +139,8 @@ def leaping_player(*commands: dict[str, Any]) -> tuple[CommandPlayer, Leaper]:
         "execution": {"backend": "mujoco"},
     }
     loaded = parse_scenario(said)
-    player, leaper = CommandPlayer(loaded, build_world(loaded).terrain), Leaper()
-    player.leaper = cast(Any, leaper)
+    leaper = Leaper()
+    player = CommandPlayer(loaded, build_world(loaded).terrain, cast(Any, leaper))
     return player, leaper
 
 
@@ -199,13 +199,7 @@ def test_a_leap_that_fails_under_the_next_command_is_the_end_too() -> None:
     assert player.status.state == "stuck"
 
 
-def test_what_is_for_other_planners_is_refused() -> None:
+def test_it_takes_no_other_task_while_it_runs() -> None:
     player = CommandPlayer(scenario([{"at": 0, "to": [8, 2]}]))
-    for call in (
-        lambda: player.set_goals([[0, 0, 0]]),
-        lambda: player.set_formation(None),
-        lambda: player.lose(0),
-        lambda: player.rejoin(0),
-    ):
-        with pytest.raises(InputError, match="the task has commands"):
-            call()
+    assert isinstance(player, Policy)
+    assert not isinstance(player, Reconfigurable)

@@ -287,5 +287,5 @@ def test_a_track_of_other_robots_is_refused(run):
 
 def test_a_place_that_cannot_be_written_is_named(run, tmp_path):
     scenario, world, track = run
-    with pytest.raises(OutputError, match="cannot write"):
+    with pytest.raises(OutputError, match="cannot be written"):
         write_physics_replay(scenario, world, None, track, {}, tmp_path / "no" / "r.html")

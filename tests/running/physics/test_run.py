@@ -16,7 +16,7 @@ from cavalcade.checking import check
 from cavalcade.errors import InputError, ScenarioError
 from cavalcade.fleet import Fall
 from cavalcade.jobs.running import run
-from cavalcade.metrics.summary import versions
+from cavalcade.metrics.summary import package_versions
 from cavalcade.recording.mcap_reader import read_recording
 from cavalcade.scenario import Scenario
 
@@ -149,7 +149,7 @@ def test_ideal_runs_say_nothing_of_physics(go: Callable[..., Any]) -> None:
     assert result.summary["real_time_factor"] is None
     assert result.recording.physics is None
     assert "mujoco" not in result.summary["versions"]
-    assert "mujoco" not in versions()
+    assert "mujoco" not in package_versions()
 
 
 def test_the_backend_may_be_an_argument(

@@ -9,7 +9,7 @@ import pytest
 
 import cavalcade as cv
 from cavalcade.execution import plan_follower as follower
-from cavalcade.jobs.plan_reporter import result_rows
+from cavalcade.jobs.reporter import result_rows
 
 NOTE = (Path(__file__).resolve().parents[3] / "docs" / "planning.md").read_text(encoding="utf-8")
 

@@ -7,8 +7,8 @@ import pytest
 
 import cavalcade as cv
 from cavalcade.errors import InputError, OutputError
-from cavalcade.execution.outcome import Outcome
-from cavalcade.metrics.summary import summarise
+from cavalcade.execution.loop import Outcome
+from cavalcade.metrics.run_summary import summarise
 from cavalcade.recording.plan_file import read_plan
 from cavalcade.recording.plan_sampling import as_recording
 from cavalcade.scenario import load_scenario
@@ -58,7 +58,7 @@ def test_the_summary_has_every_key_that_a_runs_has(make_scenario, straight_team)
     summary = cv.plan(scenario, coordinator=straight_team()).summary
     world = cv.build_world(scenario)
     recording = as_recording(straight_team()(scenario, world).trajectories)
-    outcome = Outcome("arrived", "", (), 0, 0.0, np.zeros(len(recording.time)))
+    outcome = Outcome("arrived", "", (), 0.0, np.zeros(len(recording.time)))
     assert set(summarise(scenario, world, recording, outcome)) <= set(summary)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,16 +15,11 @@ from cavalcade.campaign.report.wording import code, number, plain
 from cavalcade.errors import OutputError
 
 if TYPE_CHECKING:
-    from cavalcade.metrics.plan_result import PlanResult
-    from cavalcade.recording.frames import Recording
-    from cavalcade.scenario import Scenario, World
+    from cavalcade.jobs import JobResult
 
-Replay = Callable[
-    [Mapping[str, Any]],
-    "tuple[Scenario, World, Recording | PlanResult, Mapping[str, Any]] | None",
-]
-"""Repeats the trial of a line in memory: scenario, world at the start, recording or plan, and
-summary; None where it cannot be repeated. It is called for the few worst trials only."""
+Replay = Callable[[Mapping[str, Any]], "JobResult | None"]
+"""Repeats the trial of a line in memory; None where it cannot be repeated. It is called for the few
+worst trials only."""
 
 MOST = 8
 """So many are shown."""
@@ -152,14 +148,6 @@ def _repeat(
     trial: Trial, line: Mapping[str, Any], artist: Artist, replay: Replay
 ) -> tuple[Figure | None, str]:
     """The picture, or None, and a remark, which may be empty."""
-    from cavalcade.campaign.report.pictures import draw_paths
-    from cavalcade.recording.frames import Recording
-
-    def draw(path: Path) -> Path | None:
-        if isinstance(what, Recording):
-            return draw_paths(scenario, world, what, summary, path)
-        return _draw_plan(scenario, world, what, path)
-
     caption = f"{code(trial.name)}: the plan."
     if not trial.planned:
         caption = (
@@ -171,21 +159,27 @@ def _repeat(
         repeated = replay(line)
         if repeated is None:
             return None, ""
-        scenario, world, what, summary = repeated
-        figure = artist.raster(caption, draw, f"worst-{trial.name}")
+        figure = artist.raster(caption, partial(_draw, repeated), f"worst-{trial.name}")
     except OutputError:
         raise
     except Exception as error:  # one picture less is no reason to lose the report
         return None, f"It could not be drawn: {type(error).__name__}."
-    same = figure is None or same_run(line["summary"], summary)
+    same = figure is None or same_run(line["summary"], repeated.summary)
     return figure, "" if same else "The repetition ended differently."
 
 
-def _draw_plan(scenario: Scenario, world: World, made: PlanResult, path: Path) -> Path:
+def _draw(repeated: JobResult, path: Path) -> Path | None:
+    """Draw the driven paths, or the plan; None where there is nothing to draw."""
+    from cavalcade.campaign.report.pictures import draw_paths
     from cavalcade.drawing.plans.scene import plan_scene
     from cavalcade.drawing.plans.top_view import draw_top_view
 
-    return draw_top_view(plan_scene(scenario, world, made), path)
+    scenario, world, recording = repeated.scenario, repeated.world, repeated.recording
+    if recording is not None:
+        return draw_paths(scenario, world, recording, repeated.summary, path)
+    if repeated.planned is None:
+        return None
+    return draw_top_view(plan_scene(scenario, world, repeated.planned), path)
 
 
 def same_run(first: Mapping[str, Any], second: Mapping[str, Any]) -> bool:

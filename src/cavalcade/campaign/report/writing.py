@@ -56,7 +56,7 @@ def write_report(
     from cavalcade.campaign.report.trials import TrialTable
     from cavalcade.campaign.table import scrubbed, write_table
     from cavalcade.drawing.style import make_directory
-    from cavalcade.files import replacing
+    from cavalcade.files import write_file
 
     place = Path(folder)
     file = write_table(place, lines)
@@ -69,8 +69,7 @@ def write_report(
         (MARKDOWN, rendered_markdown(content)),
         (PAGE, rendered_page(content, trials)),
     ):
-        with replacing(place / name) as temporary:
-            temporary.write_text(text, encoding="utf-8")
+        write_file(place / name, text)
     artist.tidy()
     figures = (place / FIGURES / name for name in artist.names)
     return (place / MARKDOWN, place / PAGE, file, *figures)

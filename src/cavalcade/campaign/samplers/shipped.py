@@ -48,7 +48,7 @@ class ShippedSampler(Sampler):
 
     @model_validator(mode="after")
     def _kind(self) -> Self:
-        self._own_goals = self._loaded(0).task.individual
+        self._own_goals = bool(self._loaded(0).goals)
         return self
 
     @property
@@ -120,7 +120,7 @@ def _each_feasible(scenario: Scenario) -> bool:
 
 def _feasible(scenario: Scenario) -> bool:
     """Whether a disc gets from every start to every slot at every goal."""
-    from cavalcade.execution.team import formation_of
+    from cavalcade.execution.formation_policy import formation_of
     from cavalcade.scenario import build_world
 
     world = build_world(scenario)

@@ -73,7 +73,7 @@ class TeamSection(Section):
 
     def places(self) -> Array:
         """The slots `(N, 2)` in the formation's frame, m."""
-        from cavalcade.execution.team import formation_of
+        from cavalcade.execution.formation_policy import formation_of
         from cavalcade.scenario import PlannerSection
 
         return formation_of(self._formation, self.robots, PlannerSection()).slots

@@ -20,7 +20,7 @@ from cavalcade.drawing import style
 from cavalcade.drawing.distances import obstacle_distances, pair_distances
 from cavalcade.drawing.outlines import simplified
 from cavalcade.drawing.scene import Arena, Scene, Track, scene_of
-from cavalcade.files import replacing
+from cavalcade.files import write_file
 from cavalcade.geometry import Array
 
 if TYPE_CHECKING:
@@ -71,8 +71,7 @@ def write_replay(
     scene = scene_of(scenario, world, recording)
     data = replay_data(scene, world, summary, waypoints=len(scenario.task.goals))
     page = replay_page(data)
-    with replacing(target) as temporary:
-        temporary.write_text(page, encoding="utf-8", newline="\n")
+    write_file(target, page)
     return target
 
 

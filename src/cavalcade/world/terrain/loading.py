@@ -13,11 +13,12 @@ from pathlib import Path
 from typing import Any, Literal
 
 from cavalcade.errors import MapError
-from cavalcade.world._files import read_head
-from cavalcade.world._yaml import as_float, choice, in_file, load_mapping, numbers
+from cavalcade.files import read_head
+from cavalcade.world._descriptions import as_float, choice, load_mapping, numbers
+from cavalcade.world._images import PNG_SIGNATURE
 from cavalcade.world.occupancy import checked_origin, checked_resolution
 from cavalcade.world.terrain.meshes import read_mesh
-from cavalcade.world.terrain.pictures import SIGNATURE, read_picture
+from cavalcade.world.terrain.pictures import read_picture
 from cavalcade.world.terrain.samples import Samples, to_grid
 from cavalcade.world.terrain.tables import read_archive, read_table, read_triple
 from cavalcade.world.terrain.terrain import RESOLUTION, Terrain, checked_cell
@@ -53,7 +54,7 @@ def load_terrain(path: str | Path, resolution: float = RESOLUTION) -> Terrain:
             raise MapError(f"a {kind} needs a description in YAML with file and resolution")
         return _terrain(_read(kind, path, cell, {}), cell, {})
     except MapError as error:
-        raise (in_file(error, path) if error.file is None else error) from None
+        raise (error.at(file=path, key=error.key) if error.file is None else error) from None
     except MemoryError:
         raise MapError("is too large for the memory there is", file=path) from None
 
@@ -62,7 +63,7 @@ def _described(path: Path, cell: float) -> Terrain:
     said = load_mapping(path, "file and resolution")
     for key in said:
         if key not in KEYS:
-            raise MapError("unknown key", file=path, key=str(key)[:40], choices=KEYS)
+            raise MapError("unknown key", file=path, key=key[:40], choices=KEYS)
     file = _name(said, "file", path)
     try:
         if "x" in said or "y" in said:
@@ -77,7 +78,7 @@ def _described(path: Path, cell: float) -> Terrain:
         if error.file is not None:
             raise
         # What concerns a key stands in the description, the rest in the file itself.
-        raise in_file(error, path if error.key in KEYS else file) from None
+        raise error.at(file=path if error.key in KEYS else file, key=error.key) from None
 
 
 def _read(kind: Kind, file: Path, cell: float, said: dict[str, Any]) -> Samples:
@@ -115,7 +116,7 @@ def _kind_of(file: Path) -> Kind:
     """Told by the content, where that is possible."""
     head = read_head(file, 512)
     tests: tuple[tuple[Kind, Callable[[], bool]], ...] = (
-        ("picture", lambda: head.startswith(SIGNATURE)),
+        ("picture", lambda: head.startswith(PNG_SIGNATURE)),
         ("archive", lambda: head.startswith(b"PK\x03\x04")),
         ("mesh", lambda: head.startswith((b"ply\n", b"ply\r"))),
         ("mesh", lambda: file.suffix.lower() == ".stl" or head.startswith(b"solid")),

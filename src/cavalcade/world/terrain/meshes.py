@@ -1,4 +1,11 @@
-"""Triangle meshes: STL and PLY, text and binary, and their surface seen from above."""
+"""Triangle meshes: STL and PLY, text and binary, and their surface seen from above.
+
+Read here and not by trimesh (5.2 was tried). Of PLY that one refuses binary files whose faces
+differ in their number of corners or that hold lists besides, reads damaged ones as if they were
+whole (a list's length, a corner that is no whole number or below 0), brings text to single
+precision and turns the corners of quadrangles round; of STL it finds nothing in files with
+something behind the last facet, or cut off before their `endsolid`.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +15,8 @@ from pathlib import Path
 import numpy as np
 
 from cavalcade.errors import MapError
+from cavalcade.files import read_bytes
 from cavalcade.geometry import Array
-from cavalcade.world._files import read_bytes
 from cavalcade.world.terrain._mesh_raster import covered_cells, highest_surface
 from cavalcade.world.terrain.ply import parse_ply
 from cavalcade.world.terrain.samples import Samples

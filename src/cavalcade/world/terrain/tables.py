@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from cavalcade.errors import MapError
+from cavalcade.files import read_bytes
 from cavalcade.geometry import Array
-from cavalcade.world._files import read_bytes
 from cavalcade.world.terrain.samples import Samples, check_sample_count
 
 MAX_BYTES = 128_000_000

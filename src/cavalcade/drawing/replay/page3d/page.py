@@ -10,7 +10,7 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any
 
-from cavalcade.files import replacing
+from cavalcade.files import write_file
 
 _BEFORE = ("unpack.js", "matrix.js", "shaders.js", "shapes.js", "ground.js", "strokes.js")
 _AFTER = ("camera.js", "clock.js")
@@ -60,6 +60,5 @@ def write_page(page: str, path: str | Path) -> Path:
         OutputError: It cannot be written.
     """
     target = Path(path)
-    with replacing(target) as temporary:
-        temporary.write_text(page, encoding="utf-8", newline="\n")
+    write_file(target, page)
     return target

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cavalcade.errors import ScenarioError
-from cavalcade.scenario.yaml_text import parse_yaml
+from cavalcade.yaml_text import parse_yaml
 
 
 @pytest.mark.parametrize(
@@ -52,8 +52,12 @@ def test_nan_is_read_as_nan_so_that_the_schema_can_refuse_it() -> None:
         ("[1, 2]: x", "expected a name"),
         ("--- 1\n--- 2", "not valid YAML"),
         ("a: \x00", "not valid YAML"),
-        ("&a [*a]", "nested too deeply"),
-        ("[" * 5000, "not valid YAML"),
+        ("&a [*a]", "alias 'a' has no value to repeat (line 1, column 5)"),
+        ("[*a]", "alias 'a' has no value"),
+        ("[&a 1, &a 2]", "anchor 'a' stands here twice"),
+        ("[" * 200_000, "nested too deeply"),
+        ("- " * 60, "nested too deeply"),
+        ("- " * 9000, "nested too deeply"),
         ("[" * 60 + "]" * 60, "nested too deeply"),
         ("a: " + "9" * 5000, "expected a number"),
     ],
@@ -98,3 +102,15 @@ def test_no_text_raises_anything_else(text: str) -> None:
     except ScenarioError as error:
         said = str(error)
     assert "\n" not in said
+
+
+def test_what_an_alias_repeats_is_a_value_of_its_own() -> None:
+    value = parse_yaml("a: &x {b: [1]}\nc: *x")
+    value["a"]["b"].append(2)
+    assert value["c"] == {"b": [1]}
+
+
+def test_nesting_by_aliases_is_counted_too() -> None:
+    lines = ["a0: &a0 [x]", *(f"a{k}: &a{k} [*a{k - 1}]" for k in range(1, 60))]
+    with pytest.raises(ScenarioError, match="nested too deeply"):
+        parse_yaml("\n".join(lines))

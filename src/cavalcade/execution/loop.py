@@ -1,25 +1,25 @@
-"""Carries one scenario out, cycle by cycle, and gives what was recorded. Writes no files."""
+"""Carries one scenario out, cycle by cycle, and gives what was recorded."""
 
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cavalcade.execution.arrival import ArrivalMonitor, tolerance_of
-from cavalcade.execution.command_player import CommandPlayer
-from cavalcade.execution.control import ControlLoop, Cycle, Planner
+from cavalcade.execution.control import ControlLoop, Cycle
 from cavalcade.execution.events import EventRunner
-from cavalcade.execution.outcome import Outcome
-from cavalcade.execution.progress import Progress, ProgressSink
-from cavalcade.execution.team import make_watchdog
-from cavalcade.fleet import Fall, FallingFleet, Fleet, LeapingFleet
-from cavalcade.recording.frames import Recording
+from cavalcade.execution.policy import Policy
+from cavalcade.fleet import Fall, FallingFleet, Fleet, SampledFleet, Watchdog
+from cavalcade.geometry import Array
+from cavalcade.recording.frames import Frame, FrameSink, Recording
+from cavalcade.recording.physics_track import ContactEvent, FallEvent, PhysicsTrack
 from cavalcade.recording.recorder import Recorder
 from cavalcade.recording.status import PlannerStatus
 from cavalcade.scenario import Scenario, World
+from cavalcade.scenario.settings import Budget
 from cavalcade.world import OccupancyMap
 
 _STANDING = 1e-3
@@ -37,8 +37,28 @@ _LONGEST_STOP = 3.0
 
 
 @dataclass(frozen=True)
-class Simulated:
-    """What a run left in memory.
+class Outcome:
+    """How a run ended.
+
+    Attributes:
+        reason: `arrived`, `done`, `timeout`, `stuck`, `fallen`, `infeasible`, `budget` or
+            `stopped`.
+        detail: One line about it, empty where there is nothing to add.
+        involved: The robots it is about.
+        wall_time: Of the whole loop, s.
+        planning: `(T,)` s of wall time spent in the policy in each cycle.
+    """
+
+    reason: str
+    detail: str
+    involved: tuple[int, ...]
+    wall_time: float
+    planning: Array
+
+
+@dataclass(frozen=True)
+class Execution:
+    """What carrying out left in memory.
 
     Attributes:
         recording: Every cycle.
@@ -51,39 +71,41 @@ class Simulated:
     outcome: Outcome
 
 
-def simulate(
+def carry_out(
     scenario: Scenario,
     world: World,
-    planner: Planner,
+    policy: Policy,
     fleet: Fleet,
     *,
+    budget: Budget | None = None,
     realtime: bool = False,
-    progress: ProgressSink | None = None,
-) -> Simulated:
-    """Run until the team has arrived or there is a reason not to go on.
+    sinks: Sequence[FrameSink] = (),
+) -> Execution:
+    """Run until the team has arrived or there is a reason not to go on. Writes no files.
 
     Args:
-        scenario: Its events, rate, time-out and budget hold.
+        scenario: Its events, rate and time-out hold.
         world: Its ground.
-        planner: With its goals set.
+        policy: With its goals set.
         fleet: At the starts.
+        budget: Most cycles of the policy and seconds of wall time in it; None for the scenario's.
         realtime: Keep the pace of the wall clock; otherwise as fast as possible.
-        progress: Called once per cycle.
+        sinks: Called with the frame of each cycle.
+
+    Raises:
+        ScenarioError: An event asks the policy for what it cannot do.
     """
     started = clock.perf_counter()
     recorder = Recorder()
-    watchdog = make_watchdog(scenario, world)
-    notes: list[str] = []
-
-    def note(moment: float, text: str) -> None:
-        recorder.note(moment, text)
-        notes.append(text)
-
-    if isinstance(planner, CommandPlayer) and isinstance(fleet, LeapingFleet):
-        planner.leaper = fleet
-    with ControlLoop(planner, fleet, watchdog) as control:
-        events = EventRunner(scenario, world, control, recorder.map, note)
-        judge = _Judge(scenario, events, fleet, note)
+    watchdog = Watchdog(
+        len(scenario.robots),
+        world.map,
+        max_speed=max(model.max_speed_x for model in scenario.models),
+        max_yaw_rate=max(model.max_yaw_rate for model in scenario.models),
+    )
+    with ControlLoop(policy, fleet, watchdog) as control:
+        events = EventRunner(scenario, world, control)
+        judge = _Judge(scenario, budget or scenario.planner.budget, events, fleet)
         start, period = fleet.time, 1.0 / scenario.execution.rate
         planning: list[float] = []
         while True:
@@ -91,16 +113,24 @@ def simulate(
             events.apply(now)
             cycle = control.plan()
             planning.append(cycle.planning)
-            status = planner.status
+            status = policy.status
             end = judge.end(now, cycle, status)
             commands = cycle.commands if end is None else np.zeros_like(cycle.commands)
             control.send(commands)
-            seen = cycle.observation.poses
-            recorder.cycle(now, fleet.true_poses(), seen, commands, status)
-            if progress is not None:
-                text = "; ".join(notes)
-                progress(Progress(now, scenario.execution.timeout, status.state, text))
-            notes.clear()
+            notes, maps = events.news()
+            frame = Frame(
+                now,
+                fleet.true_poses(),
+                cycle.observation.poses,
+                commands,
+                status,
+                cycle.planning,
+                (*notes, *judge.news()),
+                maps,
+            )
+            recorder(frame)
+            for sink in sinks:
+                sink(frame)
             if end is not None:
                 break
             fleet.advance(period)
@@ -108,22 +138,28 @@ def simulate(
                 clock.sleep(max(0.0, started + fleet.time - start - clock.perf_counter()))
     wall_time = clock.perf_counter() - started
     reason, detail, involved = end
-    recording = recorder.recording(events.tracks(now))
-    if scenario.execution.backend == "mujoco":
-        from cavalcade.execution.physics_collecting import track_of
+    recording = replace(recorder.recording(events.tracks(now)), physics=physics_track(fleet, start))
+    outcome = Outcome(reason, detail, involved, wall_time, np.array(planning))
+    return Execution(recording, recorder.maps, outcome)
 
-        recording = replace(recording, physics=track_of(fleet, start))
-    return Simulated(
-        recording,
-        recorder.maps,
-        Outcome(
-            reason=reason,
-            detail=detail,
-            involved=involved,
-            last_waypoint=events.last_waypoint,
-            wall_time=wall_time,
-            planning=np.array(planning),
+
+def physics_track(fleet: Fleet, start: float) -> PhysicsTrack | None:
+    """The track of a fleet since its clock showed `start` s; None of one that keeps none."""
+    if not isinstance(fleet, SampledFleet):
+        return None
+    kept = fleet.samples()
+    return PhysicsTrack(
+        time=(kept.time - start).round(9),
+        base=kept.qpos[..., :7],
+        joints=kept.qpos[..., 7:],
+        joint_rates=kept.joint_rates,
+        torques=kept.torques,
+        foot_forces=kept.foot_forces,
+        contacts=tuple(
+            ContactEvent(round(contact.time - start, 9), contact.robot, contact.part, contact.other)
+            for contact in kept.contacts
         ),
+        falls=tuple(FallEvent(round(fall.time - start, 9), fall.robot) for fall in fleet.falls),
     )
 
 
@@ -137,20 +173,25 @@ class _Judge:
     def __init__(
         self,
         scenario: Scenario,
+        budget: Budget,
         events: EventRunner,
         fleet: Fleet,
-        note: Callable[[float, str], None],
     ) -> None:
         self._execution = scenario.execution
-        self._budget = scenario.planner.budget
+        self._budget = budget
         self._events = events
         self._fleet = fleet
-        self._note = note
+        self._notes: list[str] = []
         self._arrival = ArrivalMonitor(tolerance_of(scenario))
         self._falling = fleet if isinstance(fleet, FallingFleet) else None
         self._stopped: float | None = None
         self._cycles = 0
         self._planning = 0.0
+
+    def news(self) -> tuple[str, ...]:
+        """What there is to tell since it was asked last, a line each."""
+        notes, self._notes = tuple(self._notes), []
+        return notes
 
     def end(self, time: float, cycle: Cycle, status: PlannerStatus) -> _End | None:
         self._cycles += 1
@@ -189,7 +230,7 @@ class _Judge:
         text = ", ".join(str(fault) for fault in cause)
         if self._stopped is None:
             self._stopped = time
-            self._note(time, f"watchdog: {text}")
+            self._notes.append(f"watchdog: {text}")
         standing = bool((np.abs(self._fleet.true_velocities()) < _STANDING).all())
         if standing or time - self._stopped >= _LONGEST_STOP:
             return "stopped", f"watchdog: {text}", tuple(fault.robot for fault in cause)

@@ -1,4 +1,4 @@
-"""From a scenario's words to the planner, its formations and the fleet."""
+"""From a scenario to its formation planner."""
 
 from __future__ import annotations
 
@@ -7,8 +7,6 @@ from dataclasses import fields, replace
 import numpy as np
 
 from cavalcade.errors import InputError, ScenarioError
-from cavalcade.execution.control import Planner
-from cavalcade.fleet import CommandDelay, IdealFleet, LocalisationNoise, Watchdog
 from cavalcade.formation import (
     Connection,
     Formation,
@@ -36,16 +34,12 @@ _SETTINGS = (
 """The planner section's keys that are fields of `FormationSettings` of the same name."""
 
 
-def make_planner(scenario: Scenario, world: World) -> Planner:
-    """What says where the team goes: the planner with its goals set, or what plays its commands.
+def make_planner(scenario: Scenario, world: World) -> FormationPlanner:
+    """The planner of a scenario with a formation, its goals set.
 
     Raises:
         ScenarioError: The planner refuses the scenario's values.
     """
-    if scenario.task.commands is not None:
-        from cavalcade.execution.command_player import CommandPlayer
-
-        return CommandPlayer(scenario, world.terrain)
     section = scenario.planner
     try:
         planner = FormationPlanner(
@@ -68,28 +62,6 @@ def make_planner(scenario: Scenario, world: World) -> Planner:
     return planner
 
 
-def make_fleet(scenario: Scenario) -> IdealFleet:
-    """The ideal fleet that the scenario asks for, standing at the starts."""
-    execution = scenario.execution
-    return IdealFleet(
-        scenario.models,
-        scenario.starts,
-        noise=LocalisationNoise(execution.noise.position, execution.noise.heading),
-        delay=CommandDelay(execution.delay.mean, execution.delay.jitter, execution.delay.drop),
-        seed=scenario.seed,
-    )
-
-
-def make_watchdog(scenario: Scenario, world: World) -> Watchdog:
-    """The watchdog for that team on that ground."""
-    return Watchdog(
-        len(scenario.robots),
-        world.map,
-        max_speed=max(model.max_speed_x for model in scenario.models),
-        max_yaw_rate=max(model.max_yaw_rate for model in scenario.models),
-    )
-
-
 def settings_of(section: PlannerSection) -> FormationSettings:
     """The preset's or the default parameters, with those that the scenario names over them."""
     base = (
@@ -106,7 +78,7 @@ def expected_of(scenario: Scenario) -> Imperfections:
     stray = said.stray
     if stray is None:
         legs = execution.backend == "mujoco"
-        stray = max(model.stray for model in scenario.models) if legs else 0.0
+        stray = max(model.tracking_error for model in scenario.models) if legs else 0.0
     return Imperfections(noise.position, noise.heading, delay.mean, delay.jitter, delay.drop, stray)
 
 

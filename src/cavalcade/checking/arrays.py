@@ -1,0 +1,102 @@
+"""The verdict on motion that is at hand as arrays, without files."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from pydantic import ValidationError
+
+from cavalcade.checking.check import make_report
+from cavalcade.checking.contact import find_contacts
+from cavalcade.checking.limits import exceeded, measure
+from cavalcade.checking.mapfile import Ground, read_ros_map
+from cavalcade.checking.motion import bodies, common_clock
+from cavalcade.checking.report import Report
+from cavalcade.checking.samples import disordered
+from cavalcade.checking.solids import Solid, outline, scene_on
+from cavalcade.checking.tracks import Track
+from cavalcade.errors import InputError
+from cavalcade.robots import RobotModel
+from cavalcade.scenario import Obstacle
+
+
+def check_motion(
+    time: ArrayLike,
+    poses: ArrayLike,
+    models: Sequence[RobotModel],
+    *,
+    size: tuple[float, float] | None = None,
+    map: str | Path | None = None,
+    obstacles: Sequence[Mapping[str, Any]] = (),
+) -> Report:
+    """Judge the planar motion of a team: contact between samples, speed and acceleration limits.
+
+    Poses change evenly between samples. Footprints are swept, oriented rectangles; ground beyond
+    the map is an obstacle.
+
+    Args:
+        time: `(T,)` s, increasing.
+        poses: `(T, N, 3)` x, y in m, yaw in rad, map frame.
+        models: N robot models: their footprints and limits.
+        size: Width and height of free ground whose lower left corner is at (0, 0), m; or else
+        map: The YAML file of a ROS map.
+        obstacles: Shapes that always stand there, as scenario files say them:
+            `{"circle": {"center": [4, 3], "radius": 0.2}}`, `box` or `polygon`.
+
+    Raises:
+        InputError: Arrays that don't fit, not finite values, a wrong obstacle, neither size nor
+            map, or both.
+        RecordingError: The map file cannot be read.
+    """
+    tracks = _tracks(np.asarray(time, dtype=float), np.asarray(poses, dtype=float), len(models))
+    scene = scene_on(
+        _ground(size, map), tuple(_solid(k, words) for k, words in enumerate(obstacles))
+    )
+    violations = disordered(tracks)
+    if violations:
+        return make_report(violations)
+    efforts = [measure(track, model) for track, model in zip(tracks, models, strict=True)]
+    ticks = common_clock(tracks, scene.solids)
+    contacts, gap = find_contacts(scene, bodies(tracks, tuple(models), ticks), ticks)
+    violations += contacts
+    for robot, (effort, model) in enumerate(zip(efforts, models, strict=True)):
+        violations += exceeded(effort, model, robot)
+    return make_report(violations, efforts, float(ticks[-1] - ticks[0]), gap)
+
+
+def _tracks(time: np.ndarray, poses: np.ndarray, robots: int) -> tuple[Track, ...]:
+    if time.ndim != 1 or len(time) < 2 or not np.isfinite(time).all():
+        raise InputError("expected (T,) finite seconds, two or more", key="time")
+    if poses.shape != (len(time), robots, 3) or not np.isfinite(poses).all():
+        text = f"expected finite poses of shape ({len(time)}, {robots}, 3), got {poses.shape}"
+        raise InputError(text, key="poses")
+    yaw = np.unwrap(poses[..., 2], axis=0)
+    return tuple(
+        Track(time, np.column_stack((poses[:, robot, :2], yaw[:, robot])))
+        for robot in range(robots)
+    )
+
+
+def _ground(size: tuple[float, float] | None, map: str | Path | None) -> Ground:
+    if (size is None) == (map is None):
+        raise InputError("expected either size or map", key="size")
+    if map is not None:
+        return read_ros_map(Path(map), False)
+    width, height = (float(side) for side in size or ())
+    if not (0.0 < width < math.inf and 0.0 < height < math.inf):
+        raise InputError("expected width and height in m", key="size")
+    return Ground((width, height), (0.0, 0.0, 0.0), np.empty((0, 4)))
+
+
+def _solid(index: int, words: Mapping[str, Any]) -> Solid:
+    key = f"obstacles[{index}]"
+    try:
+        points, radius = outline(Obstacle.model_validate(dict(words)))
+    except (ValidationError, ValueError) as error:
+        raise InputError("expected a box, a circle or a polygon", key=key) from error
+    return Solid(key, points, radius, 0.0, math.inf, np.zeros(1), np.zeros((1, 2)))
