@@ -87,17 +87,31 @@ _Column = tuple[str, Callable[[Cell], str]]
 
 
 def _cell_table(
-    cells: Sequence[Cell], order: Order, columns: Sequence[_Column], *, last: bool = False
+    cells: Sequence[Cell],
+    order: Order,
+    columns: Sequence[_Column],
+    *,
+    every: bool = False,
+    left: int = 0,
+    last: bool = False,
 ) -> Table:
-    """A row per cell; columns that hold nothing but dashes are left out."""
+    """A row per cell, with what says which cell it is in front.
+
+    Args:
+        cells: At least one.
+        order: Of rows.
+        columns: All others.
+        every: Keep columns that hold nothing but dashes.
+        left, last: How many of these columns are texts, and whether the last one is.
+    """
     made = [(name, [text(cell) for cell in cells]) for name, text in columns]
-    shown = [(name, texts) for name, texts in made if any(text != NONE for text in texts)]
+    shown = [(name, texts) for name, texts in made if every or any(t != NONE for t in texts)]
     head = (*_head(order), *(name for name, _ in shown))
     rows = [
         (*cell_names(cell, order), *(texts[k] for _, texts in shown))
         for k, cell in enumerate(cells)
     ]
-    return table_of(head, rows, len(_head(order)), last=last)
+    return table_of(head, rows, len(_head(order)) + left, last=last)
 
 
 def _spread(name: str, end: str, digits: int = 2, factor: float = 1.0) -> Callable[[Cell], str]:
@@ -107,34 +121,18 @@ def _spread(name: str, end: str, digits: int = 2, factor: float = 1.0) -> Callab
 
 def success_table(cells: Sequence[Cell], order: Order) -> Table:
     """Success and collisions."""
-    head = (
-        *_head(order),
-        "trials",
-        "feasible",
-        "succeeded",
-        "success",
-        "95 % interval",
-        "success of all",
-        "with avoidable collision",
-        "95 % bound",
-        "with any collision",
+    columns: Sequence[_Column] = (
+        ("trials", lambda c: count(c.trials)),
+        ("feasible", lambda c: count(c.feasible)),
+        ("succeeded", lambda c: count(c.feasible_successes) if c.feasible else NONE),
+        ("success", lambda c: share(c.feasible_successes, c.feasible)),
+        ("95 % interval", lambda c: interval(c.interval, c.feasible)),
+        ("success of all", lambda c: share(c.successes, c.trials)),
+        ("with avoidable collision", lambda c: count(c.hit)),
+        ("95 % bound", lambda c: bound(c.hit_bound, c.ran)),
+        ("with any collision", lambda c: count(c.touched)),
     )
-    rows = [
-        (
-            *cell_names(cell, order),
-            count(cell.trials),
-            count(cell.feasible),
-            count(cell.feasible_successes) if cell.feasible else NONE,
-            share(cell.feasible_successes, cell.feasible),
-            interval(cell.interval, cell.feasible),
-            share(cell.successes, cell.trials),
-            count(cell.hit),
-            bound(cell.hit_bound, cell.ran),
-            count(cell.touched),
-        )
-        for cell in cells
-    ]
-    return table_of(head, rows, len(_head(order)))
+    return _cell_table(cells, order, columns, every=True)
 
 
 def outcome_table(cells: Sequence[Cell], order: Order) -> Table:
@@ -242,30 +240,16 @@ _HAS_TO_BE = {
 
 def refusal_table(cells: Sequence[Cell], order: Order) -> Table:
     """Problems without a plan: how many were refused as they have to be, and how fast."""
-    head = (
-        *_head(order),
-        "has to be",
-        "trials",
-        "as it has to be",
-        "95 % interval",
-        "after (s) p50",
-        "slowest",
-        "ended",
+    columns: Sequence[_Column] = (
+        ("has to be", lambda c: _HAS_TO_BE.get(c.expected, c.expected)),
+        ("trials", lambda c: count(c.trials)),
+        ("as it has to be", lambda c: share(c.successes, c.trials)),
+        ("95 % interval", lambda c: interval(wilson(c.successes, c.trials), c.trials)),
+        ("after (s) p50", _spread("planning_time", "median", 4)),
+        ("slowest", _spread("planning_time", "most", 4)),
+        ("ended", lambda c: ", ".join(f"{count(n)} {name}" for name, n in c.outcomes.items())),
     )
-    rows = [
-        (
-            *cell_names(cell, order),
-            _HAS_TO_BE.get(cell.expected, cell.expected),
-            count(cell.trials),
-            share(cell.successes, cell.trials),
-            interval(wilson(cell.successes, cell.trials), cell.trials),
-            number(cell.spread("planning_time").median, 4),
-            number(cell.spread("planning_time").most, 4),
-            ", ".join(f"{count(times)} {outcome}" for outcome, times in cell.outcomes.items()),
-        )
-        for cell in cells
-    ]
-    return table_of(head, rows, len(_head(order)) + 1, last=True)
+    return _cell_table(cells, order, columns, every=True, left=1, last=True)
 
 
 PAPER_GROUP = "random-goals"
