@@ -128,7 +128,7 @@ def test_a_trial_of_a_campaign_again(
     repeat_trial(tmp_path / "c", trial, tmp_path / "t", force=True)
     found = replay(tiny_plan.trial(trial))
     assert found is not None
-    assert {k: v for k, v in found[3].items() if k not in TIMES} == line["summary"]
+    assert {k: v for k, v in found.summary.to_dict().items() if k not in TIMES} == line["summary"]
 
 
 def test_bad_input_is_refused_and_an_exception_is_a_crash(

@@ -8,6 +8,7 @@ from cavalcade.campaign.report import write_report
 from cavalcade.campaign.report.pictures import draw_paths, tightest
 from cavalcade.campaign.report.worst import same_run
 from cavalcade.drawing.scene import scene_of
+from cavalcade.jobs import JobResult
 from cavalcade.recording.frames import Recording
 from cavalcade.recording.status import PlannerStatus
 from cavalcade.scenario import build_world, parse_scenario
@@ -82,7 +83,8 @@ def test_the_worst_trials_have_pictures(run, tmp_path, make_lines, suite):
 
     def replay(line):
         asked.append(line["trial"])
-        return (*run[:3], dict(line["summary"], wall_time_s=99.0))
+        scenario, world, recording, _ = run
+        return JobResult(scenario, world, dict(line["summary"], wall_time_s=99.0), recording)
 
     lines = make_lines(2, ("clutter",), variants=("cavalcade",))
     write_report(tmp_path, suite, lines, replay=replay)
