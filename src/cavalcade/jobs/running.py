@@ -70,7 +70,7 @@ def run(
     loaded = load_for_running(scenario, seed, overrides, backend)
     if loaded.execution.backend == "mujoco" and fleet is None:
         from cavalcade.execution.physics_fleet import with_own_robots
-        from cavalcade.fleet.physics.engine import load_mujoco
+        from cavalcade.fleet.mujoco.engine import load_mujoco
 
         load_mujoco()
         loaded = with_own_robots(loaded)

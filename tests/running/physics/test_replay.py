@@ -140,7 +140,7 @@ def test_feet_that_stand_are_drawn_on_the_ground_and_stay_there(run):
 @pytest.mark.parametrize("name", ["go1", "go2"])
 def test_links_are_where_mujoco_has_them(name):
     mujoco = pytest.importorskip("mujoco")
-    from cavalcade.fleet.physics.simulator import TeamSimulator
+    from cavalcade.fleet.mujoco.simulator import TeamSimulator
 
     model = cv.robots.robot_model(name)
     simulator = TeamSimulator([model], [(0.4, -0.2, 0.7)])

@@ -9,6 +9,7 @@ import numpy as np
 from cavalcade.drawing.physics.skeleton import descriptions_of, skeleton_of
 from cavalcade.drawing.replay.packing import packed, ranged, rounded, steps
 from cavalcade.geometry import Array
+from cavalcade.geometry.constants import GRAVITY
 from cavalcade.recording.physics_track import ContactEvent, PhysicsTrack
 from cavalcade.robots.description import QuadrupedDescription
 
@@ -84,7 +85,7 @@ def merged_contacts(contacts: tuple[ContactEvent, ...]) -> list[ContactEvent]:
 def _body(description: QuadrupedDescription) -> dict[str, Any]:
     return {
         **skeleton_of(description),
-        "weight": round(9.81 * description.mass, 2),
+        "weight": round(GRAVITY * description.mass, 2),
         "looks": [
             {
                 "link": shape.link,

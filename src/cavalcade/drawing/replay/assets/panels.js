@@ -12,7 +12,7 @@ for (const [kind, text, useful] of [
   ["touch", "unwanted contact", physics && scene.contacts.length], ["fall", "fallen", physics && scene.falls.length],
 ]) if (useful) { const key = element("span", id("legend"), "", "key"); element("i", key, "", kind); key.append(text); }
 
-const STATES = { partial: "Partial Goal", final: "Final Goal", resolving: "resolving a stand-off" };
+const STATES = { partial: "Partial Goal", final: "Final Goal", resolving: "resolving a deadlock" };
 function fillState(time) {
   if (!run) return;
   const phase = phaseAt(time), words = [], eta = run.paths.eta[reached(run.pathTimes, time)];
