@@ -15,6 +15,7 @@ from cavalcade.drawing.replay.page3d.packing import packed, ranged, steps
 from cavalcade.drawing.scene import arena_of, scene_of
 from cavalcade.errors import RecordingError
 from cavalcade.geometry import Array
+from cavalcade.geometry.constants import GRAVITY
 from cavalcade.recording.physics_track import ContactEvent, PhysicsTrack
 from cavalcade.robots import RobotModel
 from cavalcade.robots.description import BodyShape, QuadrupedDescription
@@ -139,7 +140,7 @@ def _planner(scenario: Scenario, world: World, scene: Any, recording: Recording)
 def _body(description: QuadrupedDescription) -> dict[str, Any]:
     return {
         **skeleton_of(description),
-        "weight": round(9.81 * description.mass, 2),
+        "weight": round(GRAVITY * description.mass, 2),
         "looks": [_shape(shape) for shape in description.looks],
     }
 

@@ -1,7 +1,7 @@
 // What stands around the arena: status, team, distances over time, the time line.
 const byId = (id) => document.getElementById(id);
 const STATES = {
-  inactive: "inactive", partial: "Partial Goal", final: "Final Goal", resolving: "resolving a stand-off",
+  inactive: "inactive", partial: "Partial Goal", final: "Final Goal", resolving: "resolving a deadlock",
   paused: "paused", stuck: "stuck", infeasible: "infeasible",
 };
 function element(tag, parent, text = "") {
