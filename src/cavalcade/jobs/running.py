@@ -167,8 +167,4 @@ def _write(
         task.draw(recording, policy, summary, stage / FIGURES)
         add_figures(task.scenario, recording, stage / FIGURES)
     if replay:
-        from cavalcade.drawing.physics.drawing import replay_in_physics
-
-        path = stage / REPLAY
-        if not replay_in_physics(task.scenario, task.world, recording, summary, path):
-            task.write_replay(recording, policy, summary, path)
+        task.write_replay(recording, policy, summary, stage / REPLAY)
