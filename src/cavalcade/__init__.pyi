@@ -9,13 +9,13 @@ from .errors import MapError as MapError
 from .errors import OutputError as OutputError
 from .errors import RecordingError as RecordingError
 from .errors import ScenarioError as ScenarioError
-from .fleet.physics import MujocoFleet as MujocoFleet
+from .fleet.mujoco import MujocoFleet as MujocoFleet
 from .formation import Connection as Connection
+from .formation import DynamicObstacle as DynamicObstacle
 from .formation import Formation as Formation
 from .formation import FormationPlanner as FormationPlanner
 from .formation import FormationSettings as FormationSettings
 from .formation import Imperfections as Imperfections
-from .formation import MovingObstacle as MovingObstacle
 from .geometry.trajectory import Trajectory as Trajectory
 from .jobs.planning import plan as plan
 from .jobs.result import JobResult as JobResult

@@ -27,10 +27,10 @@ from cavalcade.eikonal import surface_distance
 from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import STEP, WALK, Trajectory
 from cavalcade.kinodynamic.obstruction import obstruction
-from cavalcade.kinodynamic.parameters import make_body
+from cavalcade.kinodynamic.parameters import make_body, make_space
 from cavalcade.kinodynamic.planner import BodyPlan, plan_body
 from cavalcade.kinodynamic.settings import BodySettings
-from cavalcade.lattice.ground import Ground, read_only
+from cavalcade.lattice.ground import Ground
 from cavalcade.lattice.motion_limits import footprint
 from cavalcade.lattice.planner import TRACK_STEP, SpaceTimePlanner
 from cavalcade.robots import RobotModel
@@ -94,9 +94,9 @@ class TerrainPlanner(RobotPlanner):
         if pool:
             return pool[0].detail if pool[0].reason == "infeasible" else ""
         problem = self.problem
-        ground, body = read_only(problem.ground), make_body(problem.models[robot], False, 0.0)
+        space = make_space(problem.ground, make_body(problem.models[robot]))
         for name, pose in (("start", problem.starts[robot]), ("goal", problem.goals[robot])):
-            why = obstruction(ground, body, _NO_DISCS, pose)
+            why = obstruction(space, pose)
             if why:
                 return f"the {name} {why}"
         return ""
