@@ -248,9 +248,9 @@ def test_show_draws_where_it_is_asked_to(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     drawn: list[Any] = []
-    module = types.ModuleType("cavalcade.drawing.formation")
+    module = types.ModuleType("cavalcade.drawing.overview")
     module.draw_scenario = lambda *arguments: drawn.append(arguments)  # type: ignore[attr-defined]
-    monkeypatch.setitem(sys.modules, "cavalcade.drawing.formation", module)
+    monkeypatch.setitem(sys.modules, "cavalcade.drawing.overview", module)
     monkeypatch.chdir(tmp_path)
     assert main(["show", "cone"]) == 0
     assert main(["show", "maze-solo", "--out", "b.pdf", "--set", "name=a/b ", "--quiet"]) == 0

@@ -118,7 +118,7 @@ def show(
     target = out if out is not None else Path(f"{options.file_name(loaded.name)}.png")
     options.check_picture(target)
     world = build_world(loaded)
-    from cavalcade.drawing.formation import draw_scenario
+    from cavalcade.drawing.overview import draw_scenario
 
     draw_scenario(loaded, world, target)
     if not quiet:

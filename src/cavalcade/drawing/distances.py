@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.drawing.scene import Scene
-from cavalcade.geometry import Array, inverse_transform_points
+from cavalcade.drawing.scene import Scene, runs
+from cavalcade.geometry import Array
 from cavalcade.world import OccupancyMap, distance_to_shapes
 
 if TYPE_CHECKING:
@@ -45,16 +44,20 @@ def pair_distances(poses: Array) -> tuple[NDArray[np.int64], Array]:
     return np.column_stack([first, second]), np.hypot(gaps[..., 0], gaps[..., 1])
 
 
+def neighbour_distances(poses: Array) -> Array:
+    """`(T, N)` distance in m from each robot's centre to that of its nearest neighbour."""
+    pairs, gaps = pair_distances(poses)
+    nearest = [gaps[:, (pairs == k).any(axis=1)].min(axis=1) for k in range(poses.shape[1])]
+    return np.column_stack(nearest)
+
+
 def rest_lengths(scene: Scene) -> list[tuple[float, float, float]]:
     """(start, end, length): the distinct lengths of the shape's connections, as they held.
 
     A connection belongs to slots, so its length at rest is the distance of its slots.
     """
     spans: list[tuple[float, float, float]] = []
-    keys = [status.slots.tobytes() for status in scene.status]
-    changes = [i for i, (a, b) in enumerate(pairwise(keys), start=1) if a != b]
-    edges = [0, *changes, len(keys)]
-    for first, last in pairwise(edges):
+    for _, first, last in runs([status.slots.tobytes() for status in scene.status]):
         lengths: set[float] = set()
         # Connections may be empty while the planner idles: look through the whole span.
         for status in scene.status[first : last : max(1, (last - first) // 20)]:
@@ -63,15 +66,14 @@ def rest_lengths(scene: Scene) -> list[tuple[float, float, float]]:
                 if min(slot_a, slot_b) >= 0 and max(slot_a, slot_b) < len(status.slots):
                     gap = status.slots[slot_a] - status.slots[slot_b]
                     lengths.add(round(float(np.hypot(*gap)), 2))
-        start, end = float(scene.time[first]), float(scene.time[min(last, len(keys) - 1)])
+        start, end = float(scene.time[first]), float(scene.time[min(last, len(scene.time) - 1)])
         spans += [(start, end, length) for length in sorted(lengths)]
     return spans
 
 
 def _border_distance(grid: OccupancyMap, points: Array) -> Array:
-    width, height = grid.size
-    local = inverse_transform_points(grid.origin, points)
-    inside = np.minimum(local, (width, height) - local)
+    local = grid.to_local(points)
+    inside = np.minimum(local, grid.size - local)
     return np.asarray(inside.min(axis=1))
 
 
@@ -83,19 +85,16 @@ def _cell_distance(grid: OccupancyMap, points: Array, neighbours: int = 16) -> A
     cells = grid.occupied
     if not cells.any():
         return np.full(len(points), np.inf)
-    local = inverse_transform_points(grid.origin, points)
-    at = np.floor(local / grid.resolution).astype(int)
-    within = ((at >= 0) & (at < (grid.cols, grid.rows))).all(axis=1)
     # Only cells with a free neighbour can be the nearest one, unless the point is inside.
     rim = cells & ~binary_erosion(cells, border_value=1)
-    centres = np.argwhere(rim if rim.any() else cells)[:, ::-1] * grid.resolution
-    centres = centres + grid.resolution / 2.0
+    local = grid.to_local(points)
+    centres = (np.argwhere(rim if rim.any() else cells)[:, ::-1] + 0.5) * grid.resolution
     count = min(neighbours, len(centres))
     _, index = cKDTree(centres).query(local, k=count)
     gap = np.abs(centres[np.asarray(index).reshape(len(points), count)] - local[:, None, :])
     gap = np.maximum(gap - grid.resolution / 2.0, 0.0)
     away = np.asarray(np.hypot(gap[..., 0], gap[..., 1]).min(axis=1))
-    inside = np.zeros(len(points), dtype=bool)
-    inside[within] = cells[at[within, 1], at[within, 0]]
-    away[inside] = 0.0
+    at = grid.cell_of(points)
+    within = ((at >= 0) & (at < cells.shape)).all(axis=1)
+    away[within] *= ~cells[tuple(at[within].T)]
     return away

@@ -1,22 +1,28 @@
-"""What every picture of a run needs, taken once from scenario, world and recording."""
+"""What every picture of a run or a plan needs, taken once from scenario, world and result."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from itertools import groupby
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from cavalcade.drawing.outlines import cell_rings, shape_ring
-from cavalcade.geometry import Array, transform_points
+from cavalcade.geometry import Array
+from cavalcade.geometry.trajectory import Trajectory
 from cavalcade.recording.status import PlannerStatus
 from cavalcade.robots import RobotModel
-from cavalcade.world import Shape, shape_from_mapping
+from cavalcade.world import OccupancyMap, Shape, Terrain, shape_from_mapping
+from cavalcade.world.occupancy import UNKNOWN
 
 if TYPE_CHECKING:
+    from cavalcade.metrics.plan_result import PlanResult
     from cavalcade.recording.frames import ObstacleTrack, Recording
     from cavalcade.scenario import Scenario, World
+
+_T = TypeVar("_T")
 
 DEFAULT_RADIUS = 0.30
 """The paper's inflation radius in m, where the scenario does not set another one."""
@@ -58,61 +64,24 @@ class Arena:
         walls: Rings of the map file's occupied cells.
         unknown: Rings of the cells nothing is known of.
         shapes: Outlines of the exact shapes that are there all the time.
+        terrain: The heights; None for level ground.
     """
 
     border: Array
     walls: tuple[Array, ...]
     unknown: tuple[Array, ...]
     shapes: tuple[Array, ...]
+    terrain: Terrain | None
 
     @property
     def bounds(self) -> Array:
         """`(4,)`: lowest x, lowest y, highest x, highest y."""
         return np.concatenate([self.border.min(axis=0), self.border.max(axis=0)])
 
-
-@dataclass(frozen=True)
-class Scene:
-    """A run ready to be drawn: T cycles, N robots, map frame, SI units.
-
-    Attributes:
-        name: The scenario's.
-        arena: The ground.
-        fixed: The exact shapes that are there all the time.
-        tracks: Obstacles that came, went or moved.
-        models: N robot models.
-        radius: The inflation radius `r_max`.
-        time: `(T,)`.
-        poses: `(T, N, 3)` true poses.
-        status: T planner states.
-        notes: (time, text) of what happened.
-    """
-
-    name: str
-    arena: Arena
-    fixed: tuple[Shape, ...]
-    tracks: tuple[Track, ...]
-    models: tuple[RobotModel, ...]
-    radius: float
-    time: Array
-    poses: Array
-    status: tuple[PlannerStatus, ...]
-    notes: tuple[tuple[float, str], ...]
-
-    @property
-    def size(self) -> int:
-        """Number of robots."""
-        return int(self.poses.shape[1])
-
-    def view(self, margin: float = 1.2) -> Array:
-        """`(4,)` the part worth showing: the whole map unless the team used little of it."""
-        bounds = self.arena.bounds
-        places = [self.poses[..., :2].reshape(-1, 2)]
-        places += [s.goals for s in self.status[:: max(1, len(self.status) // 50)]]
-        goals = [s.goal[None, :2] for s in self.status if s.goal is not None]
-        if goals:
-            places.append(np.unique(np.concatenate(goals), axis=0))
-        points = np.concatenate(places)
+    def view(self, places: Iterable[Array], margin: float) -> Array:
+        """`(4,)` the part around all points `(K, 2)`; the whole map unless that is little."""
+        bounds = self.bounds
+        points = np.concatenate(list(places))
         points = points[np.isfinite(points).all(axis=1)]
         low = np.maximum(points.min(axis=0) - margin, bounds[:2])
         high = np.minimum(points.max(axis=0) + margin, bounds[2:])
@@ -126,24 +95,118 @@ class Scene:
         return np.concatenate([low, high])
 
 
+@dataclass(frozen=True)
+class _Team:
+    """What runs and plans have in common.
+
+    Attributes:
+        name: The scenario's.
+        arena: The ground.
+        models: N robot models.
+    """
+
+    name: str
+    arena: Arena
+    models: tuple[RobotModel, ...]
+
+    @property
+    def size(self) -> int:
+        """Number of robots."""
+        return len(self.models)
+
+
+@dataclass(frozen=True)
+class Scene(_Team):
+    """A run ready to be drawn: T cycles, N robots, map frame, SI units.
+
+    Attributes:
+        fixed: The exact shapes that are there all the time.
+        tracks: Obstacles that came, went or moved.
+        radius: The inflation radius `r_max`.
+        time: `(T,)`.
+        poses: `(T, N, 3)` true poses.
+        status: T planner states.
+        notes: (time, text) of what happened.
+    """
+
+    fixed: tuple[Shape, ...]
+    tracks: tuple[Track, ...]
+    radius: float
+    time: Array
+    poses: Array
+    status: tuple[PlannerStatus, ...]
+    notes: tuple[tuple[float, str], ...]
+
+    def view(self, margin: float = 1.2) -> Array:
+        """`(4,)` the part worth showing: the whole map unless the team used little of it."""
+        places = [self.poses[..., :2].reshape(-1, 2)]
+        places += [s.goals for s in self.status[:: max(1, len(self.status) // 50)]]
+        goals = [s.goal[None, :2] for s in self.status if s.goal is not None]
+        return self.arena.view([*places, *goals], margin)
+
+
+@dataclass(frozen=True)
+class PlanScene(_Team):
+    """A plan ready to be drawn; map frame, SI units, N robots.
+
+    Attributes:
+        result: `solved` or why not.
+        solved: Whether it is a plan that can be carried out.
+        starts, goals: `(N, 3)` poses.
+        paths: N trajectories, None where none is known.
+        footholds: N arrays `(M, 6)`.
+    """
+
+    result: str
+    solved: bool
+    starts: Array
+    goals: Array
+    paths: tuple[Trajectory | None, ...]
+    footholds: tuple[Array, ...]
+
+    @property
+    def known(self) -> list[tuple[int, Trajectory]]:
+        """Robots that have a trajectory, with it."""
+        return [(robot, path) for robot, path in enumerate(self.paths) if path is not None]
+
+    @property
+    def makespan(self) -> float:
+        """Until all are parked, s."""
+        return max((path.duration for _, path in self.known), default=0.0)
+
+    def view(self) -> Array:
+        """`(4,)` the part worth showing: the whole map unless the team uses little of it."""
+        driven = [path.position[:, :2] for _, path in self.known]
+        return self.arena.view([self.starts[:, :2], self.goals[:, :2], *driven], 1.0)
+
+
+def runs(values: Iterable[_T]) -> list[tuple[_T, int, int]]:
+    """(value, first, last + 1) of each stretch of equal values."""
+    found, first = [], 0
+    for value, same in groupby(values):
+        last = first + sum(1 for _ in same)
+        found.append((value, first, last))
+        first = last
+    return found
+
+
+def map_border(grid: OccupancyMap) -> Array:
+    """Corners `(4, 2)` of a map, map frame."""
+    width, height = grid.size
+    return grid.to_map([(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)])
+
+
 def arena_of(world: World, shapes: Sequence[Shape]) -> Arena:
     """The arena of a world with those of its shapes that are to be drawn as lasting."""
     grid = world.base
-    width, height = grid.size
-    corners = np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]])
-    unknown = np.asarray(grid.grid) == -1
+    unknown = np.asarray(grid.grid) == UNKNOWN
     return Arena(
-        border=transform_points(grid.origin, corners),
+        border=map_border(grid),
         walls=tuple(cell_rings(grid.occupied & ~unknown, grid.resolution, grid.origin)),
         unknown=tuple(cell_rings(unknown, grid.resolution, grid.origin)),
         shapes=tuple(shape_ring(shape) for shape in shapes),
+        terrain=world.terrain,
     )
-
-
-def radius_of(scenario: Scenario) -> float:
-    """The scenario's inflation radius `r_max` in m."""
-    value = scenario.planner.r_max
-    return DEFAULT_RADIUS if value is None else float(value)
 
 
 def scene_of(scenario: Scenario, world: World, recording: Recording) -> Scene:
@@ -154,17 +217,34 @@ def scene_of(scenario: Scenario, world: World, recording: Recording) -> Scene:
     for track in tracks:
         if track.start <= 0.0 and track.shape in fixed:
             fixed.remove(track.shape)
+    radius = scenario.planner.r_max
     return Scene(
         name=str(scenario.name),
         arena=arena_of(world, fixed),
         fixed=tuple(fixed),
         tracks=tracks,
         models=scenario.models,
-        radius=radius_of(scenario),
+        radius=DEFAULT_RADIUS if radius is None else float(radius),
         time=np.asarray(recording.time, dtype=float),
         poses=np.asarray(recording.poses, dtype=float),
         status=recording.status,
         notes=recording.notes,
+    )
+
+
+def plan_scene(scenario: Scenario, world: World, made: PlanResult) -> PlanScene:
+    """Gather the scene of a plan."""
+    detail = made.summary.get("detail")
+    return PlanScene(
+        name=str(scenario.name),
+        arena=arena_of(world, world.shapes),
+        models=scenario.models,
+        result=f"{made.reason}: {detail}" if detail else made.reason,
+        solved=made.solved,
+        starts=np.array(scenario.starts, dtype=float).reshape(-1, 3),
+        goals=np.array(scenario.goals, dtype=float).reshape(-1, 3),
+        paths=made.trajectories,
+        footholds=made.footholds,
     )
 
 

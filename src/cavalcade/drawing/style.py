@@ -1,17 +1,19 @@
-"""One look for all figures: sizes of an IEEE page, a colour-blind-safe palette, safe writing."""
+"""One look for all figures: sizes of an IEEE page, a colour-blind-safe palette, marks, writing."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from cavalcade.errors import OutputError
 from cavalcade.files import replacing
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
 
 COLUMN = 3.5
 """Width of a single column, inches."""
@@ -26,6 +28,19 @@ SHAPE = "#596068"
 UNKNOWN = "#d9dbde"
 MOVER = "#8a4b2a"
 LIMIT = "#b00020"
+BEYOND = "#f6d5d9"
+GRID = "#dcdee1"
+
+WALKING, FLYING, WAITING, TURNING = "#d7191c", "#1f5fe0", "#c9cdd2", "#f0a3a0"
+"""The colours of walking and of flight are those of the paper's Fig. 6."""
+
+LEGS = (
+    ("front left", "#0072B2", "o"),
+    ("front right", "#E69F00", "s"),
+    ("rear left", "#009E73", "^"),
+    ("rear right", "#B5478D", "D"),
+)
+"""Names of the legs, and how their footholds are marked."""
 
 # Okabe and Ito's palette without its yellow, which vanishes on white, then three darker tones.
 ROBOTS = (
@@ -106,6 +121,32 @@ def robot_dash(index: int) -> Any:
     return styles[(index // len(ROBOTS)) % len(styles)]
 
 
+def mark(shape: str, size: float, edge: str, width: float = 0.8, face: str = "white") -> Any:
+    """Options of a marker without a line, for `plot` as well as for `key`."""
+    return {
+        "linestyle": "none",
+        "marker": shape,
+        "markersize": size,
+        "markerfacecolor": face,
+        "markeredgecolor": edge,
+        "markeredgewidth": width,
+    }
+
+
+def key(label: str, **options: Any) -> Line2D:
+    """What stands for lines or markers of these options in a legend."""
+    from matplotlib.lines import Line2D
+
+    return Line2D([], [], label=label, **options)
+
+
+def halo(width: float) -> Any:
+    """Text and lines with a white border of so many points, readable on any ground."""
+    from matplotlib.patheffects import Normal, withStroke
+
+    return [withStroke(linewidth=width, foreground="white"), Normal()]
+
+
 @contextmanager
 def paper_style() -> Iterator[None]:
     """Matplotlib with this module's look, and only inside the `with` block."""
@@ -124,6 +165,21 @@ def new_figure(width: float, height: float) -> Figure:
     figure = Figure(figsize=(width, height))
     FigureCanvasAgg(figure)
     return figure
+
+
+class Margins(NamedTuple):
+    """Room around a figure's panels, inches."""
+
+    left: float
+    right: float
+    bottom: float
+    top: float
+
+
+def add_panel(figure: Figure, left: float, bottom: float, width: float, height: float) -> Axes:
+    """Axes at a place given in inches from the figure's lower left corner."""
+    page, total = figure.get_size_inches()
+    return figure.add_axes((left / page, bottom / total, width / page, height / total))
 
 
 def make_directory(path: str | Path) -> Path:

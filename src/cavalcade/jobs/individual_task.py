@@ -111,7 +111,7 @@ class IndividualTask(Task):
         if self.planned is None:
             super().draw(recording, policy, summary, folder)
             return
-        from cavalcade.drawing.plans import make_plan_figures
+        from cavalcade.drawing.figures import make_plan_figures
 
         shown = self._as_driven(recording, policy, summary)
         make_plan_figures(self.scenario, self.world, shown, folder)

@@ -62,7 +62,7 @@ def plan(
         if folder is not None:
             write_plan(folder.stage / PLAN, made.trajectories, made.footholds)
             if figures:
-                from cavalcade.drawing.plans import make_plan_figures
+                from cavalcade.drawing.figures import make_plan_figures
 
                 reporter.say("Drawing the figures ...")
                 make_plan_figures(resolved, world, made, folder.stage / FIGURES)

@@ -161,10 +161,12 @@ def _write(
     if task.planned is not None:
         write_plan(stage / PLAN, task.planned.trajectories, task.planned.footholds)
     if figures:
-        from cavalcade.drawing.physics.drawing import add_figures
-
         task.reporter.say("Drawing the figures ...")
         task.draw(recording, policy, summary, stage / FIGURES)
-        add_figures(task.scenario, recording, stage / FIGURES)
+        if recording.physics is not None:
+            from cavalcade.drawing.figures import make_physics_figures
+
+            commands = (recording.time, recording.commands)
+            make_physics_figures(task.scenario, recording.physics, commands, stage / FIGURES)
     if replay:
         task.write_replay(recording, policy, summary, stage / REPLAY)

@@ -102,9 +102,9 @@ class Task:
 
     def draw(self, recording: Recording, policy: Policy, summary: Summary, folder: Path) -> None:
         """Its figures."""
-        from cavalcade.drawing.formation import make_figures
+        from cavalcade.drawing.figures import make_figures
 
-        make_figures(self.scenario, self.world, recording, summary, folder)
+        make_figures(self.scenario, self.world, recording, folder)
 
     def write_replay(
         self, recording: Recording, policy: Policy, summary: Summary, path: Path

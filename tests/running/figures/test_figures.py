@@ -10,8 +10,9 @@ import pytest
 from PIL import Image
 
 from cavalcade import eikonal
-from cavalcade.drawing.formation import draw_scenario, make_figures
-from cavalcade.drawing.formation.snapshots import choose_moments
+from cavalcade.drawing.figures import make_figures
+from cavalcade.drawing.formation.sequence import choose_moments
+from cavalcade.drawing.overview import draw_scenario
 from cavalcade.drawing.scene import scene_of
 from cavalcade.errors import OutputError
 from cavalcade.scenario import World, build_world, load_scenario
@@ -39,7 +40,7 @@ def straight_arrival_times(monkeypatch):
 
 
 def draw(run, folder):
-    return make_figures(run.scenario, run.world, run.recording, run.summary, folder)
+    return make_figures(run.scenario, run.world, run.recording, folder)
 
 
 def test_a_run_leaves_four_pictures_in_good_time(run, tmp_path):
@@ -88,7 +89,7 @@ def test_very_short_recordings(run, tmp_path, cycles):
         poses=run.recording.poses[:cycles],
         status=run.recording.status[:cycles],
     )
-    files = make_figures(run.scenario, run.world, short, run.summary, tmp_path)
+    files = make_figures(run.scenario, run.world, short, tmp_path)
     assert [file.name for file in files] == (NAMES if cycles else [])
 
 
@@ -99,7 +100,7 @@ def test_a_team_without_a_goal_has_no_arrival_field(make_run, tmp_path):
         for status in run.recording.status
     )
     recording = dataclasses.replace(run.recording, status=idle)
-    files = make_figures(run.scenario, run.world, recording, run.summary, tmp_path)
+    files = make_figures(run.scenario, run.world, recording, tmp_path)
     assert [file.name for file in files] == NAMES[:3]
 
 
@@ -118,7 +119,7 @@ def test_a_lost_robot_and_a_new_shape_are_drawn(make_run, tmp_path):
         for i, status in enumerate(run.recording.status)
     )
     recording = dataclasses.replace(run.recording, status=changed)
-    assert len(make_figures(run.scenario, run.world, recording, run.summary, tmp_path)) == 4
+    assert len(make_figures(run.scenario, run.world, recording, tmp_path)) == 4
 
 
 def test_a_map_with_unknown_ground_and_a_turned_origin(make_run, tmp_path):
@@ -127,7 +128,7 @@ def test_a_map_with_unknown_ground_and_a_turned_origin(make_run, tmp_path):
     grid[:20], grid[90:100, 200:230] = -1, 100
     ground = OccupancyMap(grid, 0.05, (0.5, -0.5, 0.1))
     world = World(ground.with_shapes(run.world.shapes), ground, run.world.shapes, (), None)
-    assert len(make_figures(run.scenario, world, run.recording, run.summary, tmp_path)) == 4
+    assert len(make_figures(run.scenario, world, run.recording, tmp_path)) == 4
 
 
 def test_a_place_that_cannot_be_written_is_named(run, tmp_path):
@@ -165,7 +166,7 @@ def test_individual_goals_and_terrain_are_drawn(name, tmp_path):
 
 
 def test_importing_the_package_does_not_import_matplotlib():
-    code = "import sys, cavalcade.drawing.formation; sys.exit('matplotlib' in sys.modules)"
+    code = "import sys, cavalcade.drawing.figures; sys.exit('matplotlib' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 

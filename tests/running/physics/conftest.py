@@ -95,7 +95,7 @@ def _spot(at, ground, robot, leg, when):
 
 
 def _inverse(robot, leg, base, foot):
-    from cavalcade.drawing.physics.skeleton import rotations
+    from .link_frames import rotations
 
     hip, thigh, calf = robot.legs[leg].joints
     local = np.einsum("tji,tj->ti", rotations(base[:, 3:]), foot - base[:, :3]) - hip.offset

@@ -12,13 +12,14 @@ import numpy as np
 import pytest
 
 import cavalcade as cv
-from cavalcade.drawing.physics.skeleton import foot_places, link_frames, rotations, skeleton_of
 from cavalcade.drawing.replay.data import replay_data
 from cavalcade.drawing.replay.page import replay_page, write_replay
-from cavalcade.drawing.replay.track import ANGLE, FORCE, merged_contacts
+from cavalcade.drawing.replay.track import ANGLE, FORCE, merged_contacts, skeleton_of
 from cavalcade.errors import OutputError, RecordingError
 from cavalcade.recording.frames import Recording
 from cavalcade.recording.physics_track import ContactEvent, FallEvent
+
+from .link_frames import foot_places, link_frames, rotations
 
 STARTS = [(1.0, 1.0, 0.3), (1.0, 3.0, -0.3)]
 GOALS = [(4.0, 2.0, 0.5), (4.0, 3.5, 2.5)]

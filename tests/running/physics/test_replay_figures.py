@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 import cavalcade as cv
-from cavalcade.drawing.physics.figures import make_physics_figures
+from cavalcade.drawing.figures import make_physics_figures
 from cavalcade.drawing.physics.signals import (
     busiest_window,
     loaded_spans,
@@ -48,7 +48,7 @@ def test_figures_are_drawn(walked, tmp_path):
     commands = np.zeros((80, 2, 3))
     commands[20:60, 0, 0] = 0.4
     made = make_physics_figures(
-        scenario, track, 0.1 * np.arange(80), commands, tmp_path / "figures"
+        scenario, track, (0.1 * np.arange(80), commands), tmp_path / "figures"
     )
     assert [file.name for file in made] == ["legs.png", "gait.png"]
     # Who only stands has a quarter of its weight on each foot, which is drawn in half its colour.
@@ -69,7 +69,7 @@ def test_contacts_and_falls_add_red(walked, tmp_path):
     )
 
     def red(which, name):
-        file = make_physics_figures(scenario, which, None, None, tmp_path / name)[0]
+        file = make_physics_figures(scenario, which, None, tmp_path / name)[0]
         with Image.open(file) as picture:
             seen = np.asarray(picture.convert("RGB")).astype(int)
         return (np.abs(seen - (246, 213, 217)).max(axis=2) < 4).sum()
@@ -84,14 +84,14 @@ def test_a_single_sample_has_no_figures(walked, tmp_path):
         for name in ("time", "base", "joints", "joint_rates", "torques", "foot_forces")
     }
     short = dataclasses.replace(track, **first)
-    assert make_physics_figures(scenario, short, None, None, tmp_path) == []
+    assert make_physics_figures(scenario, short, None, tmp_path) == []
 
 
 def test_the_track_is_that_of_the_scenario(walked, tmp_path):
     scenario, track = walked
     one = scenario.model_copy(update={"robots": scenario.robots[:1]})
     with pytest.raises(RecordingError, match="samples of 1 robots"):
-        make_physics_figures(one, track, None, None, tmp_path)
+        make_physics_figures(one, track, None, tmp_path)
 
 
 def test_speed_is_that_over_ground(walked):

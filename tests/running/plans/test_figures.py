@@ -5,10 +5,11 @@ import pytest
 from PIL import Image
 
 import cavalcade as cv
-from cavalcade.drawing.plans import make_plan_figures
-from cavalcade.drawing.plans.scene import activities, leaps, plan_scene, runs
+from cavalcade.drawing.figures import make_plan_figures
+from cavalcade.drawing.plans.motion import activities, leaps
 from cavalcade.drawing.plans.timing import team_gaps
 from cavalcade.drawing.plans.top_view import waits
+from cavalcade.drawing.scene import plan_scene, runs
 
 RED, BLUE = (215, 25, 28), (31, 95, 224)
 

@@ -15,12 +15,12 @@ from cavalcade.campaign.report.cells import Cell
 from cavalcade.campaign.report.trials import Order
 from cavalcade.campaign.report.wording import code
 from cavalcade.drawing import style
+from cavalcade.drawing.charts import draw_grid
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure as MatplotlibFigure
 
-GRID = "#dadcdf"
 SERIES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7A5195", "#5B5B5B")
 """Okabe and Ito's colours in an order that keeps neighbours far apart, then two darker ones."""
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<")
@@ -86,15 +86,11 @@ def rows_figure(
     figure = style.new_figure(style.PAGE, total)
     axes = []
     for k in range(panels):
-        place = (left + k * (width + between)) / style.PAGE
-        axis = figure.add_axes(
-            (place, bottom / total, width / style.PAGE, height / total),
-        )
+        axis = style.add_panel(figure, left + k * (width + between), bottom, width, height)
         axis.set_ylim(max(len(labels), 2) - 0.5, -0.5)
         axis.set_yticks(range(len(labels)), labels if k == 0 else [""] * len(labels))
         axis.tick_params(axis="y", length=0)
-        axis.grid(True, axis="x", linewidth=0.3, color=GRID)
-        axis.set_axisbelow(True)
+        draw_grid(axis, "x")
         axes.append(axis)
     return figure, axes
 
@@ -104,7 +100,7 @@ def separate(axes: Sequence[Axes], groups: Sequence[str]) -> None:
     for k in range(1, len(groups)):
         if groups[k] != groups[k - 1]:
             for axis in axes:
-                axis.axhline(k - 0.5, color=GRID, linewidth=0.6, zorder=0.6)
+                axis.axhline(k - 0.5, color=style.GRID, linewidth=0.6, zorder=0.6)
 
 
 @dataclass(frozen=True)

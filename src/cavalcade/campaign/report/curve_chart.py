@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from cavalcade.campaign.report import canvas
 from cavalcade.campaign.report.cells import Curve, Point
 from cavalcade.drawing import style
+from cavalcade.drawing.charts import draw_grid
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,14 +32,7 @@ def draw_curves(curves: Sequence[Curve], labels: Sequence[str]) -> Figure:
 
     figure = style.new_figure(style.PAGE, total)
     axes = [
-        figure.add_axes(
-            (
-                (left + k * (width + between)) / style.PAGE,
-                bottom / total,
-                width / style.PAGE,
-                height / total,
-            )
-        )
+        style.add_panel(figure, left + k * (width + between), bottom, width, height)
         for k in range(3)
     ]
     handles: list[Any] = []
@@ -58,8 +52,7 @@ def draw_curves(curves: Sequence[Curve], labels: Sequence[str]) -> Figure:
         axis.set_ylabel(title)
         axis.set_xlabel(f"number of {curves[0].axis}" if curves[0].axis.endswith("s")
                         else curves[0].axis)  # fmt: skip
-        axis.grid(True, linewidth=0.3, color=canvas.GRID)
-        axis.set_axisbelow(True)
+        draw_grid(axis)
         axis.margins(x=0.03)
         if all(float(end).is_integer() for curve in curves for end in curve.ends):
             axis.xaxis.set_major_locator(MaxNLocator(nbins=6, integer=True))

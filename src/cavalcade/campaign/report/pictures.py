@@ -10,15 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cavalcade.drawing import style
-from cavalcade.drawing.actors import (
-    draw_arena,
-    draw_goals,
-    draw_robot,
-    draw_tracks,
-    set_ticks,
-    set_view,
-)
+from cavalcade.drawing.actors import draw_driven, draw_goals, draw_outline, draw_robot
 from cavalcade.drawing.distances import obstacle_distances
+from cavalcade.drawing.maps import draw_arena, draw_tracks, map_figure
 from cavalcade.drawing.scene import Scene, scene_of
 from cavalcade.geometry import Array, transform_points
 
@@ -29,10 +23,7 @@ if TYPE_CHECKING:
     from cavalcade.robots import RobotModel
     from cavalcade.scenario import Scenario, World
 
-_LEFT, _RIGHT, _BOTTOM, _TOP = 0.36, 0.06, 0.46, 0.20
-_WIDEST, _TALLEST = 5.4, 4.6
-_SMALL = 6.0
-"""A body shorter than this, in points, needs a dot to be seen."""
+_MARGINS = style.Margins(left=0.36, right=0.06, bottom=0.46, top=0.20)
 _SPACING = 0.08
 _MOST_POINTS = 250_000
 
@@ -79,50 +70,24 @@ def draw_paths(
     if len(recording.time) == 0:
         return None
     scene = scene_of(scenario, world, recording)
-    view = scene.view()
-    span = view[2:] - view[:2]
-    aspect = float(span[1] / span[0])
-    width = min(_WIDEST - _LEFT - _RIGHT, _TALLEST / aspect)
-    height = width * aspect
-    page, total = max(_LEFT + width + _RIGHT, 3.0), _BOTTOM + height + _TOP
     with style.paper_style():
-        figure = style.new_figure(page, total)
-        axes = figure.add_axes((_LEFT / page, _BOTTOM / total, width / page, height / total))
-        set_view(axes, view)
-        set_ticks(axes, view, width)
+        figure, axes = map_figure(scene.view(), _MARGINS, 5.4, 4.6, narrowest=3.0)
         draw_arena(axes, scene.arena)
         found = tightest(scene, world)
         moment = len(scene.time) - 1 if found is None else found.cycle
         draw_tracks(axes, scene.tracks, float(scene.time[moment]))
         draw_goals(axes, scene.status[-1])
-        _draw_team(axes, scene, width * 72.0 / float(span[0]))
+        for robot, model in enumerate(scene.models):
+            poses, color = scene.poses[:, robot], style.robot_color(robot)
+            draw_driven(axes, poses, robot)
+            draw_robot(axes, poses[0], model, color, hollow=True)
+            draw_robot(axes, poses[-1], model, color)
         note = _draw_tightest(axes, scene, found, summary)
-        axes.set_xlabel("$x$ (m)", labelpad=1)
-        axes.set_ylabel("$y$ (m)", labelpad=1)
         reason = str(summary.get("reason") or "")
         axes.set_title(f"{reason}, $t$ = {scene.time[-1]:.1f} s", loc="left", pad=3)
-        figure.text(_LEFT / page, 0.05 / total, note, fontsize=7, color=style.LIMIT, va="bottom")
+        place = (_MARGINS.left / figure.get_figwidth(), 0.05 / figure.get_figheight())
+        figure.text(*place, note, fontsize=7, color=style.LIMIT, va="bottom")
         return style.save(figure, path, dpi=200)
-
-
-def _draw_team(axes: Axes, scene: Scene, scale: float) -> None:
-    """Paths, bodies at the start in white, bodies at the end in colour; `scale` in points per m."""
-    for robot, model in enumerate(scene.models):
-        color = style.robot_color(robot)
-        axes.plot(
-            *scene.poses[:, robot, :2].T,
-            color=color,
-            linestyle=style.robot_dash(robot),
-            linewidth=0.9,
-            zorder=2.5,
-        )
-        start, end = scene.poses[0, robot], scene.poses[-1, robot]
-        for pose, fill in ((start, "white"), (end, color)):
-            if model.length * scale < _SMALL:
-                axes.plot(*pose[:2], marker="o", markersize=4.2, markerfacecolor=fill,
-                          markeredgecolor=color, markeredgewidth=0.6, zorder=5.8)  # fmt: skip
-        draw_robot(axes, start, model, color, lost=True)
-        draw_robot(axes, end, model, color)
 
 
 def _draw_tightest(
@@ -134,13 +99,10 @@ def _draw_tightest(
     collisions = summary.get("collisions") or {}
     hits = sum(int(value or 0) for value in collisions.values())
     for pose, model in zip(scene.poses[found.cycle], scene.models, strict=True):
-        corners = np.array(transform_points(pose, _outline(model)))
-        axes.plot(*np.vstack([corners, corners[:1]]).T, color=style.INK, linewidth=0.5, zorder=6.3)
-    axes.plot(*found.place, marker="o", markersize=11, markerfacecolor="none",
-              markeredgecolor=style.LIMIT, markeredgewidth=1.1, zorder=9)  # fmt: skip
+        draw_outline(axes, pose, model, edgecolor=style.INK, linewidth=0.5, zorder=6.3)
+    axes.plot(*found.place, **style.mark("o", 11, style.LIMIT, 1.1, "none"), zorder=9)
     if hits:
-        axes.plot(*found.place, marker="x", markersize=5.5, color=style.LIMIT,
-                  markeredgewidth=1.3, zorder=9.1)  # fmt: skip
+        axes.plot(*found.place, **style.mark("x", 5.5, style.LIMIT, 1.3), zorder=9.1)
     when = f"$t$ = {scene.time[found.cycle]:.1f} s"
     if hits:
         return f"{hits} contact{'s' * (hits > 1)}; ring and outlines: {when}"

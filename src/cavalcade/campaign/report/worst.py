@@ -171,8 +171,8 @@ def _repeat(
 def _draw(repeated: JobResult, path: Path) -> Path | None:
     """Draw the driven paths, or the plan; None where there is nothing to draw."""
     from cavalcade.campaign.report.pictures import draw_paths
-    from cavalcade.drawing.plans.scene import plan_scene
     from cavalcade.drawing.plans.top_view import draw_top_view
+    from cavalcade.drawing.scene import plan_scene
 
     scenario, world, recording = repeated.scenario, repeated.world, repeated.recording
     if recording is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.drawing import style
-from cavalcade.drawing.actors import draw_arena, draw_robot, set_ticks, set_view
+from cavalcade.drawing.actors import draw_driven, draw_robot, draw_team_goal
+from cavalcade.drawing.maps import add_scale, draw_arena, grid_transform, map_figure
 from cavalcade.drawing.scene import Scene
-from cavalcade.geometry import Array, inverse_transform_points, transform_points
+from cavalcade.geometry import Array
 from cavalcade.world import OccupancyMap
 
 if TYPE_CHECKING:
@@ -23,7 +25,7 @@ DEFAULT_SAFE_DISTANCE = 1.50
 """The paper's `d_safe_A` in m, where the scenario does not set another one."""
 
 _BLOCKED = "#e9e6e1"
-_LEFT, _RIGHT, _BOTTOM, _TOP, _BAR = 0.34, 0.42, 0.30, 0.05, 0.09
+_MARGINS = style.Margins(left=0.34, right=0.42, bottom=0.30, top=0.05)
 
 
 def arrival_field(scene: Scene, world: World, goal: Array, safe: float) -> tuple[Array, Array]:
@@ -43,11 +45,8 @@ def arrival_field(scene: Scene, world: World, goal: Array, safe: float) -> tuple
     padded = np.pad(np.asarray(grid.occupied), 1, constant_values=True)
     surface = eikonal.surface_distance(padded, grid.resolution)[1:-1, 1:-1]
     speed = np.clip((np.asarray(surface) - scene.radius) / safe, 0.0, 1.0)
-    column, row = inverse_transform_points(grid.origin, goal[None, :2])[0] / grid.resolution
-    source = (
-        min(max(int(np.floor(row)), 0), grid.rows - 1),
-        min(max(int(np.floor(column)), 0), grid.cols - 1),
-    )
+    row, column = np.clip(grid.cell_of(goal[None, :2])[0], 0, (grid.rows - 1, grid.cols - 1))
+    source = (int(row), int(column))
     times = np.asarray(eikonal.arrival_times(speed, [source], grid.resolution))
     return times, np.asarray(surface)
 
@@ -64,35 +63,19 @@ def draw_arrival_field(
     if np.isfinite(times).sum() < 2:
         return None
     view = scene.view()
-    span = view[2:] - view[:2]
     with style.paper_style():
-        room = style.COLUMN - _LEFT - _RIGHT
-        width = min(room, 5.0 * float(span[0] / span[1]))
-        height = width * float(span[1] / span[0])
-        page, total = _LEFT + width + _RIGHT, _BOTTOM + height + _TOP
-        figure = style.new_figure(page, total)
-        axes = figure.add_axes((_LEFT / page, _BOTTOM / total, width / page, height / total))
-        bar = figure.add_axes(
-            ((_LEFT + width + 0.05) / page, _BOTTOM / total, _BAR / page, height / total)
-        )
+        figure, axes = map_figure(view, _MARGINS, style.COLUMN, 5.0)
         mesh = _draw_field(axes, world.map, times, clearance, scene.radius, view)
-        draw_arena(axes, scene.arena)
+        draw_arena(axes, replace(scene.arena, terrain=None))
         _draw_paths(axes, scene)
-        axes.plot(*goal[:2], marker="D", markersize=4.2, markerfacecolor="white",
-                  markeredgecolor=style.INK, markeredgewidth=0.9, zorder=5.5)  # fmt: skip
-        set_view(axes, view)
-        set_ticks(axes, view, width)
-        axes.set_xlabel("$x$ (m)", labelpad=1)
-        axes.set_ylabel("$y$ (m)", labelpad=1)
-        scale = figure.colorbar(mesh, cax=bar)
-        scale.set_label(_bar_label(height), labelpad=2)
-        scale.outline.set_linewidth(0.4)
-        bar.tick_params(size=1.8, pad=1.5)
+        draw_team_goal(axes, goal)
+        inches = axes.get_position().height * figure.get_figheight()
+        add_scale(figure, axes, mesh, _scale_label(inches))
         return style.save(figure, path, dpi=400)
 
 
-def _bar_label(inches: float) -> str:
-    """What the bar shows, as long as it fits beside it."""
+def _scale_label(inches: float) -> str:
+    """What the scale shows, as long as it fits beside it."""
     if inches >= 1.6:
         return "arrival time (normalised s)"
     return "arrival time (s)" if inches >= 0.95 else "ETA (s)"
@@ -100,9 +83,7 @@ def _bar_label(inches: float) -> str:
 
 def _in_view(grid: OccupancyMap, view: Array) -> NDArray[np.bool_]:
     """`(rows, cols)`: the cells whose centres lie in the part that is shown."""
-    rows, cols = np.mgrid[0 : grid.rows, 0 : grid.cols]
-    local = np.column_stack([cols.ravel() + 0.5, rows.ravel() + 0.5]) * grid.resolution
-    places = transform_points(grid.origin, local)
+    places = grid.centers(np.indices((grid.rows, grid.cols)).reshape(2, -1).T)
     inside = ((places >= view[:2]) & (places <= view[2:])).all(axis=1)
     return np.asarray(inside.reshape(grid.rows, grid.cols))
 
@@ -113,7 +94,6 @@ def _draw_field(
     """Shaded field and contour lines, on the map's own grid, turned with its origin."""
     from matplotlib.colors import LinearSegmentedColormap
     from matplotlib.ticker import MaxNLocator
-    from matplotlib.transforms import Affine2D
 
     # From light to dark in one hue, so that paths and print in grey stay readable.
     shades = LinearSegmentedColormap.from_list(
@@ -123,8 +103,7 @@ def _draw_field(
     # The last few cells before a wall take for ever: they would eat up the whole scale.
     highest = float(np.quantile(times[seen if seen.any() else np.isfinite(times)], 0.97)) or 1.0
     shown = np.ma.masked_invalid(times)
-    x, y, yaw = (float(value) for value in grid.origin)
-    place = Affine2D().rotate(yaw).translate(x, y) + axes.transData
+    place = grid_transform(axes, grid.origin)
     width, height = grid.size
     mesh = axes.imshow(
         shown,
@@ -162,13 +141,10 @@ def _draw_field(
 
 
 def _draw_paths(axes: Axes, scene: Scene) -> None:
-    from matplotlib.patheffects import Normal, withStroke
-
-    halo = [withStroke(linewidth=2.0, foreground="white"), Normal()]
-    for robot in range(scene.size):
+    for robot, model in enumerate(scene.models):
         color = style.robot_color(robot)
         line = scene.poses[:, robot]
-        axes.plot(*line[:, :2].T, color=color, linewidth=1.0, zorder=4, path_effects=halo)
-        draw_robot(axes, line[-1], scene.models[robot], color)
-        axes.plot(*line[0, :2], marker="o", markersize=3.2, markerfacecolor="white",
-                  markeredgecolor=color, markeredgewidth=0.9, zorder=5)  # fmt: skip
+        draw_driven(axes, line, robot, linestyle="-", linewidth=1.0, zorder=4,
+                    path_effects=style.halo(2.0))  # fmt: skip
+        draw_robot(axes, line[-1], model, color)
+        axes.plot(*line[0, :2], **style.mark("o", 3.2, color, 0.9), zorder=5)

@@ -6,20 +6,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cavalcade.drawing import style
 from cavalcade.drawing.actors import (
-    draw_arena,
+    SMALL,
+    STAR,
+    draw_driven,
     draw_goals,
     draw_robot,
     draw_springs,
-    draw_tracks,
     label_places,
-    set_ticks,
-    set_view,
 )
-from cavalcade.drawing.formation.snapshots import choose_moments
-from cavalcade.drawing.scene import Scene
+from cavalcade.drawing.maps import add_map, draw_arena, draw_tracks, points_per_metre
+from cavalcade.drawing.scene import Scene, runs
 from cavalcade.geometry import Array
 
 if TYPE_CHECKING:
@@ -35,8 +35,8 @@ STATES = {
     "inactive": "inactive",
 }
 
-_SMALL = 6.0
-"""A body shorter than this, in points, needs a dot to be seen."""
+_AHEAD: Any = (0, (3.2, 1.6))
+"""Dashes of the leader's path ahead."""
 _LEFT, _RIGHT, _BETWEEN, _TITLE, _BOTTOM, _LEGEND = 0.34, 0.05, 0.09, 0.19, 0.30, 0.24
 
 
@@ -51,28 +51,23 @@ def draw_sequence(scene: Scene, path: Path) -> Path:
         total = _LEGEND + _BOTTOM + rows * (height + _TITLE)
         page = _LEFT + _RIGHT + columns * width + (columns - 1) * _BETWEEN
         figure = style.new_figure(page, total)
-        for number, cycle in enumerate(moments):
+        for number, cycle in enumerate(moments.tolist()):
             row, column = divmod(number, columns)
             left = _LEFT + column * (width + _BETWEEN)
             bottom = total - (row + 1) * (height + _TITLE)
-            axes = figure.add_axes((left / page, bottom / total, width / page, height / total))
-            set_view(axes, view)
-            set_ticks(axes, view, width, first=column == 0)
-            _draw_moment(axes, scene, int(cycle), view, width)
-            _label_panel(axes, scene, int(cycle), number)
+            axes = add_map(figure, left, bottom, width, view, first=column == 0)
+            _draw_moment(axes, scene, cycle, view)
+            _label_panel(axes, scene, cycle, number)
             last = number + columns >= len(moments)
             axes.tick_params(labelbottom=last, labelleft=column == 0)
-            if last:
-                axes.set_xlabel("$x$ (m)", labelpad=1)
-            if column == 0:
-                axes.set_ylabel("$y$ (m)", labelpad=1)
+            if not last:
+                axes.set_xlabel("")
         handles = _legend_handles(scene)
         figure.legend(
             handles=handles,
             loc="lower center",
             ncols=len(handles),
             bbox_to_anchor=(0.5, 0.015),
-            handler_map=_handler_map(),
             columnspacing=min(1.2, 9.0 / len(handles)),
         )
         return style.save(figure, path)
@@ -88,7 +83,7 @@ def _layout(panels: int, span: Array, body: float) -> tuple[int, float, float]:
     """
     aspect = float(span[1] / span[0])
     columns = 3 if aspect < 1.45 else 6
-    if aspect < 0.75 and body / float(span[0]) * 2.2 * 72.0 < _SMALL:
+    if aspect < 0.75 and body / float(span[0]) * 2.2 * 72.0 < SMALL:
         columns = 2
     width = (style.PAGE - _LEFT - _RIGHT - (columns - 1) * _BETWEEN) / columns
     columns = min(columns, panels)
@@ -98,77 +93,36 @@ def _layout(panels: int, span: Array, body: float) -> tuple[int, float, float]:
     return columns, width, width * aspect
 
 
-def _draw_moment(axes: Axes, scene: Scene, cycle: int, view: Array, inches: float) -> None:
+def _draw_moment(axes: Axes, scene: Scene, cycle: int, view: Array) -> None:
     status = scene.status[cycle]
     poses = scene.poses[cycle]
-    points_per_metre = inches * 72.0 / float(view[2] - view[0])
     draw_arena(axes, scene.arena)
     draw_tracks(axes, scene.tracks, float(scene.time[cycle]))
     for robot in range(scene.size):
-        color = style.robot_color(robot)
-        axes.plot(
-            *scene.poses[: cycle + 1, robot, :2].T,
-            color=color,
-            linestyle=style.robot_dash(robot),
-            linewidth=0.9,
-            zorder=2.5,
-        )
+        draw_driven(axes, scene.poses[: cycle + 1, robot], robot)
         if robot < len(status.paths) and len(status.paths[robot]) > 1:
             leads = robot == status.leader
             axes.plot(
                 *np.asarray(status.paths[robot]).T,
-                color=color,
+                color=style.robot_color(robot),
                 linewidth=0.8 if leads else 0.5,
-                linestyle=(0, (3.2, 1.6)) if leads else (0, (1, 1.4)),
+                linestyle=_AHEAD if leads else (0, (1, 1.4)),
                 zorder=2.6,
             )
     draw_springs(axes, poses[:, :2], status)
     draw_goals(axes, status)
-    body = scene.models[0].length * points_per_metre
-    for robot, pose in enumerate(poses):
-        if body < _SMALL:
-            axes.plot(
-                *pose[:2],
-                marker="o",
-                markersize=4.2,
-                color=style.robot_color(robot),
-                markeredgecolor="white",
-                markeredgewidth=0.3,
-                zorder=5.8,
-            )
-        draw_robot(
-            axes,
-            pose,
-            scene.models[robot],
-            style.robot_color(robot),
-            leader=robot == status.leader and scene.size > 1,
-            lost=bool(status.roles[robot] < 0) and status.state != "inactive",
-            star=min(6.0, max(3.6, 0.75 * body)),
-        )
-    _label_roles(axes, scene, cycle, view, points_per_metre)
-
-
-def _label_roles(axes: Axes, scene: Scene, cycle: int, view: Array, scale: float) -> None:
-    """The number of its slot beside each robot, the leader's being 1."""
-    from matplotlib.patheffects import withStroke
-
-    status = scene.status[cycle]
+    for robot, (pose, model) in enumerate(zip(poses, scene.models, strict=True)):
+        leads = robot == status.leader and scene.size > 1
+        lost = bool(status.roles[robot] < 0) and status.state != "inactive"
+        draw_robot(axes, pose, model, style.robot_color(robot), leader=leads, hollow=lost)
     if scene.size == 1:
         return
-    places = label_places(scene.poses[cycle], scene.models, view, 4.2 / scale)
-    for robot, place in enumerate(places):
-        if status.roles[robot] < 0:
-            continue
-        axes.text(
-            float(place[0]),
-            float(place[1]),
-            f"{int(status.roles[robot]) + 1}",
-            fontsize=6.0,
-            ha="center",
-            va="center_baseline",
-            zorder=8,
-            path_effects=[withStroke(linewidth=1.3, foreground="white")],
-        )
+    # The number of its slot beside each robot, the leader's being 1.
+    places = label_places(poses, scene.models, view, 4.2 / points_per_metre(axes))
+    for role, place in zip(status.roles, places, strict=True):
+        if role >= 0:
+            axes.text(place[0], place[1], f"{int(role) + 1}", fontsize=6.0, ha="center",
+                      va="center_baseline", zorder=8, path_effects=style.halo(1.3))  # fmt: skip
 
 
 def _label_panel(axes: Axes, scene: Scene, cycle: int, number: int) -> None:
@@ -180,38 +134,65 @@ def _label_panel(axes: Axes, scene: Scene, cycle: int, number: int) -> None:
 
 
 def _legend_handles(scene: Scene) -> list[Any]:
-    from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
     handles: list[Any] = []
-    shown = range(min(scene.size, 10))
-    for robot in shown:
+    for robot in range(min(scene.size, 10)):
         label = f"robot {robot}" if scene.size <= 4 or robot == 0 else f"{robot}"
         color = style.robot_color(robot)
         handles.append(Patch(facecolor=color, edgecolor=style.INK, linewidth=0.4, label=label))
     if scene.size > 1:
-        handles.append(
-            Line2D([], [], marker="*", markersize=6, markerfacecolor="#ffe14d", linestyle="none",
-                   markeredgecolor=style.INK, markeredgewidth=0.35, label="leader")
-        )  # fmt: skip
-    handles.append(
-        Line2D([], [], marker="o", markersize=3.4, markerfacecolor="white", linestyle="none",
-               markeredgecolor=style.GREY, markeredgewidth=0.8, label="present goal")
-    )  # fmt: skip
-    handles.append(
-        Line2D([], [], marker="+", markersize=4, color=style.GREY, linestyle="none",
-               markeredgewidth=0.6, label="slot at goal")
-    )  # fmt: skip
+        handles.append(style.key("leader", **style.mark("*", 6, style.INK, 0.35, STAR)))
+    handles.append(style.key("present goal", **style.mark("o", 3.4, style.GREY)))
+    handles.append(style.key("slot at goal", **style.mark("+", 4, style.GREY, 0.6)))
     if scene.size > 1:
-        handles.append(Line2D([], [], color=style.INK, linewidth=0.6, label="spring"))
-    handles.append(
-        Line2D([], [], color=style.GREY, linewidth=0.8, linestyle=(0, (3.2, 1.6)), label="path")
-    )
+        handles.append(style.key("spring", color=style.INK, linewidth=0.6))
+    handles.append(style.key("path", color=style.GREY, linewidth=0.8, linestyle=_AHEAD))
     return handles
 
 
-def _handler_map() -> dict[Any, Any]:
-    from matplotlib.legend_handler import HandlerPatch
-    from matplotlib.patches import Patch
+def choose_moments(scene: Scene, count: int = 6) -> NDArray[np.int64]:
+    """Indices `(<= count,)` of cycles, rising: the start, the end and tellers in between.
 
-    return {Patch: HandlerPatch()}
+    The moments are spread evenly over the way the team has gone, not over time, so that waiting
+    does not fill panels. Each is then moved, by less than half the spacing, to the tightest
+    moment or to just after a change of leader or state nearby.
+    """
+    cycles = len(scene.time)
+    if cycles <= count:
+        return np.arange(cycles)
+    centre = np.median(scene.poses[..., :2], axis=1)
+    way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(centre, axis=0).T))])
+    way = way + np.linspace(0.0, 1e-3 + 0.05 * way[-1], cycles)
+    interest = _interest(scene)
+    chosen = [0]
+    for number in range(1, count - 1):
+        target = way[-1] * number / (count - 1)
+        window = way[-1] / (count - 1) * 0.4
+        near = np.flatnonzero(np.abs(way - target) <= window)
+        near = near[near > chosen[-1]]
+        if len(near) == 0:
+            near = np.array([min(chosen[-1] + 1, cycles - 1)])
+        score = interest[near] - 0.3 * np.abs(way[near] - target) / window
+        chosen.append(int(near[np.argmax(score)]))
+    chosen.append(cycles - 1)
+    return np.unique(chosen)
+
+
+def _interest(scene: Scene) -> Array:
+    """`(T,)` how much a cycle has to tell, about 0..1."""
+    positions = scene.poses[..., :2]
+    cycles = len(scene.time)
+    interest = np.zeros(cycles)
+    if scene.size > 1:
+        offsets = positions - positions.mean(axis=1, keepdims=True)
+        moments = np.einsum("tni,tnj->tij", offsets, offsets) / scene.size
+        spread = np.linalg.eigvalsh(moments)
+        # A line has a vanishing second moment: the tighter the place, the flatter the team.
+        flatness = 1.0 - np.sqrt(np.maximum(spread[:, 0], 0.0) / np.maximum(spread[:, 1], 1e-9))
+        interest += 0.5 * flatness
+    step = float(np.median(np.diff(scene.time))) if cycles > 1 else 1.0
+    lag = max(1, round(0.4 / max(step, 1e-6)))
+    for _, after, _ in runs((status.leader, status.state) for status in scene.status)[1:]:
+        interest[after : after + lag] += 0.3
+    return interest

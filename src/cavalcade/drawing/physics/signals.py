@@ -1,18 +1,46 @@
-"""What figures read off a track: speeds, loads, and when feet carry."""
+"""What figures read off a track: its robots, speeds, loads, and when feet carry."""
 
 from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cavalcade.drawing.scene import runs
+from cavalcade.errors import RecordingError
 from cavalcade.geometry import Array
 from cavalcade.recording.physics_track import PhysicsTrack
+from cavalcade.robots.description import QuadrupedDescription
+
+if TYPE_CHECKING:
+    from cavalcade.scenario import Scenario
 
 LOADED = 2.0
 """A foot carries from this force on, N."""
 
 _CYCLE = 0.5
 """Speeds are means over so long, about a cycle of the trot, s."""
+
+
+def descriptions_of(scenario: Scenario, track: PhysicsTrack) -> list[QuadrupedDescription]:
+    """The mechanisms of the robots of a track.
+
+    Raises:
+        RecordingError: The track is empty, or not that of the scenario's robots.
+    """
+    if not len(track.time) or track.size != len(scenario.models):
+        raise RecordingError(
+            f"expected samples of {len(scenario.models)} robots, "
+            f"got {len(track.time)} of {track.size}",
+            key="track",
+        )
+    found = []
+    for model in scenario.models:
+        if model.description is None:
+            raise RecordingError(f"{model.name} has no legs in physics", key="track")
+        found.append(model.description)
+    return found
 
 
 def planar_speed(track: PhysicsTrack) -> Array:
@@ -61,12 +89,10 @@ def spread(time: Array, values: Array, columns: int) -> tuple[Array, tuple[Array
 
 def loaded_spans(time: Array, force: Array) -> list[tuple[float, float]]:
     """Begin and end of each stretch in which a foot carries; a sample tells of what was before."""
-    carries = np.asarray(force >= LOADED, dtype=np.int8)
-    edges = np.diff(np.concatenate([[0], carries, [0]]))
-    begin, end = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
     return [
         (float(time[max(first - 1, 0)]), float(time[last - 1]))
-        for first, last in zip(begin.tolist(), end.tolist(), strict=True)
+        for carries, first, last in runs((force >= LOADED).tolist())
+        if carries
     ]
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.drawing import style
-from cavalcade.drawing.physics.skeleton import descriptions_of
+from cavalcade.drawing.physics.signals import descriptions_of
 from cavalcade.errors import InputError
 from cavalcade.files import replacing
 from cavalcade.geometry import Array

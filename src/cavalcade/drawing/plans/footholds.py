@@ -3,25 +3,20 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from cavalcade.drawing import style
-from cavalcade.drawing.actors import set_ticks, set_view
-from cavalcade.drawing.plans.scene import FLYING, WALKING, PlanScene, activities, leaps, runs
-from cavalcade.drawing.terrain import draw_ground
+from cavalcade.drawing.charts import draw_legend
+from cavalcade.drawing.maps import add_map, add_polygon, draw_arena, points_per_metre
+from cavalcade.drawing.plans.motion import FLIES, activities, leaps
+from cavalcade.drawing.scene import PlanScene, runs
 from cavalcade.geometry import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-LEGS = (
-    ("front left", "#0072B2", "o"),
-    ("front right", "#E69F00", "s"),
-    ("rear left", "#009E73", "^"),
-    ("rear right", "#B5478D", "D"),
-)
 _LEFT, _RIGHT, _BOTTOM, _TOP, _BETWEEN = 0.38, 0.06, 0.34, 0.36, 0.46
 _TALLEST = 5.0
 _WINDOW = 2.4
@@ -43,24 +38,21 @@ def draw_footholds(scene: PlanScene, path: Path) -> Path | None:
     window = _window(scene, view)
     with style.paper_style():
         figure = style.new_figure(page, total)
-        for left, inches, part in (
-            (_LEFT, width, view),
-            (_LEFT + width + _BETWEEN, height, window),
-        ):
-            axes = figure.add_axes((left / page, _BOTTOM / total, inches / page, height / total))
-            set_view(axes, part)
-            set_ticks(axes, part, inches)
-            draw_ground(axes, scene)
-            _draw_feet(axes, scene, 72.0 * inches / float(part[2] - part[0]), part is window)
-            set_view(axes, part)
-            axes.set_xlabel("$x$ (m)", labelpad=1)
-            if part is view:
-                axes.set_ylabel("$y$ (m)", labelpad=1)
-                axes.set_title(scene.name, loc="left", pad=13)
-                _draw_frame(axes, window)
-                _draw_legend(axes)
-            else:
-                axes.set_title("enlarged", loc="left", pad=3, fontsize=7, fontstyle="italic")
+        whole = add_map(figure, _LEFT, _BOTTOM, width, view)
+        whole.set_title(scene.name, loc="left", pad=13)
+        enlarged = add_map(figure, _LEFT + width + _BETWEEN, _BOTTOM, height, window)
+        enlarged.set_ylabel("")
+        enlarged.set_title("enlarged", loc="left", pad=3, fontsize=7, fontstyle="italic")
+        for axes in (whole, enlarged):
+            draw_arena(axes, scene.arena)
+            _draw_feet(axes, scene, axes is enlarged)
+        corners = window[[[0, 1], [2, 1], [2, 3], [0, 3]]]
+        add_polygon(whole, corners, fill=False, edgecolor=style.INK, linewidth=0.8, zorder=6)
+        legs = [
+            style.key(name, **style.mark(shape, 3.6, color, 1.0, color))
+            for name, color, shape in style.LEGS
+        ]
+        draw_legend(whole, legs, "left", handletextpad=0.1, columnspacing=0.7, borderaxespad=0.1)
         return style.save(figure, path)
 
 
@@ -82,47 +74,21 @@ def _window(scene: PlanScene, view: Array) -> Array:
     return np.concatenate([low, low + side])
 
 
-def _draw_feet(axes: Axes, scene: PlanScene, size: float, enlarged: bool) -> None:
-    """Paths thin, footholds on them; `size` in points per m."""
-    marker = float(np.clip(0.055 * size, 0.9, 5.0))
+def _draw_feet(axes: Axes, scene: PlanScene, enlarged: bool) -> None:
+    """Paths thin, footholds on them."""
+    size = float(np.clip(0.055 * points_per_metre(axes), 0.9, 5.0))
     for _, path in scene.known if enlarged or scene.size <= 8 else ():
         for kind, first, last in runs(activities(path)):
             axes.plot(
                 *path.position[first : last + 1, :2].T,
-                color=FLYING if kind == 2 else WALKING,
+                color=style.FLYING if kind == FLIES else style.WALKING,
                 linewidth=1.4 if enlarged else 0.6,
                 alpha=0.7,
                 zorder=3,
             )
+    edge = "white" if enlarged else "none"
     for feet in scene.footholds:
-        for leg, (_, colour, shape) in enumerate(LEGS):
-            mine = feet[feet[:, 2] == leg]
-            axes.plot(
-                mine[:, 3], mine[:, 4], linestyle="none", marker=shape if enlarged else "o",
-                markersize=marker, markerfacecolor=colour,
-                markeredgecolor="white" if enlarged else "none", markeredgewidth=0.4, zorder=4,
-            )  # fmt: skip
-
-
-def _draw_frame(axes: Axes, window: Array) -> None:
-    from matplotlib.patches import Rectangle
-
-    axes.add_patch(
-        Rectangle(
-            (window[0], window[1]), window[2] - window[0], window[3] - window[1], fill=False,
-            edgecolor=style.INK, linewidth=0.8, zorder=6,
-        )
-    )  # fmt: skip
-
-
-def _draw_legend(axes: Axes) -> None:
-    from matplotlib.lines import Line2D
-
-    handles: list[Any] = [
-        Line2D([], [], linestyle="none", marker=shape, color=colour, markersize=3.6, label=name)
-        for name, colour, shape in LEGS
-    ]
-    axes.legend(
-        handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.005), ncols=4,
-        handletextpad=0.1, columnspacing=0.7, borderaxespad=0.1,
-    )  # fmt: skip
+        for leg, (_, color, shape) in enumerate(style.LEGS):
+            places = feet[feet[:, 2] == leg, 3:5]
+            foot = style.mark(shape if enlarged else "o", size, edge, 0.4, color)
+            axes.plot(*places.T, **foot, zorder=4)

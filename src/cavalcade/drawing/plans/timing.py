@@ -8,16 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cavalcade.drawing import style
-from cavalcade.drawing.plans.scene import (
-    FLYING,
-    TURNING,
-    WAITING,
-    WALKING,
-    PlanScene,
-    activities,
-    along,
-    runs,
-)
+from cavalcade.drawing.charts import draw_extreme, draw_legend, stacked_panels
+from cavalcade.drawing.plans.motion import FLIES, activities, along
+from cavalcade.drawing.scene import PlanScene, runs
 from cavalcade.geometry import Array
 from cavalcade.metrics.body_gaps import nearest_gaps
 from cavalcade.recording.plan_sampling import common_clock, team_poses
@@ -25,9 +18,10 @@ from cavalcade.recording.plan_sampling import common_clock, team_poses
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_COLOURS = (WAITING, WALKING, FLYING, TURNING)
+_COLOURS = (style.WAITING, style.WALKING, style.FLYING, style.TURNING)
 _LABELS = ("stands", "walks", "in flight", "turns on the spot")
-_LEFT, _RIGHT, _BOTTOM, _TOP, _BETWEEN = 0.46, 0.12, 0.34, 0.22, 0.14
+_MARGINS = style.Margins(left=0.46, right=0.12, bottom=0.34, top=0.22)
+_BETWEEN = 0.14
 _FAR = 3.0
 """Gaps are shown up to this, m: what is farther apart is of no concern."""
 
@@ -36,32 +30,16 @@ def draw_timing(scene: PlanScene, path: Path) -> Path | None:
     """Draw it a page wide; None without trajectories."""
     if not scene.known:
         return None
-    end = max(scene.makespan, 0.1)
     lanes = min(2.2, max(0.35, 0.13 * scene.size + 0.1))
-    heights = [lanes, 1.5]
-    gaps = None
-    if len(scene.known) > 1:
-        heights.append(1.3)
-        gaps = team_gaps(scene)
-    total = _BOTTOM + _TOP + sum(heights) + _BETWEEN * (len(heights) - 1)
+    heights = [lanes, 1.5, 1.3][: 3 if len(scene.known) > 1 else 2]
+    gaps = [_BETWEEN] * (len(heights) - 1)
+    span = (0.0, max(scene.makespan, 0.1))
     with style.paper_style():
-        figure = style.new_figure(style.PAGE, total)
-        width = (style.PAGE - _LEFT - _RIGHT) / style.PAGE
-        top = total - _TOP
-        panels = []
-        for height in heights:
-            top -= height
-            panels.append(figure.add_axes((_LEFT / style.PAGE, top / total, width, height / total)))
-            top -= _BETWEEN
-        for axes in panels:
-            axes.set_xlim(0.0, end)
-        for axes in panels[:-1]:
-            axes.tick_params(labelbottom=False)
-        panels[-1].set_xlabel("time (s)", labelpad=1)
+        figure, panels = stacked_panels(style.PAGE, _MARGINS, heights, gaps, span)
         _draw_lanes(panels[0], scene)
         _draw_progress(panels[1], scene)
-        if gaps is not None:
-            _draw_gaps(panels[2], scene, *gaps)
+        if len(panels) > 2:
+            _draw_gaps(panels[2], scene)
         panels[0].set_title(scene.name, loc="left", pad=3)
         if not scene.solved:
             panels[0].text(0.5, 1.02, scene.result[:60], transform=panels[0].transAxes,
@@ -89,7 +67,7 @@ def _draw_lanes(axes: Axes, scene: PlanScene) -> None:
             seen.add(kind)
         rest = scene.makespan - path.duration
         if rest > 1e-9:
-            axes.barh(robot, rest, left=path.duration, height=0.2, color=WAITING, lw=0)
+            axes.barh(robot, rest, left=path.duration, height=0.2, color=style.WAITING, lw=0)
         axes.plot([path.duration] * 2, [robot - 0.4, robot + 0.4], color=style.INK, linewidth=0.8)
     axes.set_ylim(scene.size - 0.4, -0.6)
     axes.tick_params(axis="y", length=0)
@@ -101,10 +79,7 @@ def _draw_lanes(axes: Axes, scene: PlanScene) -> None:
             label.set_fontsize(6.5 if scene.size <= 14 else 5.5)
     axes.set_ylabel("robot", labelpad=2)
     handles = [Patch(color=_COLOURS[kind], label=_LABELS[kind]) for kind in sorted(seen)]
-    axes.legend(
-        handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.01), ncols=len(handles),
-        handlelength=1.0, handleheight=0.6,
-    )  # fmt: skip
+    draw_legend(axes, handles, columnspacing=1.2, handlelength=1.0, handleheight=0.6)
 
 
 def _draw_progress(axes: Axes, scene: PlanScene) -> None:
@@ -113,42 +88,29 @@ def _draw_progress(axes: Axes, scene: PlanScene) -> None:
     for robot, path in scene.known:
         travelled = along(path)
         longest = max(longest, float(travelled[-1]))
-        axes.plot(
-            path.time, travelled, color=style.robot_color(robot), linewidth=1.1,
-            linestyle=style.robot_dash(robot), zorder=3,
-        )  # fmt: skip
+        color, dash = style.robot_color(robot), style.robot_dash(robot)
+        axes.plot(path.time, travelled, color=color, linewidth=1.1, linestyle=dash, zorder=3)
         for kind, first, last in runs(activities(path)):
             piece = slice(first, last + 1)
-            if kind == 2:
-                axes.plot(path.time[piece], travelled[piece], color=FLYING, linewidth=2.6, zorder=4)
-        axes.plot(
-            path.duration, travelled[-1], marker="o", markersize=2.4,
-            color=style.robot_color(robot), zorder=5,
-        )  # fmt: skip
+            if kind == FLIES:
+                axes.plot(path.time[piece], travelled[piece], color=style.FLYING, linewidth=2.6,
+                          zorder=4)  # fmt: skip
+        axes.plot(path.duration, travelled[-1], **style.mark("o", 2.4, color, 1.0, color), zorder=5)
     axes.set_ylim(0.0, 1.06 * max(longest, 0.1))
     axes.set_ylabel("along own path (m)", labelpad=2)
 
 
-def _draw_gaps(axes: Axes, scene: PlanScene, times: Array, gaps: Array) -> None:
+def _draw_gaps(axes: Axes, scene: PlanScene) -> None:
     """The gap of each footprint to the nearest other one; the smallest is named."""
+    times, gaps = team_gaps(scene)
     shown = np.minimum(gaps, _FAR * 1.1)
-    for column, (robot, _) in enumerate(scene.known):
-        axes.plot(
-            times, shown[:, column], color=style.robot_color(robot), linewidth=0.9,
-            linestyle=style.robot_dash(robot), zorder=3,
-        )  # fmt: skip
+    for (robot, _), line in zip(scene.known, shown.T, strict=True):
+        axes.plot(times, line, color=style.robot_color(robot), linewidth=0.9,
+                  linestyle=style.robot_dash(robot), zorder=3)  # fmt: skip
     row = int(np.argmin(gaps.min(axis=1)))
     least = float(gaps[row].min())
     top = min(_FAR, 1.08 * float(max(shown.max(), 0.2)))
     axes.axhline(0.0, color=style.LIMIT, linewidth=0.8)
     axes.set_ylim(-0.04 * top, top)
-    axes.plot(times[row], least, marker="o", markersize=3.6, markerfacecolor="white",
-              markeredgecolor=style.INK, markeredgewidth=0.8, zorder=6)  # fmt: skip
-    late = times[row] > 0.7 * times[-1]
-    axes.annotate(
-        f"least {least:.2f} m at {times[row]:.1f} s", (float(times[row]), least),
-        xytext=(-6 if late else 6, 9), textcoords="offset points", fontsize=7,
-        ha="right" if late else "left", zorder=7,
-        bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 0.6},
-    )  # fmt: skip
+    draw_extreme(axes, times[row], least, f"least {least:.2f} m at {times[row]:.1f} s", rise=9)
     axes.set_ylabel("footprint gap (m)", labelpad=2)

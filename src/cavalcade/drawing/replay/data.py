@@ -13,13 +13,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cavalcade.drawing import style
-from cavalcade.drawing.plans.scene import PlanScene, plan_scene
 from cavalcade.drawing.replay.ground import ground_data
 from cavalcade.drawing.replay.packing import rounded, whole
 from cavalcade.drawing.replay.run import run_data
 from cavalcade.drawing.replay.track import merged_contacts, track_data
 from cavalcade.drawing.replay.trajectories import plan_data
-from cavalcade.drawing.scene import scene_of
+from cavalcade.drawing.scene import PlanScene, plan_scene, scene_of
 from cavalcade.geometry import Array
 from cavalcade.recording.physics_track import PhysicsTrack
 from cavalcade.robots import RobotModel

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from cavalcade.drawing.outlines import shape_ring
 from cavalcade.drawing.replay.packing import packed, whole
-from cavalcade.geometry import Array, transform_points
+from cavalcade.drawing.scene import map_border
+from cavalcade.geometry import Array
 from cavalcade.locomotion.footholds import LEAST_TRAVERSABILITY
 from cavalcade.world import OccupancyMap, Shape, Terrain
 from cavalcade.world.occupancy import UNKNOWN
@@ -34,12 +35,10 @@ def ground_data(
         terrain: The heights; None for level ground.
         dense: Whether steps of the ground have to be drawn where feet find them.
     """
-    width, height = base.size
-    corners = np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]])
     unknown = np.asarray(base.grid) == UNKNOWN
     most_nodes = _MOST_NODES_DENSE if dense else _MOST_NODES
     return {
-        "border": whole(transform_points(base.origin, corners), 1000),
+        "border": whole(map_border(base), 1000),
         "terrain": None if terrain is None else _terrain(terrain, most_nodes),
         "solids": [prism(shape_ring(shape, corners=28), terrain) for shape in shapes],
         "walls": _walls(base, base.occupied & ~unknown, terrain),

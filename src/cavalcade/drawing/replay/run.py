@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cavalcade.drawing.distances import obstacle_distances, pair_distances
+from cavalcade.drawing.distances import neighbour_distances, obstacle_distances
 from cavalcade.drawing.outlines import simplified
 from cavalcade.drawing.replay.ground import prism
 from cavalcade.drawing.replay.packing import rounded, steps
@@ -133,13 +133,11 @@ def _series(scene: Scene, world: World) -> dict[str, Any]:
     stride = max(1, -(-len(scene.time) // _MOST_SERIES))
     starts = np.arange(0, len(scene.time), stride)
     clear = np.minimum.reduceat(clear, starts, axis=0)
-    nearest: list[Array] = []
+    nearest = np.zeros((len(starts), 0))
     if scene.size > 1:
-        pairs, gaps = pair_distances(scene.poses)
-        gaps = np.minimum.reduceat(gaps, starts, axis=0)
-        nearest = [gaps[:, (pairs == k).any(axis=1)].min(axis=1) for k in range(scene.size)]
+        nearest = np.minimum.reduceat(neighbour_distances(scene.poses), starts, axis=0)
     return {
         "time": steps(scene.time[starts], 1000),
         "obstacle": [steps(clear[:, k], 100) for k in range(scene.size)],
-        "neighbour": [steps(np.minimum(line, 99.0), 100) for line in nearest],
+        "neighbour": [steps(np.minimum(line, 99.0), 100) for line in nearest.T],
     }

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cavalcade.drawing.physics.skeleton import descriptions_of, skeleton_of
+from cavalcade.drawing.physics.signals import descriptions_of
 from cavalcade.drawing.replay.packing import packed, ranged, rounded, steps
 from cavalcade.geometry import Array
 from cavalcade.geometry.constants import GRAVITY
@@ -99,6 +99,29 @@ def _body(description: QuadrupedDescription) -> dict[str, Any]:
             for shape in description.looks
         ],
     }
+
+
+def skeleton_of(description: QuadrupedDescription) -> dict[str, Any]:
+    """Links and feet as plain numbers: what a page needs to know of the mechanism.
+
+    `links[k]` is moved by joint `k` and is link `k + 1`: its `parent` link, the joint's `offset`
+    in the parent's frame (m) and its `axis`. `feet` are the balls' centres in their calves' frames.
+    """
+    links = []
+    for leg, said in enumerate(description.legs):
+        for j, joint in enumerate(said.joints):
+            links.append(
+                {
+                    "parent": 0 if j == 0 else 3 * leg + j,
+                    "offset": [round(float(part), 7) for part in joint.offset],
+                    "axis": [float(part) for part in joint.axis],
+                }
+            )
+    feet = [
+        {"link": 3 * leg + 3, "offset": [round(float(part), 7) for part in said.foot]}
+        for leg, said in enumerate(description.legs)
+    ]
+    return {"links": links, "feet": feet, "radius": description.foot_radius}
 
 
 def _columns(track: PhysicsTrack, robot: int, description: QuadrupedDescription) -> dict[str, Any]:

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.drawing.outlines import fewest_points
-from cavalcade.drawing.plans.scene import PlanScene, activities, runs
+from cavalcade.drawing.plans.motion import activities
 from cavalcade.drawing.replay.packing import packed, rounded, steps
+from cavalcade.drawing.scene import PlanScene, runs
 from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import Trajectory
 

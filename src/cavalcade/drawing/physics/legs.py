@@ -1,0 +1,145 @@
+"""How well the legs carried a run in physics out: speeds, height of the trunk, torques."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cavalcade.drawing import style
+from cavalcade.drawing.charts import (
+    draw_extreme,
+    draw_grid,
+    draw_legend,
+    draw_limit,
+    draw_note,
+    stacked_panels,
+)
+from cavalcade.drawing.physics.signals import peaks, planar_speed, spread, torque_share
+from cavalcade.geometry import Array
+from cavalcade.recording.physics_track import PhysicsTrack
+from cavalcade.robots.description import QuadrupedDescription
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+MARGINS = style.Margins(left=0.47, right=0.34, bottom=0.34, top=0.24)
+MOST_ROWS = 8
+"""Robots with a row of their own."""
+
+_COMMANDED = "#9aa0a6"
+
+
+def draw_legs(
+    name: str,
+    track: PhysicsTrack,
+    robots: Sequence[QuadrupedDescription],
+    commands: tuple[Array, Array] | None,
+    path: Path,
+) -> Path:
+    """Draw it a page wide; times `(K,)` and commands `(K, N, 3)` may be known."""
+    rows = min(track.size, MOST_ROWS)
+    heights, gaps = [0.42] * rows + [1.0, 1.0], [0.05] * (rows - 1) + [0.16] * 2
+    span = (float(track.time[0]), float(track.time[-1]))
+    with style.paper_style():
+        figure, panels = stacked_panels(style.PAGE, MARGINS, heights, gaps, span)
+        _draw_speeds(panels[:rows], track, commands)
+        _draw_height(panels[rows], track, [one.stand_height for one in robots])
+        _draw_torques(panels[rows + 1], track, np.array([one.torque_limits for one in robots]))
+        panels[0].set_title(name, loc="left", pad=3)
+        handles = [style.key("real", color=style.INK, linewidth=1.0)]
+        if commands is not None:
+            handles.append(style.key("commanded", color=_COMMANDED, linewidth=0.8))
+        if track.contacts:
+            handles.append(style.key("unwanted contact", **style.mark("|", 5, style.LIMIT, 1.0)))
+        draw_legend(panels[0], handles, columnspacing=1.2)
+        return style.save(figure, path)
+
+
+def number_row(axes: Axes, robot: int) -> None:
+    """The robot's number on the right of its row."""
+    axes.annotate(str(robot), (1.0, 0.5), xytext=(4, 0), xycoords="axes fraction",
+                  textcoords="offset points", va="center", fontsize=8, fontweight="bold",
+                  color=style.robot_color(robot))  # fmt: skip
+
+
+def _draw_speeds(
+    panels: Sequence[Axes], track: PhysicsTrack, commands: tuple[Array, Array] | None
+) -> None:
+    """Each robot's speed over ground in a row of its own, and what was commanded."""
+    speed = planar_speed(track)
+    times, wanted = None, np.zeros((0, track.size))
+    if commands is not None:
+        times, wanted = commands[0], np.linalg.norm(commands[1][..., :2], axis=2)
+    top = max(1.15 * float(np.quantile(np.concatenate([speed, wanted]), 0.998)), 0.1)
+    # Two or three round ticks from 0.
+    step = next(s for s in (0.05, 0.1, 0.2, 0.25, 0.5, 1.0, 2.0, 5.0, 1e9) if top / s < 2.6)
+    for robot, axes in enumerate(panels):
+        if times is not None:
+            axes.step(times, wanted[:, robot], where="post", color=_COMMANDED, linewidth=0.6,
+                      zorder=2)  # fmt: skip
+        axes.plot(track.time, speed[:, robot], color=style.robot_color(robot), linewidth=1.0,
+                  zorder=3)  # fmt: skip
+        axes.set_ylim(0.0, top)
+        axes.set_yticks(np.arange(0.0, top, step))
+        draw_grid(axes, "y")
+        number_row(axes, robot)
+        _mark_events(axes, track, robot)
+    rows = len(panels)
+    panels[rows // 2].set_ylabel("speed (m/s)", labelpad=3, y=0.5 if rows % 2 else 1.06)
+
+
+def _draw_height(axes: Axes, track: PhysicsTrack, stand: list[float]) -> None:
+    """Mean height of each trunk over about a cycle, and what it sways between."""
+    times, (low, mean, high) = spread(track.time, track.base[..., 2], columns=300)
+    for robot in range(track.size):
+        color = style.robot_color(robot)
+        axes.fill_between(times, low[:, robot], high[:, robot], color=color, alpha=0.22,
+                          linewidth=0.0, zorder=2.5)  # fmt: skip
+        axes.plot(times, mean[:, robot], color=color, linewidth=1.0,
+                  linestyle=style.robot_dash(robot), zorder=3)  # fmt: skip
+    bottom, top = float(low.min()), float(high.max())
+    if top - bottom < 0.25:
+        for level in sorted(set(stand)):
+            axes.axhline(level, color=style.INK, linewidth=0.6, linestyle=(0, (1, 1.6)), zorder=2)
+            draw_note(axes, level, "stands", style.GREY)
+        bottom, top = min(bottom, *stand), max(top, *stand)
+    # Millimetres are not to look like centimetres.
+    pad = max(0.12 * (top - bottom), 0.5 * (0.06 - (top - bottom)))
+    axes.set_ylim(bottom - pad, top + pad)
+    draw_grid(axes, "y")
+    axes.set_ylabel("trunk height (m)", labelpad=3)
+
+
+def _draw_torques(axes: Axes, track: PhysicsTrack, limits: Array) -> None:
+    """The largest torque of each robot's joints in shares of their limits; the worst is named."""
+    share = torque_share(track, limits)
+    times, highest = peaks(track.time, 100.0 * share.max(axis=2), columns=500)
+    for robot in range(track.size):
+        axes.plot(times, highest[:, robot], color=style.robot_color(robot), linewidth=0.7,
+                  linestyle=style.robot_dash(robot), zorder=3)  # fmt: skip
+    draw_limit(axes, 100.0, 200.0, "limit")
+    when, worst, joint = np.unravel_index(int(np.argmax(share)), share.shape)
+    value = 100.0 * float(share[when, worst, joint])
+    part = f"{('hip', 'thigh', 'calf')[joint % 3]} {style.LEGS[joint // 3][0]}"
+    text = f"{value:.0f} %: {part}, robot {worst}"
+    draw_extreme(axes, float(track.time[when]), value, text, rise=5)
+    axes.set_ylim(0.0, 116.0)
+    draw_grid(axes, "y")
+    axes.set_ylabel("largest torque (%)", labelpad=3)
+
+
+def _mark_events(axes: Axes, track: PhysicsTrack, robot: int) -> None:
+    """Unwanted contacts as ticks below, the time after a fall in red."""
+    hits = [event.time for event in track.contacts if event.robot == robot]
+    tick = style.mark("|", 5, style.LIMIT, 1.0)
+    axes.plot(hits, np.zeros(len(hits)), **tick, clip_on=False, zorder=5)
+    fall = next((event.time for event in track.falls if event.robot == robot), None)
+    if fall is not None:
+        end = float(track.time[-1])
+        axes.axvspan(fall, end, facecolor=style.BEYOND, edgecolor="none", zorder=0.4)
+        axes.annotate("fell", (fall, 1.0), xycoords=axes.get_xaxis_transform(), xytext=(2, -2),
+                      textcoords="offset points", va="top", fontsize=7,
+                      color=style.LIMIT)  # fmt: skip
