@@ -54,7 +54,8 @@ def draw_legend(axes: Axes, handles: Sequence[Any], side: str = "right", **optio
     """A legend in one row over the axes, ending or beginning with them."""
     options = {"ncols": len(handles), "columnspacing": 0.9, **options}
     loc: Any = f"lower {side}"
-    place = (1.0 if side == "right" else 0.0, 1.01)
+    # Two points above the axes, however high those are.
+    place = (1.0 if side == "right" else 0.0, 1.0 + 2.0 / 72.0 * axes.figure.dpi / axes.bbox.height)
     axes.legend(handles=handles, loc=loc, bbox_to_anchor=place, **options)
 
 

@@ -21,6 +21,7 @@ from cavalcade.drawing.outlines import shape_ring
 from cavalcade.drawing.scene import arena_of
 from cavalcade.geometry import Array, transform_points
 from cavalcade.scenario.worlds import shape_of
+from cavalcade.world import Shape
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -106,20 +107,24 @@ def _draw_goals(axes: Axes, goals: Array, slots: Array) -> None:
 
 
 def _draw_events(axes: Axes, events: Sequence[Event]) -> None:
-    """Obstacles that will come, go or move, as ghosts with the time of it."""
+    """Obstacles that will come, go or move, as ghosts with the times of it."""
+    notes: dict[Shape, list[str]] = {}
     for event in events:
         change = event.add or event.remove or event.move
         if change is None:
             continue
-        ring = shape_ring(shape_of(change))
-        hatch = None if event.remove else "////"
+        shape = shape_of(change)
+        verb = "goes" if event.remove is not None else "moves" if event.move else "comes"
+        notes.setdefault(shape, []).append(f"{verb} at {event.at:g} s")
+        if event.move is not None:
+            middle = shape_ring(shape).mean(axis=0)
+            draw_arrow(axes, middle, np.array(event.move.to), style.MOVER)
+    for shape, times in notes.items():
+        ring = shape_ring(shape)
+        hatch = None if all(note.startswith("goes") for note in times) else "////"
         add_polygon(axes, ring, facecolor="none", edgecolor=style.MOVER, linewidth=0.8,
                     linestyle=(0, (3, 1.5)), hatch=hatch, zorder=1.3)  # fmt: skip
-        middle = ring.mean(axis=0)
-        if event.move is not None:
-            draw_arrow(axes, middle, np.array(event.move.to), style.MOVER)
-        verb = "goes" if event.remove is not None else "moves" if event.move else "comes"
-        axes.annotate(f"{verb} at {event.at:g} s", (float(middle[0]), float(ring[:, 1].max())),
+        axes.annotate(", ".join(times), (float(ring[:, 0].mean()), float(ring[:, 1].max())),
                       xytext=(0, 3), textcoords="offset points", ha="center", va="bottom",
                       fontsize=6.5, color=style.MOVER, zorder=7,
                       path_effects=style.halo(1.5))  # fmt: skip
