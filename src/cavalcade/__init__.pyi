@@ -9,7 +9,7 @@ from .errors import MapError as MapError
 from .errors import OutputError as OutputError
 from .errors import RecordingError as RecordingError
 from .errors import ScenarioError as ScenarioError
-from .fleet.physics import MujocoFleet as MujocoFleet
+from .fleet.mujoco import MujocoFleet as MujocoFleet
 from .formation import Connection as Connection
 from .formation import DynamicObstacle as DynamicObstacle
 from .formation import Formation as Formation

@@ -1,4 +1,4 @@
-"""How robots are to walk."""
+"""Settings of the gait and of the predictive control behind it."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cavalcade.errors import InputError
-from cavalcade.locomotion._kinematics import GRAVITY
-from cavalcade.locomotion.records import GAIT, Row
+from cavalcade.locomotion.records import GAIT, GRAVITY, Row
 
 _POSITIVE = (
     "period", "acceleration", "turning", "silence", "force_weight", "mu", "max_force", "step",

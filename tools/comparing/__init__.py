@@ -1,0 +1,1 @@
+"""What two checkouts leave of the same commands, compared byte for byte."""
