@@ -17,7 +17,7 @@ STEP = 0.5
 """Cells: step length of a walk down a field; at most 0.5."""
 
 
-@njit(cache=True, no_cpython_wrapper=True)
+@njit(cache=True)
 def line_time(u0, v0, u1, v1, grid):
     """Time in s along the straight segment, or inf if it touches a blocked cell.
 
@@ -108,7 +108,7 @@ def time_at(u, v, times, stride):
     return total / weight if weight > 1e-9 else np.inf
 
 
-@njit(cache=True, no_cpython_wrapper=True)
+@njit(cache=True)
 def straight_goal(u, v, reach, goals, grid):
     """Index of the goal soonest reached along a straight line of at most `reach`, -1 if none."""
     found = -1

@@ -148,7 +148,7 @@ def rectangle(pose, half):
     return Rectangle(pose[0], pose[1], math.cos(pose[2]), math.sin(pose[2]), half[0], half[1])
 
 
-@njit(cache=True, no_cpython_wrapper=True)
+@njit(cache=True)
 def corner(box, k):
     """Corner k of 0..3 of a rectangle, m."""
     i, j = (1.0 if k < 2 else -1.0), (1.0 if k % 2 == 0 else -1.0)
@@ -209,7 +209,7 @@ def rectangle_gap(a, b):
     return Gap(best, nx, ny, px, py, qx, qy)
 
 
-@njit(cache=True, no_cpython_wrapper=True)
+@njit(cache=True)
 def contact_centres(a, b, gap, slop):
     """Centres of the parts of two rectangles that lie within `slop` m of their `gap`.
 

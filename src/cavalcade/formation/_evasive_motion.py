@@ -100,7 +100,7 @@ def roll_out_manoeuvre(pose, velocity, direction, turning, moving, drive, out):
         x, y, yaw, vx, vy, wz = advance((x, y, yaw, vx, vy, wz), (cx, cy, cw), STEP, limits)
 
 
-@njit(cache=True, no_cpython_wrapper=True)
+@njit(cache=True)
 def map_gap(pose, footprint, map, boxes):
     """Gap of a body to what stands, m, up to `SEEN`; the map may show what moves as well."""
     discs = footprint.discs
@@ -126,7 +126,7 @@ def map_gap(pose, footprint, map, boxes):
     return least
 
 
-@njit(cache=True, no_cpython_wrapper=True)
+@njit(cache=True)
 def box_gap(pose, half, boxes, time):
     """Gap of a body to the dynamic obstacles at a time in s: m, up to `SEEN`."""
     least = SEEN
@@ -143,7 +143,7 @@ def box_gap(pose, half, boxes, time):
     return least
 
 
-@njit(cache=True, no_cpython_wrapper=True)
+@njit(cache=True)
 def barred(pose, half, others, t, gaps, first):
     """Whether one of the others `(K, T, 3)` is too near at step `t`, and nearer than at first.
 

@@ -1,6 +1,6 @@
 """The safety filter without the planner: any commands in, commands that touch nothing out.
 
-python examples/12_safety_filter_alone.py
+python examples/13_safety_filter_alone.py
 """
 
 import numpy as np
