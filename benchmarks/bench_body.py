@@ -1,7 +1,7 @@
 """The body planner's parts, and the whole of it against OMPL's RRT-Connect, where installed.
 
 Everything runs in one process on one thread; the planners take turns on the same problems, so
-that a busy machine slows both; the figures are medians. OMPL plans a path without time in SE(2)
+that a busy machine slows both; numbers are medians. OMPL plans a path without time in SE(2)
 (x, y, yaw; motions turn while they go along a straight line) for the same oriented footprint on
 the same occupancy map, both with our test of a footprint, compiled; its longest step between
 tests is ours, 2.25 cm (walking speed times dt), and it stops at its first path, which is not
@@ -29,10 +29,10 @@ from itertools import pairwise
 import numpy as np
 from numba import njit
 
-from cavalcade.kinodynamic._leap_aimed import aimed_leap, find_barrier
+from cavalcade.kinodynamic._leap_over_barrier import Line, find_barrier, leap_over
 from cavalcade.kinodynamic._validity import solid_free, state_problem
 from cavalcade.kinodynamic.obstruction import obstruction
-from cavalcade.kinodynamic.parameters import SIZE, make_body
+from cavalcade.kinodynamic.parameters import SIZE, StateSpace, make_body, make_space
 from cavalcade.kinodynamic.planner import plan_body
 from cavalcade.kinodynamic.settings import BodySettings
 from cavalcade.lattice.ground import Ground, make_ground
@@ -56,45 +56,40 @@ def rough_ground() -> Ground:
 
 
 @njit
-def _check_all(ground, body, discs, states, phases):
+def _check_all(space, states, yaws, phases):
     good = 0
     for k in range(len(states)):
-        x, y, z, vx, vy, cos, sin = states[k]
-        if state_problem(ground, body, discs, x, y, z, vx, vy, cos, sin, phases[k]) == 0:
+        if state_problem(space, states[k], yaws[k, 0], yaws[k, 1], phases[k]) == 0:
             good += 1
     return good
 
 
 @njit
-def _leap_all(ground, body, discs, line, walk, take_off, landing, count, rng):
-    leap, draw, scratch = np.empty(SIZE), np.empty(6), np.empty(12)
+def _leap_all(space, line, barrier, count, rng):
+    leap, scratch = np.empty(SIZE), np.empty(12)
     good = 0
     for k in range(count):
-        attempt = 12 + k
-        if aimed_leap(
-            ground, body, discs, line, walk, take_off, landing, attempt, rng, draw, leap, scratch
-        ):
+        if leap_over(space, line, barrier, 12 + k, rng, leap, scratch):
             good += 1
     return good
 
 
 def parts() -> None:
-    """Time of a state check, and of a leap drawn, laid out and checked."""
+    """Time of a state check, and of a leap sampled, laid out and checked."""
     body = make_body(robot_model("spirit"), margin=0.01)
     rng = np.random.default_rng(0)
     ground = rough_ground()
+    space = make_space(ground, body)
     count = 20_000
-    states = np.empty((count, 7))
+    states, yaws = np.zeros((count, 6)), np.empty((count, 2))
     for k in range(count):
         x, y, yaw = rng.uniform(0.5, 9.5), rng.uniform(0.5, 7.5), rng.uniform(-math.pi, math.pi)
         z = surface(ground, x, y)[0] + body.h_nom
         c, s = math.cos(yaw), math.sin(yaw)
-        states[k] = x, y, z, 0.75 * c, 0.75 * s, c, s
+        states[k, :5], yaws[k] = (x, y, z, 0.75 * c, 0.75 * s), (c, s)
     phases = rng.integers(0, 4, count)
-    good = _check_all(ground, body, NO_DISCS, states, phases)
-    seconds = [
-        _timed(lambda: _check_all(ground, body, NO_DISCS, states, phases)) for _ in range(15)
-    ]
+    good = _check_all(space, states, yaws, phases)
+    seconds = [_timed(lambda: _check_all(space, states, yaws, phases)) for _ in range(15)]
     print(
         f"A state check on rough ground, all phases: {1e6 * statistics.median(seconds) / count:.3f}"
         f" us ({good / count:.0%} valid; at most 1 us is asked for)"
@@ -102,11 +97,11 @@ def parts() -> None:
     for kind, options in (("gap", {"width": 0.4}), ("step", {"height": 0.25})):
         terrain = generate_terrain(kind, (9.0, 4.0), **options)
         ground = make_ground(OccupancyMap(np.zeros(terrain.height.shape, bool), CELL), terrain)
-        line = np.array([2.0, 2.0, 1.0, 0.0])
-        barrier = find_barrier(ground, body, 2.0, 2.0, 1.0, 0.0, 2.0, False)
+        space, line = make_space(ground, body), Line(2.0, 2.0, 1.0, 0.0)
+        barrier = find_barrier(space, line, 2.0, False)
         state = np.array([1], dtype=np.uint64)
         count = 2_000
-        arguments = (ground, body, NO_DISCS, line, *barrier, count, state)
+        arguments = (space, line, barrier, count, state)
         good = _leap_all(*arguments)
         seconds = [_timed(lambda: _leap_all(*arguments)) for _ in range(15)]  # noqa: B023
         print(
@@ -139,11 +134,12 @@ def clutter(count: int, kind: str) -> list[Problem]:
     for seed in range(count):
         world = generate(kind, (14.0, 10.0), seed=seed)
         ground = make_ground(OccupancyMap(rasterise(world.shapes, 200, 280, CELL), CELL))
+        space = make_space(ground, body)
         rng = np.random.default_rng(seed)
         poses: list[Pose] = []
         for _ in range(10_000):
             pose = (rng.uniform(0.0, 14.0), rng.uniform(0.0, 10.0), rng.uniform(-math.pi, math.pi))
-            if obstruction(ground, body, NO_DISCS, pose):
+            if obstruction(space, pose):
                 continue
             if not poses or math.dist(pose[:2], poses[0][:2]) > 6.0:
                 poses.append(pose)
@@ -158,7 +154,8 @@ def _footprint_free(cell, solid, clearance, body, x, y, yaw):
     ground = Ground(
         cell, solid, clearance, True, clearance, clearance, clearance, clearance, clearance
     )
-    return solid_free(ground, body, NO_DISCS, x, y, math.cos(yaw), math.sin(yaw))
+    space = StateSpace(ground, body, NO_DISCS)
+    return solid_free(space, x, y, math.cos(yaw), math.sin(yaw))
 
 
 @njit

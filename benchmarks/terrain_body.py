@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from cavalcade.kinodynamic.obstruction import obstruction
-from cavalcade.kinodynamic.parameters import make_body
+from cavalcade.kinodynamic.parameters import make_body, make_space
 from cavalcade.kinodynamic.planner import plan_body
 from cavalcade.kinodynamic.settings import BodySettings
 from cavalcade.lattice.ground import Ground, make_ground
@@ -42,11 +42,11 @@ def fixed(terrain: Terrain, seeds: int) -> Iterator[tuple[Pose, Pose]]:
     return (((2.0, y, 0.0), (7.0, y, 0.0)) for _ in range(seeds))
 
 
-def drawn(
+def random_poses(
     ground: Ground, terrain: Terrain, model: RobotModel, seeds: int
 ) -> Iterator[tuple[Pose, Pose]]:
     """Valid poses near both ends, with any yaw."""
-    body = make_body(model, margin=0.01)
+    space = make_space(ground, make_body(model, margin=0.01))
     width, height = terrain.size
     for seed in range(seeds):
         rng = np.random.default_rng(seed)
@@ -55,7 +55,7 @@ def drawn(
             for _ in range(1_000):
                 y = rng.uniform(0.6, height - 0.6)
                 pose = (rng.uniform(low, high), y, rng.uniform(-math.pi, math.pi))
-                if not obstruction(ground, body, np.zeros((0, 3)), pose):
+                if not obstruction(space, pose):
                     poses.append(pose)
                     break
         if len(poses) == 2:
@@ -79,7 +79,7 @@ def main() -> None:
         for robot in options.robots:
             model = robot_model(robot)
             problems = list(
-                drawn(ground, terrain, model, options.seeds)
+                random_poses(ground, terrain, model, options.seeds)
                 if options.random
                 else fixed(terrain, options.seeds)
             )

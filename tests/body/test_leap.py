@@ -18,7 +18,7 @@ from cavalcade.kinodynamic._leap import (
     peak_force,
     reverse_leap,
 )
-from cavalcade.kinodynamic._leap_aimed import aimed_leap, find_barrier
+from cavalcade.kinodynamic._leap_over_barrier import Line, find_barrier, leap_over
 from cavalcade.kinodynamic._leap_random import random_leap
 from cavalcade.kinodynamic.parameters import (
     BRAKE,
@@ -33,13 +33,11 @@ from cavalcade.kinodynamic.parameters import (
     START,
     TIME,
     make_body,
+    make_space,
 )
 from cavalcade.lattice.surface import surface
-from cavalcade.robots import robot_model
 
 G = 9.81
-NO_DISCS = np.zeros((0, 3))
-BODY = make_body(robot_model("spirit"))
 
 component = st.floats(-2.0, 2.0)
 span = st.floats(0.1, 0.3)
@@ -147,23 +145,22 @@ def test_peak_force_lifts_by_what_was_asked(rise, speed, duration):
 
 @pytest.mark.parametrize(("kind", "options"), [("gap", {"width": 0.4}), ("step", {"height": 0.25})])
 @pytest.mark.parametrize("backwards", [False, True])
-def test_aimed_leaps_cross_what_is_in_the_way(
+def test_leaps_cross_what_is_in_the_way(
     make_terrain, reference_problem, model, kind, options, backwards
 ):
-    ground, body = make_terrain(kind, **options), make_body(model)
+    ground = make_terrain(kind, **options)
+    space, line = make_space(ground, make_body(model)), Line(2.0, 2.0, 1.0, 0.0)
     at = 3.1 if backwards else 2.1
-    walk, take_off, landing = find_barrier(ground, body, 2.0, 2.0, 1.0, 0.0, at, backwards)
-    assert 1.5 < walk <= take_off < landing < 3.5
-    line, rng = np.array([2.0, 2.0, 1.0, 0.0]), np.array([3], dtype=np.uint64)
-    leap, draw, scratch, out = np.empty(SIZE), np.empty(6), np.empty(12), np.empty(6)
+    barrier = find_barrier(space, line, at, backwards)
+    assert 1.5 < barrier.walk <= barrier.take_off < barrier.landing < 3.5
+    rng = np.array([3], dtype=np.uint64)
+    leap, scratch, out = np.empty(SIZE), np.empty(12), np.empty(6)
     good = 0
     for attempt in range(100):
-        if not aimed_leap(
-            ground, body, NO_DISCS, line, walk, take_off, landing, attempt, rng, draw, leap, scratch
-        ):
+        if not leap_over(space, line, barrier, attempt, rng, leap, scratch):
             continue
         good += 1
-        assert leap[START] <= 2.0 + walk + 1e-9
+        assert leap[START] <= 2.0 + barrier.walk + 1e-9
         ends = []
         for t in np.linspace(0.0, leap_duration(leap), 40):
             phase = leap_state(leap, t, out)
@@ -179,22 +176,22 @@ def test_aimed_leaps_cross_what_is_in_the_way(
 
 
 def test_random_leaps_are_valid_in_forward_time_from_both_trees(make_flat, spirit):
-    ground = make_flat()
     body = make_body(spirit, published=True)
+    space = make_space(make_flat(), body)
     rng = np.array([5], dtype=np.uint64)
     leap, scratch = np.empty(SIZE), np.empty(12)
-    for tree, x in ((0, 4.1), (1, 4.9)):
+    for backwards, x in ((False, 4.1), (True, 4.9)):
         state = np.array([x, 2.0, 0.3, 0.9, 0.0, 0.0])
         good = 0
         for _ in range(400):
-            if not random_leap(ground, body, NO_DISCS, rng, state, tree, leap, scratch):
+            if not random_leap(space, state, backwards, rng, leap, scratch):
                 continue
             good += 1
-            own = leap[START : START + 3] if tree == 0 else leap[END : END + 3]
+            own = leap[END : END + 3] if backwards else leap[START : START + 3]
             assert np.allclose(own, state[:3], atol=1e-9)
             # The counter-movement: 1-2 m/s below the slope's own speed, mirrored at the end.
-            vz = leap[START + 5] if tree == 0 else -leap[END + 5]
+            vz = -leap[END + 5] if backwards else leap[START + 5]
             assert -2.0 - 1e-9 <= vz <= -1.0 + 1e-9
-            assert leap_problem(ground, body, NO_DISCS, leap, scratch) == OK
+            assert leap_problem(space, leap, scratch) == OK
             assert math.hypot(leap[FORCE], leap[FORCE + 1]) <= body.mu * leap[FORCE + 2] + 1e-9
         assert good > 5

@@ -1,4 +1,4 @@
-"""Kernels of validity against the slow reference; random numbers; ways on the grid."""
+"""Kernels of validity against the slow reference; random numbers; paths on the grid."""
 
 from __future__ import annotations
 
@@ -10,15 +10,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cavalcade.errors import InputError
-from cavalcade.kinodynamic._reachability import grid_way
-from cavalcade.kinodynamic._turn import turn_on_spot, wrapped
-from cavalcade.kinodynamic._validity import covered_slack, solid_free, solid_slack, state_problem
-from cavalcade.kinodynamic.parameters import GROUND, OK, SOLID, make_body
+from cavalcade.kinodynamic._grid_path import grid_path
+from cavalcade.kinodynamic._validity import (
+    covered_slack,
+    solid_free,
+    solid_slack,
+    state_problem,
+    turn_on_spot,
+    wrapped,
+)
+from cavalcade.kinodynamic.parameters import GROUND, OK, SOLID, make_body, make_space
 from cavalcade.kinodynamic.random import normal, uniform
 from cavalcade.lattice.surface import bilinear, surface
 from cavalcade.robots import robot_model
 
-NO_DISCS = np.zeros((0, 3))
 SPIRIT = robot_model("spirit")
 BODY = make_body(SPIRIT)
 angle = st.floats(-math.pi, math.pi)
@@ -29,7 +34,8 @@ angle = st.floats(-math.pi, math.pi)
 def test_states_on_rough_ground(rough, reference_problem, x, y, yaw, clearance, phase):
     z = surface(rough, x, y)[0] + clearance
     c, s = math.cos(yaw), math.sin(yaw)
-    found = state_problem(rough, BODY, NO_DISCS, x, y, z, 0.5 * c, 0.5 * s, c, s, phase)
+    state = np.array([x, y, z, 0.5 * c, 0.5 * s, 0.0])
+    found = state_problem(make_space(rough, BODY), state, c, s, phase)
     pose = np.array([x, y, z, yaw])
     strict, loose = (reference_problem(rough, SPIRIT, pose, phase, e) for e in (-1e-9, 1e-9))
     if "solid" in (strict, loose):
@@ -42,13 +48,13 @@ def test_states_on_rough_ground(rough, reference_problem, x, y, yaw, clearance, 
 @given(st.floats(-0.5, 9.5), st.floats(-0.5, 4.5), angle)
 def test_footprints_among_solids(cluttered, reference_solid, x, y, yaw):
     c, s = math.cos(yaw), math.sin(yaw)
-    if solid_free(cluttered, BODY, NO_DISCS, x, y, c, s):
+    if solid_free(make_space(cluttered, BODY), x, y, c, s):
         assert not reference_solid(cluttered, SPIRIT, x, y, yaw)
     else:
         wider = BODY._replace(half_length=0.37, half_width=0.195)  # 2 cm: the reference has gaps
         touching = reference_solid(cluttered, _grown(SPIRIT, 0.05), x, y, yaw)
         assert touching
-        assert not solid_free(cluttered, wider, NO_DISCS, x, y, c, s)
+        assert not solid_free(make_space(cluttered, wider), x, y, c, s)
 
 
 def _grown(model, by):
@@ -62,24 +68,26 @@ def _grown(model, by):
 def test_nothing_is_met_within_the_slack(cluttered, x, y, yaw, way, other, part):
     """Wherever the body goes by less than that, it stays free."""
     c, s = math.cos(yaw), math.sin(yaw)
-    anywhere = solid_slack(cluttered, BODY, NO_DISCS, x, y)
+    space = make_space(cluttered, BODY)
+    anywhere = solid_slack(space, x, y)
     if anywhere > 0.0:
         px, py = x + part * anywhere * math.cos(way), y + part * anywhere * math.sin(way)
-        assert solid_free(cluttered, BODY, NO_DISCS, px, py, math.cos(other), math.sin(other))
-    ahead = covered_slack(cluttered, BODY, NO_DISCS, x, y, c, s)
+        assert solid_free(space, px, py, math.cos(other), math.sin(other))
+    ahead = covered_slack(space, x, y, c, s)
     if ahead > 0.0:
         px, py = x + part * ahead * math.cos(way), y + part * ahead * math.sin(way)
-        assert solid_free(cluttered, BODY, NO_DISCS, px, py, c, s)
+        assert solid_free(space, px, py, c, s)
 
 
 def test_discs_and_speeds(make_flat):
     ground = make_flat()
-    discs = np.array([[4.0, 2.0, 0.5]])
-    assert not solid_free(ground, BODY, discs, 4.4, 2.0, 1.0, 0.0)
-    assert solid_free(ground, BODY, discs, 4.6, 2.0, 1.0, 0.0)
-    assert solid_slack(ground, BODY, discs, 4.8, 2.0) == pytest.approx(0.3)
+    space = make_space(ground, BODY, np.array([[4.0, 2.0, 0.5]]))
+    assert not solid_free(space, 4.4, 2.0, 1.0, 0.0)
+    assert solid_free(space, 4.6, 2.0, 1.0, 0.0)
+    assert solid_slack(space, 4.8, 2.0) == pytest.approx(0.3)
     for vx, verdict in ((1.99, OK), (2.01, 3)):
-        assert state_problem(ground, BODY, NO_DISCS, 4.0, 2.0, 0.3, vx, 0.0, 1, 0, 0) == verdict
+        state = np.array([4.0, 2.0, 0.3, vx, 0.0, 0.0])
+        assert state_problem(make_space(ground, BODY), state, 1.0, 0.0, 0) == verdict
 
 
 @settings(max_examples=100, deadline=None)
@@ -101,13 +109,17 @@ def test_wrapped_angles(value):
 
 def test_turning_takes_the_long_way_where_the_short_one_is_blocked(make_flat):
     # The robot's front would sweep over the box on its left.
+    state = np.array([4.0, 2.0, 0.3, 0.0, 0.0, 0.0])
+
+    def turn(ground, yaw, wanted):
+        return turn_on_spot(make_space(ground, BODY), state, yaw, wanted)
+
     ground = make_flat(boxes=((4.2, 2.25, 4.4, 2.45),))
-    short = turn_on_spot(make_flat(), BODY, NO_DISCS, 4.0, 2.0, 0.3, -0.4, 1.6)
-    assert short == pytest.approx(2.0)
-    around = turn_on_spot(ground, BODY, NO_DISCS, 4.0, 2.0, 0.3, -0.4, 1.6)
+    assert turn(make_flat(), -0.4, 1.6) == pytest.approx(2.0)
+    around = turn(ground, -0.4, 1.6)
     assert math.isnan(around) or around == pytest.approx(2.0 - 2.0 * math.pi)
     shut = make_flat(boxes=((3.5, 2.2, 4.5, 2.5), (3.5, 1.5, 4.5, 1.8)))
-    assert math.isnan(turn_on_spot(shut, BODY, NO_DISCS, 4.0, 2.0, 0.3, 0.0, 1.57))
+    assert math.isnan(turn(shut, 0.0, 1.57))
 
 
 def test_random_numbers_are_splitmix64():
@@ -122,7 +134,7 @@ def test_random_numbers_are_splitmix64():
 
 @settings(max_examples=60, deadline=None)
 @given(st.integers(0, 2**32 - 1))
-def test_ways_on_the_grid_are_shortest(seed):
+def test_paths_on_the_grid_are_shortest(seed):
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import shortest_path
 
@@ -140,17 +152,17 @@ def test_ways_on_the_grid_are_shortest(seed):
                     links[i * cols + j, a * cols + b] = 1.0
     least = shortest_path(csr_array(links), unweighted=True)
     expected = least[start[0] * cols + start[1], goal[0] * cols + goal[1]]
-    way = grid_way(passable, start, goal)
-    if len(way) == 0:
+    path = grid_path(passable, start, goal)
+    if len(path) == 0:
         assert math.isinf(expected)
         return
-    assert tuple(way[0]) == start
-    assert tuple(way[-1]) == goal
-    assert passable[way[:, 0], way[:, 1]].all()
-    steps = np.abs(np.diff(way, axis=0))
+    assert tuple(path[0]) == start
+    assert tuple(path[-1]) == goal
+    assert passable[path[:, 0], path[:, 1]].all()
+    steps = np.abs(np.diff(path, axis=0))
     assert steps.size == 0 or steps.max() == 1
     # Rings grow from both sides by turns, so that they meet at most one ring late.
-    assert expected <= len(way) - 1 <= expected + 1
+    assert expected <= len(path) - 1 <= expected + 1
 
 
 def test_a_model_without_legs_is_refused():

@@ -73,6 +73,7 @@ _EVERY_COLUMN = "the table has a column for each key of a summary, whatever its 
 INTENDED: tuple[Change, ...] = (
     *(RenamedKey("*/summary.json", "", key, _EVERY_KEY) for key in _PLAN_KEYS),
     ChangedOrder("run/summary.json", "margin_m and delay_s stand where those of plans do"),
+    ChangedOrder("*.parquet", "columns come in the order of a summary's keys"),
     *(RenamedKey("*.said.json", "", key, _EVERY_KEY) for key in _PLAN_KEYS),
     *(RenamedKey("*.jsonl", "", f"*.summary.{key}", _EVERY_KEY) for key in _PLAN_KEYS),
     *(

@@ -18,6 +18,7 @@ from cavalcade.campaign.suite import MOST_SEEDS, Suite, parse_suite, with_curren
 from cavalcade.campaign.trial import Trial, check_worlds, trials_of
 from cavalcade.errors import InputError, RecordingError, ScenarioError
 from cavalcade.scenario.backends import BACKENDS
+from cavalcade.scenario.spellings import current_value
 from cavalcade.yaml_text import parse_yaml
 
 FILE = "campaign.json"
@@ -252,6 +253,7 @@ def _with_variant(suite: Suite, overrides: Sequence[str]) -> tuple[Suite, tuple[
         if group.sampler.individual_goals:
             names = changed(names, method, variant)
         elif variant is not None:
+            variant = current_value(_VARIANT, variant)
             check_variant(str(variant), False, f"--set {_VARIANT}")
             names = (str(variant),)
         groups.append(replace(group, variants=names))

@@ -15,6 +15,7 @@ from cavalcade.errors import InputError, ScenarioError
 from cavalcade.scenario.fields import Positive, Section, Seed, expected
 from cavalcade.scenario.messages import did_you_mean, scenario_error, short
 from cavalcade.scenario.settings import Delay, Noise, PhysicsSection
+from cavalcade.scenario.spellings import current_value
 
 LONGEST_NAME = 60
 Name = Annotated[str, Field(pattern=rf"^[A-Za-z0-9][A-Za-z0-9_-]{{0,{LONGEST_NAME - 1}}}$")]
@@ -84,7 +85,7 @@ class _GroupHead(Section):
 
 
 def _missing_physics() -> str | None:
-    from cavalcade.fleet.physics.engine import load_mujoco
+    from cavalcade.fleet.mujoco.engine import load_mujoco
 
     try:
         load_mujoco()
@@ -94,7 +95,10 @@ def _missing_physics() -> str | None:
 
 
 def _each_once(variants: tuple[str, ...] | None) -> tuple[str, ...] | None:
-    if variants is not None and len(set(variants)) < len(variants):
+    if variants is None:
+        return None
+    variants = tuple(current_value("planner.variant", name) for name in variants)
+    if len(set(variants)) < len(variants):
         raise expected("a variant stands here twice")
     return variants
 
@@ -222,6 +226,10 @@ def parse_suite(data: Mapping[str, Any], file: str | Path | None = None) -> Suit
         ScenarioError: It does not fit the schema.
     """
     head: _Head = _validated(_Head, with_current_names(data), file, "")
+    references = {
+        current_value("planner.variant", name): current_value("planner.variant", other)
+        for name, other in head.references.items()
+    }
     groups = tuple(
         _group(group, head.variants, file, f"worlds[{index}]")
         for index, group in enumerate(head.worlds)
@@ -231,7 +239,7 @@ def parse_suite(data: Mapping[str, Any], file: str | Path | None = None) -> Suit
     for index, name in enumerate(head.variants or ()):
         if all(name not in choices(group.sampler.individual_goals) for group in groups):
             _check_variant(name, groups[0].sampler.individual_goals, file, f"variants[{index}]")
-    _check_references(head.references, variants, file)
+    _check_references(references, variants, file)
     return Suite(
         suite=head.suite,
         about=head.about,
@@ -239,7 +247,7 @@ def parse_suite(data: Mapping[str, Any], file: str | Path | None = None) -> Suit
         seed=head.seed,
         backend=head.backend,
         variants=variants,
-        references=dict(head.references),
+        references=references,
         disturbances=dict(head.disturbances),
         worlds=groups,
     )

@@ -9,11 +9,11 @@ from dataclasses import replace
 import numpy as np
 
 from cavalcade.fleet import IdealFleet
+from cavalcade.geometry.constants import GRAVITY
 from cavalcade.geometry.trajectory import FLIGHT, Trajectory
 from cavalcade.robots import RobotModel
 from cavalcade.scenario import Scenario
 
-_GRAVITY = 9.81
 _SIDEWAYS = 1e-3
 """Of a robot that cannot move sideways, m/s."""
 
@@ -32,7 +32,7 @@ def tracking_model(model: RobotModel, leaps: bool) -> RobotModel:
             max_speed_x=legs.v_max,
             max_speed_y=legs.v_max,
             max_yaw_rate=legs.yaw_rate,
-            max_acceleration=legs.mu * _GRAVITY * (legs.grf_max if leaps else 1.0),
+            max_acceleration=legs.mu * GRAVITY * (legs.grf_max if leaps else 1.0),
             max_yaw_acceleration=math.inf,
         )
     second = model.drive.endswith("-2")

@@ -1,7 +1,7 @@
 """LEAP: a push of the legs, a flight and a landing.
 
 Force in stance, in body weights: F(t) = 4 f t (T - t) / T² with the peak f; flight is ballistic.
-A primitive is laid out as `_figures` says.
+Primitives are laid out as `parameters` says.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import math
 
 from numba import njit
 
+from cavalcade.geometry.constants import GRAVITY
 from cavalcade.geometry.trajectory import FLIGHT as FLYING
 from cavalcade.geometry.trajectory import LANDING, TAKE_OFF
 from cavalcade.kinodynamic._validity import state_problem
@@ -18,25 +19,25 @@ from cavalcade.kinodynamic.parameters import (
     END,
     FLIGHT,
     FORCE,
-    GRAVITY,
     LAND,
     MOTION,
     OK,
     START,
     TIME,
+    copy_to,
 )
 
 
 @njit(cache=True)
-def push(state, force, span, t, out):
+def stance_state(state, force, span, t, out):
     """State after `t` s of a stance of `span` s with the peak force `(3,)`, written to `out`.
 
     `out` may be `state`.
     """
     rate = GRAVITY * (2.0 * t * t / span - 4.0 * t * t * t / (3.0 * span * span))
-    way = GRAVITY * t * t * t * (2.0 / (3.0 * span) - t / (3.0 * span * span))
+    shift = GRAVITY * t * t * t * (2.0 / (3.0 * span) - t / (3.0 * span * span))
     for k in range(3):
-        out[k] = state[k] + state[k + 3] * t + force[k] * way
+        out[k] = state[k] + state[k + 3] * t + force[k] * shift
     for k in range(3):
         out[k + 3] = state[k + 3] + force[k] * rate
     out[2] -= 0.5 * GRAVITY * t * t
@@ -44,7 +45,7 @@ def push(state, force, span, t, out):
 
 
 @njit(cache=True)
-def fly(state, t, out):
+def flight_state(state, t, out):
     """State after `t` s of flight, written to `out`, which may be `state`."""
     for k in range(3):
         out[k] = state[k] + state[k + 3] * t
@@ -65,7 +66,7 @@ def peak_force(rise, start_speed, span):
 
 @njit(cache=True)
 def leap_duration(leap):
-    """Of all three phases, s."""
+    """Duration of a leap's three phases together, s."""
     return leap[TIME] + leap[FLIGHT] + leap[LAND]
 
 
@@ -73,15 +74,15 @@ def leap_duration(leap):
 def leap_state(leap, t, out):
     """State `(6,)` at time `t` after the start of the leap, written to `out`; returns the phase."""
     if t < leap[TIME]:
-        push(leap[START : START + 6], leap[FORCE : FORCE + 3], leap[TIME], t, out)
+        stance_state(leap[START : START + 6], leap[FORCE : FORCE + 3], leap[TIME], t, out)
         return TAKE_OFF
-    push(leap[START : START + 6], leap[FORCE : FORCE + 3], leap[TIME], leap[TIME], out)
+    stance_state(leap[START : START + 6], leap[FORCE : FORCE + 3], leap[TIME], leap[TIME], out)
     t -= leap[TIME]
     if t < leap[FLIGHT]:
-        fly(out, t, out)
+        flight_state(out, t, out)
         return FLYING
-    fly(out, leap[FLIGHT], out)
-    push(out, leap[BRAKE : BRAKE + 3], leap[LAND], min(t - leap[FLIGHT], leap[LAND]), out)
+    flight_state(out, leap[FLIGHT], out)
+    stance_state(out, leap[BRAKE : BRAKE + 3], leap[LAND], min(t - leap[FLIGHT], leap[LAND]), out)
     return LANDING
 
 
@@ -94,8 +95,7 @@ def close_leap(leap):
 @njit(cache=True)
 def reverse_leap(leap, out):
     """The same leap in reversed time, to another array: ends exchanged, velocities negated."""
-    for k in range(leap.shape[0]):
-        out[k] = leap[k]
+    copy_to(out, leap)
     for k in range(3):
         out[START + k], out[END + k] = leap[END + k], leap[START + k]
         out[START + 3 + k], out[END + 3 + k] = -leap[END + 3 + k], -leap[START + 3 + k]
@@ -117,20 +117,15 @@ def leap_forces_allowed(body, leap):
 
 
 @njit(cache=True)
-def leap_problem(ground, body, discs, leap, scratch):
+def leap_problem(space, leap, scratch):
     """What is wrong with a leap in forward time: `OK`, `SOLID`, `GROUND` or `MOTION`.
 
-    It is looked at every dt and at both ends of all phases.
-
-    Args:
-        leap: The primitive.
-        scratch: `(12,)`.
+    Its states are checked every dt and at both ends of all phases; `scratch (12,)` is written.
     """
-    if not leap_forces_allowed(body, leap):
+    if not leap_forces_allowed(space.body, leap):
         return MOTION
     begin, state = scratch[:6], scratch[6:]
-    for k in range(6):
-        begin[k] = leap[START + k]
+    copy_to(begin, leap[START : START + 6])
     phase = TAKE_OFF
     span = leap[TIME]
     for stage in range(3):
@@ -138,34 +133,21 @@ def leap_problem(ground, body, discs, leap, scratch):
             phase, span = FLYING, leap[FLIGHT]
         elif stage == 2:
             phase, span = LANDING, leap[LAND]
-        count = max(int(math.ceil(span / body.dt - 1e-9)), 1)
+        count = max(int(math.ceil(span / space.body.dt - 1e-9)), 1)
         for k in range(count + 1):
             t = span * k / count
             if stage == 0:
-                push(begin, leap[FORCE : FORCE + 3], span, t, state)
+                stance_state(begin, leap[FORCE : FORCE + 3], span, t, state)
             elif stage == 1:
-                fly(begin, t, state)
+                flight_state(begin, t, state)
             else:
-                push(begin, leap[BRAKE : BRAKE + 3], span, t, state)
+                stance_state(begin, leap[BRAKE : BRAKE + 3], span, t, state)
             vx, vy = state[3], state[4]
             speed = math.sqrt(vx * vx + vy * vy)
             if speed < 0.05:
                 return MOTION  # which way it looks would be arbitrary
-            found = state_problem(
-                ground,
-                body,
-                discs,
-                state[0],
-                state[1],
-                state[2],
-                vx,
-                vy,
-                vx / speed,
-                vy / speed,
-                phase,
-            )
+            found = state_problem(space, state, vx / speed, vy / speed, phase)
             if found != OK:
                 return found
-        for k in range(6):
-            begin[k] = state[k]
+        copy_to(begin, state)
     return OK

@@ -9,13 +9,13 @@ from numba import njit
 
 from cavalcade.kinodynamic._leap import (
     close_leap,
-    fly,
+    flight_state,
     leap_problem,
     peak_force,
-    push,
     reverse_leap,
+    stance_state,
 )
-from cavalcade.kinodynamic._leap_aimed import (
+from cavalcade.kinodynamic._leap_over_barrier import (
     LAND_ABOVE,
     LONGEST,
     REACH_LEFT,
@@ -33,77 +33,93 @@ from cavalcade.kinodynamic.parameters import (
     SIZE,
     START,
     TIME,
+    copy_to,
 )
 from cavalcade.kinodynamic.random import between, uniform
 from cavalcade.lattice.surface import surface
 
 _REFINEMENTS = 10
+"""How often the forces of a stance are corrected."""
+
 _LONGEST_FLIGHT = 1.0
+"""Duration, s."""
 
 
 @njit(cache=True)
-def random_leap(ground, body, discs, rng, state, tree, leap, scratch):
-    """Draw a leap from a state (tree 1: that ends in it); whether it is valid in forward time.
+def random_leap(space, state, backwards, rng, leap, scratch):
+    """Sample a leap from a state (`backwards`: to it); whether it is valid in forward time.
 
     The counter-movement sets the vertical speed to 1-2 m/s below that of the smoothed ground.
 
     Args:
         state: `(6,)` of the node.
-        leap: Written, in forward time.
+        backwards: Whether the leap ends there. It is then sampled in reversed time.
+        rng: State of the random numbers.
+        leap, scratch: Written, `(SIZE,)` in forward time and `(12,)`.
     """
-    own = leap if tree == 0 else np.empty(SIZE)
+    own = np.empty(SIZE) if backwards else leap
     own[KIND] = LEAP
-    for k in range(6):
-        own[START + k] = state[k]
-    if tree == 1:
+    copy_to(own[START:], state)
+    if backwards:
         for k in range(3, 6):
             own[START + k] = -state[k]
-    _, along_x, along_y = surface(ground, state[0], state[1])
+    _, along_x, along_y = surface(space.ground, state[0], state[1])
     tangent = along_x * own[START + 3] + along_y * own[START + 4]
     own[START + 5] = tangent - between(rng, 1.0, 2.0)
     span = between(rng, SHORTEST, LONGEST)
-    begin = own[START : START + 6]
-    now = scratch[:6]
+    begin, now = own[START : START + 6], scratch[:6]
 
-    share, angle = uniform(rng), between(rng, 0.0, 2.0 * math.pi)
-    if not _stance(ground, body, begin, span, share, angle, True, own, FORCE, TIME, now):
+    # The take-off, the flight, and the landing from where the flight comes down.
+    if not _sample_stance(space, begin, span, True, rng, own, now):
         return False
-    push(begin, own[FORCE : FORCE + 3], own[TIME], own[TIME], now)
-    flight = _flight_time(ground, body, now, scratch[6:])
+    stance_state(begin, own[FORCE : FORCE + 3], own[TIME], own[TIME], now)
+    flight = _flight_time(space, now, scratch[6:])
     if not flight > 0.0:
         return False
     own[FLIGHT] = flight
-    fly(now, flight, now)
-    share, angle = uniform(rng), between(rng, 0.0, 2.0 * math.pi)
+    flight_state(now, flight, now)
     begin = scratch[6:]
-    for k in range(6):
-        begin[k] = now[k]
-    if not _stance(ground, body, begin, span, share, angle, False, own, BRAKE, LAND, now):
+    copy_to(begin, now)
+    if not _sample_stance(space, begin, span, False, rng, own, now):
         return False
     close_leap(own)
-    if tree == 1:
+    if backwards:
         reverse_leap(own, leap)
-    return leap_problem(ground, body, discs, leap, scratch) == OK
+    return leap_problem(space, leap, scratch) == OK
 
 
 @njit(cache=True)
-def _stance(ground, body, begin, span, share, angle, first, leap, force, time, end):
-    """Draw forces until they are within limits: stretched if too strong, quicker if too weak."""
+def _sample_stance(space, begin, span, first, rng, leap, end):
+    """Sample the horizontal force of a stance and correct it until all forces are within limits.
+
+    The stance is stretched if the legs push too hard, and quicker if they push too little.
+
+    Args:
+        begin: `(6,)` the state at its beginning.
+        span: Its duration before corrections, s.
+        first: Whether it is the take-off, which ends as high as the rear legs reach; the landing
+            ends at nominal height.
+        leap: Force and duration are written there.
+        end: `(6,)` written.
+    """
+    ground, body = space.ground, space.body
+    share, angle = uniform(rng), between(rng, 0.0, 2.0 * math.pi)
+    force, time = (FORCE, TIME) if first else (BRAKE, LAND)
     nominal = 2.0
     for _ in range(_REFINEMENTS):
+        # Where the horizontal force leads, and the height wanted there.
         side = share * body.mu * nominal
         leap[force], leap[force + 1] = side * math.cos(angle), side * math.sin(angle)
         leap[force + 2] = 1.0
-        push(begin, leap[force : force + 3], span, span, end)
+        stance_state(begin, leap[force : force + 3], span, span, end)
         speed = math.hypot(end[3], end[4])
         wanted = surface(ground, end[0], end[1])[0] + body.h_nom
         if first:
             wanted = surface(ground, end[0], end[1])[0] + body.h_max - REACH_LEFT
             if speed > 1e-3 and not ground.flat:
-                wanted = (
-                    reach_height(ground, body, end[0], end[1], end[3] / speed, end[4] / speed, True)
-                    - REACH_LEFT
-                )
+                cos, sin = end[3] / speed, end[4] / speed
+                wanted = reach_height(space, end[0], end[1], cos, sin, True) - REACH_LEFT
+        # The vertical force that leads there.
         fz = peak_force(wanted - begin[2], begin[5], span)
         leap[force + 2], leap[time] = fz, span
         if fz < 1.0:
@@ -118,23 +134,25 @@ def _stance(ground, body, begin, span, share, angle, first, leap, force, time, e
 
 
 @njit(cache=True)
-def _flight_time(ground, body, state, scratch):
+def _flight_time(space, state, scratch):
     """Until the last time that a flight comes down to the landing's clearance, s; nan if never."""
+    ground, dt = space.ground, space.body.dt
+    limit = space.body.h_nom + LAND_ABOVE
     last, above = math.nan, False
-    steps = int(_LONGEST_FLIGHT / body.dt)
+    steps = int(_LONGEST_FLIGHT / dt)
     for k in range(steps + 1):
-        t = k * body.dt
-        fly(state, t, scratch)
+        t = k * dt
+        flight_state(state, t, scratch)
         clearance = scratch[2] - surface(ground, scratch[0], scratch[1])[0]
-        if clearance > body.h_nom + LAND_ABOVE:
+        if clearance > limit:
             above = True
         elif above:
-            low, high = t - body.dt, t
+            # It comes down within this dt: bisect.
+            low, high = t - dt, t
             for _ in range(20):
                 mid = 0.5 * (low + high)
-                fly(state, mid, scratch)
-                height = surface(ground, scratch[0], scratch[1])[0]
-                if scratch[2] - height > body.h_nom + LAND_ABOVE:
+                flight_state(state, mid, scratch)
+                if scratch[2] - surface(ground, scratch[0], scratch[1])[0] > limit:
                     low = mid
                 else:
                     high = mid

@@ -1,4 +1,7 @@
-"""Shorter ways: CONNECT to the farthest later state, shortcuts, no needless stops."""
+"""Shorter paths: string pulling on the grid's path, the farthest CONNECTs, shortcuts, no stops.
+
+A path is its primitives `(M, SIZE)`; `yaw (2,)` is that of the start and that of the goal, rad.
+"""
 
 from __future__ import annotations
 
@@ -7,148 +10,147 @@ import math
 import numpy as np
 from numba import njit
 
-from cavalcade.kinodynamic._leap import leap_duration, leap_state
-from cavalcade.kinodynamic._stance import (
-    is_level,
-    is_straight,
+from cavalcade.kinodynamic._connect import (
     make_walk,
+    some_state_invalid,
     turns_too_fast,
-    walk_meets_something,
     walk_problem,
     walk_state,
 )
-from cavalcade.kinodynamic._trees import edge_heading, may_turn, stands_still
-from cavalcade.kinodynamic.parameters import CONNECT, END, KIND, OK, SIZE, START, TIME
+from cavalcade.kinodynamic._primitives import edge_heading, edge_length, edge_yaw, path_length
+from cavalcade.kinodynamic._validity import may_turn, stands_still
+from cavalcade.kinodynamic.parameters import CONNECT, END, KIND, OK, SIZE, START, TIME, copy_to
 from cavalcade.kinodynamic.random import uniform
 from cavalcade.lattice.surface import surface
 
 _LONGER = 1.003
-"""A way without a stop may be this much longer than one with it."""
+"""A path without a stop may be this much longer than one with it."""
 
 
 @njit(cache=True)
-def edge_duration(edge):
-    """Duration of a primitive, s."""
-    return edge[TIME] if edge[KIND] == CONNECT else leap_duration(edge)
+def _arrival(edges, k, yaw):
+    """Yaw with which the body arrives where primitive `k` of a path begins, rad."""
+    return edge_yaw(edges[k - 1], True) if k > 0 else yaw[0]
 
 
 @njit(cache=True)
-def edge_state(ground, body, edge, t, out):
-    """State `(6,)` of a primitive at time `t` after its start."""
-    if edge[KIND] == CONNECT:
-        walk_state(ground, body, edge, t, out)
-    else:
-        leap_state(edge, t, out)
+def _departure(edges, k, yaw):
+    """Yaw with which the body sets off where primitive `k` of a path begins, rad."""
+    if k < edges.shape[0]:
+        return edge_yaw(edges[k], False)
+    return math.atan2(math.sin(yaw[1]), math.cos(yaw[1]))
 
 
 @njit(cache=True)
-def edge_length(ground, body, edge):
-    """Length of the way of the body's centre in space, sampled every dt, m."""
-    span = edge_duration(edge)
-    if edge[KIND] == CONNECT and is_level(ground, edge) and is_straight(edge):
-        return math.hypot(edge[END] - edge[START], edge[END + 1] - edge[START + 1])
-    count = max(int(math.ceil(span / body.dt - 1e-9)), 1)
-    state = np.empty(6)
-    x, y, z = edge[START], edge[START + 1], edge[START + 2]
-    total = 0.0
-    for k in range(1, count + 1):
-        edge_state(ground, body, edge, span * k / count, state)
-        total += math.sqrt((state[0] - x) ** 2 + (state[1] - y) ** 2 + (state[2] - z) ** 2)
-        x, y, z = state[0], state[1], state[2]
-    return total
+def _joined(space, edge, arrival, departure):
+    """Whether a body can turn from a yaw before a primitive and to one after it, where it rests.
 
-
-@njit(cache=True)
-def total_length(ground, body, edges):
-    """Length of a way of primitives `(M, SIZE)`, m."""
-    total = 0.0
-    for k in range(edges.shape[0]):
-        total += edge_length(ground, body, edges[k])
-    return total
-
-
-@njit(cache=True)
-def joined(ground, body, discs, before, after, yaw, edge):
-    """Whether a body can turn from one primitive to the next one where it rests between them.
-
-    Args:
-        before, after: The primitives around `edge`; those of kind -1 are none.
-        yaw: `(2,)` at the start and the goal, used where there is none.
-        edge: Checked against both.
+    Both in rad; nan where any will do.
     """
-    cos, sin = edge_heading(edge, False)
-    if before[KIND] < 0.0:
-        arrival = yaw[0]
-    else:
-        c, s = edge_heading(before, True)
-        arrival = math.atan2(s, c)
-    if not may_turn(ground, body, discs, edge[START : START + 6], arrival, cos, sin):
+    if not may_turn(space, edge[START : START + 6], arrival, edge_yaw(edge, False)):
         return False
-    cos, sin = edge_heading(edge, True)
-    if after[KIND] < 0.0:
-        c, s = math.cos(yaw[1]), math.sin(yaw[1])
-    else:
-        c, s = edge_heading(after, False)
-    return may_turn(ground, body, discs, edge[END : END + 6], math.atan2(sin, cos), c, s)
+    if math.isnan(departure):
+        return True
+    return may_turn(space, edge[END : END + 6], edge_yaw(edge, True), departure)
 
 
 @njit(cache=True)
-def valid_walk(ground, body, discs, s0, s1, before, after, yaw, edge, scratch):
-    """Lay a CONNECT out between states of a way; whether it is valid there."""
-    if not make_walk(ground, body, s0, s1, edge) or turns_too_fast(body, edge):
+def _valid_walk(space, s0, s1, arrival, departure, edge, scratch):
+    """Lay a CONNECT out between states of a path; whether it is valid there, see `_joined`."""
+    if not make_walk(space, s0, s1, edge) or turns_too_fast(space.body, edge):
         return False
-    if walk_meets_something(ground, body, discs, edge, scratch):
+    if some_state_invalid(space, edge, scratch):
         return False
-    if not joined(ground, body, discs, before, after, yaw, edge):
+    if not _joined(space, edge, arrival, departure):
         return False
-    return walk_problem(ground, body, discs, edge, False, scratch)[0] == OK
+    return walk_problem(space, edge, False, scratch)[0] == OK
 
 
 @njit(cache=True)
-def shorten(ground, body, discs, edges, yaw):
-    """The way with CONNECTs to the farthest later states that can be reached so, from the start on.
+def rest_at(space, x, y, out):
+    """Write the state of rest at a place, at nominal height."""
+    out[0], out[1] = x, y
+    out[2] = surface(space.ground, x, y)[0] + space.body.h_nom
+    out[3], out[4], out[5] = 0.0, 0.0, 0.0
+
+
+@njit(cache=True)
+def pull_string(space, points, yaw):
+    """Walks from rest to rest along straight lines between points of a path.
+
+    Each is as long as it can be found by doubling and halving.
 
     Args:
-        edges: `(M, SIZE)`.
-        yaw: `(2,)` at the start and the goal.
+        points: `(K, 2)` x, y from the start to the goal.
 
     Returns:
-        `(K, SIZE)` with K <= M.
+        `(M, SIZE)`, empty if two neighbouring points cannot be joined so.
     """
+    last = points.shape[0] - 1
+    edges = np.empty((last, SIZE))
+    edge, scratch = np.empty(SIZE), np.empty(6)
+    begin, end = np.empty(6), np.empty(6)
+    rest_at(space, points[0, 0], points[0, 1], begin)
+    at, kept = 0, 0
+    while at < last:
+        # The walk reaches `good` and not `bad`; steps grow until there is one that it does not.
+        good, bad, step = at, last + 1, 1
+        arrival = _arrival(edges, kept, yaw)
+        while bad - good > 1 and good < last:
+            to = min(at + step, last) if bad > last else (good + bad) // 2
+            rest_at(space, points[to, 0], points[to, 1], end)
+            departure = _departure(edges, last, yaw) if to == last else math.nan
+            if _valid_walk(space, begin, end, arrival, departure, edge, scratch):
+                good = to
+                copy_to(edges[kept], edge)
+                step *= 4
+            else:
+                bad = to
+        if good == at:
+            return edges[:0].copy()
+        at = good
+        copy_to(begin, edges[kept, END : END + 6])
+        kept += 1
+    return edges[:kept].copy()
+
+
+@njit(cache=True)
+def shorten(space, edges, yaw):
+    """From the start on, CONNECTs to the farthest later states where they are shorter."""
     count = edges.shape[0]
     out = np.empty((count, SIZE))
-    edge, scratch, none = np.empty(SIZE), np.empty(6), np.full(SIZE, -1.0)
+    edge, scratch = np.empty(SIZE), np.empty(6)
     lengths = np.empty(count + 1)
     lengths[0] = 0.0
     for k in range(count):
-        lengths[k + 1] = lengths[k] + edge_length(ground, body, edges[k])
+        lengths[k + 1] = lengths[k] + edge_length(space, edges[k])
     kept, i = 0, 0
     while i < count:
-        before = out[kept - 1] if kept > 0 else none
+        arrival = _arrival(out, kept, yaw)
         found = False
         for j in range(count, i + 1, -1):
-            after = edges[j] if j < count else none
+            departure = _departure(edges, j, yaw)
             s0, s1 = edges[i, START : START + 6], edges[j - 1, END : END + 6]
-            if not valid_walk(ground, body, discs, s0, s1, before, after, yaw, edge, scratch):
+            if not _valid_walk(space, s0, s1, arrival, departure, edge, scratch):
                 continue
-            if edge_length(ground, body, edge) > lengths[j] - lengths[i] - 1e-6:
+            if edge_length(space, edge) > lengths[j] - lengths[i] - 1e-6:
                 continue
-            out[kept] = edge
+            copy_to(out[kept], edge)
             i, found = j, True
             break
         if not found:
-            out[kept] = edges[i]
+            copy_to(out[kept], edges[i])
             i += 1
         kept += 1
     return out[:kept].copy()
 
 
 @njit(cache=True)
-def shortcut(ground, body, discs, rng, edges, yaw):
-    """Try a CONNECT between two random places of the way.
+def shortcut(space, rng, edges, yaw):
+    """Try a CONNECT between two random places of a path.
 
     Returns:
-        The way, changed if that made it shorter, and whether it did.
+        The path, changed if that made it shorter, and whether it did.
     """
     count = edges.shape[0]
     i, j = int(uniform(rng) * count), int(uniform(rng) * count)
@@ -157,24 +159,23 @@ def shortcut(ground, body, discs, rng, edges, yaw):
         i, j, a, b = j, i, b, a
     if i == j or edges[i, KIND] != CONNECT or edges[j, KIND] != CONNECT:
         return edges, False
-    none, scratch = np.full(SIZE, -1.0), np.empty(6)
-    s0, s1 = np.empty(6), np.empty(6)
+    scratch, s0, s1 = np.empty(6), np.empty(6), np.empty(6)
     first, middle, last = edges[i].copy(), np.empty(SIZE), edges[j].copy()
-    before = edges[i - 1] if i > 0 else none
-    after = edges[j + 1] if j + 1 < count else none
-    _place(ground, body, edges[i], a, s0)
-    _place(ground, body, edges[j], b, s1)
-    if not _part(ground, body, first, s0, True, a) or not _part(ground, body, last, s1, False, b):
+    _place(space, edges[i], a, s0)
+    _place(space, edges[j], b, s1)
+    if not _part(space, first, s0, True, a) or not _part(space, last, s1, False, b):
         return edges, False
-    if not valid_walk(ground, body, discs, s0, s1, first, last, yaw, middle, scratch):
+    arrival, departure = edge_yaw(first, True), edge_yaw(last, False)
+    if not _valid_walk(space, s0, s1, arrival, departure, middle, scratch):
         return edges, False
-    old = total_length(ground, body, edges[i : j + 1])
-    new = edge_length(ground, body, first) + edge_length(ground, body, middle)
-    if new + edge_length(ground, body, last) > old - 1e-4:
+    # It is shorter, and what is left of the primitives that it cuts fits to their neighbours.
+    old = path_length(space, edges[i : j + 1])
+    new = edge_length(space, first) + edge_length(space, middle)
+    if new + edge_length(space, last) > old - 1e-4:
         return edges, False
-    if not joined(ground, body, discs, before, middle, yaw, first):
+    if not _joined(space, first, _arrival(edges, i, yaw), edge_yaw(middle, False)):
         return edges, False
-    if not joined(ground, body, discs, middle, after, yaw, last):
+    if not _joined(space, last, edge_yaw(middle, True), _departure(edges, j + 1, yaw)):
         return edges, False
     out = np.empty((i + 1 + 1 + count - j, SIZE))
     out[:i] = edges[:i]
@@ -184,72 +185,71 @@ def shortcut(ground, body, discs, rng, edges, yaw):
 
 
 @njit(cache=True)
-def _place(ground, body, edge, part, out):
+def _place(space, edge, part, out):
     """A state on a CONNECT: at rest if it leads from rest to rest along a line, else as it is."""
-    walk_state(ground, body, edge, part * edge[TIME], out)
+    walk_state(space, edge, part * edge[TIME], out)
     if stands_still(edge[START : START + 6]) and stands_still(edge[END : END + 6]):
-        out[2] = surface(ground, out[0], out[1])[0] + body.h_nom
-        out[3], out[4], out[5] = 0.0, 0.0, 0.0
+        rest_at(space, out[0], out[1], out)
 
 
 @njit(cache=True)
-def _part(ground, body, edge, state, first, part):
+def _part(space, edge, state, first, part):
     """Keep a CONNECT up to a state on it or, unless `first`, from there on."""
     at = END if first else START
     if stands_still(state):
         if first:
-            return make_walk(ground, body, edge[START : START + 6].copy(), state, edge)
-        return make_walk(ground, body, state, edge[END : END + 6].copy(), edge)
+            return make_walk(space, edge[START : START + 6].copy(), state, edge)
+        return make_walk(space, state, edge[END : END + 6].copy(), edge)
     share = part if first else 1.0 - part
-    if share * edge[TIME] < body.dt:
+    if share * edge[TIME] < space.body.dt:
         return False
-    for k in range(6):
-        edge[at + k] = state[k]
+    copy_to(edge[at:], state)
     edge[TIME] *= share
     return True
 
 
 @njit(cache=True)
-def round_corners(ground, body, discs, edges, yaw):
+def round_corners(space, edges, yaw):
     """Walk through places of rest between two CONNECTs where that is hardly any longer, in place.
 
     Returns:
         How many are gone.
     """
-    count = edges.shape[0]
-    none, scratch = np.full(SIZE, -1.0), np.empty(6)
-    state, first, last = np.empty(6), np.empty(SIZE), np.empty(SIZE)
+    v_nom = space.body.v_nom
+    scratch, state = np.empty(6), np.empty(6)
+    first, last = np.empty(SIZE), np.empty(SIZE)
     gone = 0
-    for i in range(count - 1):
+    for i in range(edges.shape[0] - 1):
         if edges[i, KIND] != CONNECT or edges[i + 1, KIND] != CONNECT:
             continue
-        for k in range(6):
-            state[k] = edges[i, END + k]
+        copy_to(state, edges[i, END : END + 6])
         if not stands_still(state):
             continue
+        # Through the same place in the direction between both walks, unless they nearly oppose.
         c0, s0 = edge_heading(edges[i], True)
         c1, s1 = edge_heading(edges[i + 1], False)
         cos, sin = c0 + c1, s0 + s1
         norm = math.hypot(cos, sin)
         if norm < 0.5:
             continue
-        before = edges[i - 1] if i > 0 else none
-        after = edges[i + 2] if i + 2 < count else none
-        old = edge_length(ground, body, edges[i]) + edge_length(ground, body, edges[i + 1])
-        along = surface(ground, state[0], state[1])
-        for speed in (body.v_nom, 0.6 * body.v_nom, 0.3 * body.v_nom):
+        begin, end = edges[i, START : START + 6], edges[i + 1, END : END + 6]
+        arrival, departure = _arrival(edges, i, yaw), _departure(edges, i + 2, yaw)
+        old = edge_length(space, edges[i]) + edge_length(space, edges[i + 1])
+        along = surface(space.ground, state[0], state[1])
+        for speed in (v_nom, 0.6 * v_nom, 0.3 * v_nom):
             state[3], state[4] = speed * cos / norm, speed * sin / norm
             state[5] = along[1] * state[3] + along[2] * state[4]
-            begin, end = edges[i, START : START + 6], edges[i + 1, END : END + 6]
-            if not make_walk(ground, body, state, end, last) or turns_too_fast(body, last):
+            # The second walk's forces are looked at first: that costs least.
+            if not make_walk(space, state, end, last) or turns_too_fast(space.body, last):
                 continue
-            if not valid_walk(ground, body, discs, begin, state, before, none, yaw, first, scratch):
+            if not _valid_walk(space, begin, state, arrival, math.nan, first, scratch):
                 continue
-            if not valid_walk(ground, body, discs, state, end, none, after, yaw, last, scratch):
+            if not _valid_walk(space, state, end, math.nan, departure, last, scratch):
                 continue
-            new = edge_length(ground, body, first) + edge_length(ground, body, last)
+            new = edge_length(space, first) + edge_length(space, last)
             if new <= _LONGER * old:
-                edges[i], edges[i + 1] = first, last
+                copy_to(edges[i], first)
+                copy_to(edges[i + 1], last)
                 gone += 1
                 break
     return gone

@@ -1,14 +1,17 @@
-"""A robot's figures as kernels take them, and the layout of primitives."""
+"""What kernels take: a robot's parameters, the space it moves in, and the layout of primitives."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
-from cavalcade.errors import InputError
-from cavalcade.geometry.trajectory import STEP
-from cavalcade.robots import RobotModel
+import numpy as np
+from numba import njit
 
-GRAVITY = 9.81
+from cavalcade.errors import InputError
+from cavalcade.geometry import Array
+from cavalcade.geometry.trajectory import STEP
+from cavalcade.lattice.ground import Ground, read_only
+from cavalcade.robots import RobotModel
 
 KIND, START, END, TIME = 0, 1, 7, 13
 FORCE, FLIGHT, LAND, BRAKE = 14, 17, 18, 19
@@ -22,12 +25,26 @@ CONNECT, LEAP = 0.0, 1.0
 """Kinds of primitives."""
 
 OK, SOLID, GROUND, MOTION = 0, 1, 2, 3
-"""What is wrong with a state or a primitive: nothing; it meets something solid or leaves the map;
-the ground does not carry it; speeds, forces or yaw rate are beyond the limits."""
+"""What is wrong with a state or a primitive: nothing; it collides with something solid or leaves
+the map; the ground does not carry it; speeds, forces or yaw rate are beyond the limits."""
 
 
 class Body(NamedTuple):
-    """Figures of one robot and one way of planning for it; lengths in m, rates in SI units."""
+    """Parameters of one robot and of one way of planning for it; lengths in m, rates in SI units.
+
+    Attributes:
+        half_length, half_width: Of the footprint that keeps clear of solids.
+        trunk_half_length, trunk_half_width, belly: Of the trunk, and from its centre to its belly.
+        hip_x, hip_y: Of the hips, from the centre.
+        h_min, h_nom, h_max: Least height of the belly, nominal height of the centre, and how far
+            the legs reach below a hip.
+        v_nom, v_max, yaw_rate: Walking speed and limits.
+        mu, grf_max: Friction coefficient, and the largest ground force in body weights.
+        margin: Kept between the footprint and solids.
+        dt: Between the states of a primitive that are checked.
+        leaps: Whether the robot may leap.
+        published: Whether it plans as the published planner does.
+    """
 
     half_length: float
     half_width: float
@@ -46,11 +63,28 @@ class Body(NamedTuple):
     grf_max: float
     margin: float
     dt: float
+    leaps: bool
     published: bool
 
 
-def make_body(model: RobotModel, published: bool = False, margin: float = 0.0) -> Body:
-    """Figures of a model.
+class StateSpace(NamedTuple):
+    """What tells valid states from others, as all kernels of this package take it.
+
+    Attributes:
+        ground: Its arrays are read-only.
+        body: The robot's parameters.
+        discs: `(K, 3)` x, y, radius in m where the body's centre may not be.
+    """
+
+    ground: Ground
+    body: Body
+    discs: Array
+
+
+def make_body(
+    model: RobotModel, published: bool = False, margin: float = 0.0, leaps: bool = True
+) -> Body:
+    """Parameters of a model.
 
     Raises:
         InputError: It has no legs.
@@ -76,5 +110,22 @@ def make_body(model: RobotModel, published: bool = False, margin: float = 0.0) -
         grf_max=legs.grf_max,
         margin=float(margin),
         dt=STEP,
+        leaps=bool(leaps),
         published=bool(published),
     )
+
+
+def make_space(ground: Ground, body: Body, discs: Array | None = None) -> StateSpace:
+    """The space of a body on a ground; its arrays are of one type, so that kernels compile once."""
+    keep_out = np.zeros((0, 3)) if discs is None else np.ascontiguousarray(discs)
+    return StateSpace(read_only(ground), body, keep_out)
+
+
+@njit(cache=True)
+def copy_to(out, values):
+    """Write values to the beginning of an array; numba takes seconds to compile `out[:] = values`.
+
+    `out` may begin where `values` does, and is at least as long.
+    """
+    for k in range(values.shape[0]):
+        out[k] = values[k]

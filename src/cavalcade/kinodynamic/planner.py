@@ -17,21 +17,29 @@ from numpy.typing import NDArray
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import Trajectory
-from cavalcade.kinodynamic._extend import PLACES, sprout
-from cavalcade.kinodynamic._sampling import sample
-from cavalcade.kinodynamic._search import FOUND, FULL, route, search
-from cavalcade.kinodynamic._shortening import round_corners, shortcut, shorten, total_length
-from cavalcade.kinodynamic._string_pulling import pull
-from cavalcade.kinodynamic._trees import Forest, make_forest, plant
-from cavalcade.kinodynamic.obstruction import Pose, find_way, obstruction, roomy_way
-from cavalcade.kinodynamic.parameters import SIZE, make_body
+from cavalcade.kinodynamic._primitives import path_length
+from cavalcade.kinodynamic._rrt_connect import FULL, SOLVED, Sampler, search, solution
+from cavalcade.kinodynamic._shortening import (
+    pull_string,
+    rest_at,
+    round_corners,
+    shortcut,
+    shorten,
+)
+from cavalcade.kinodynamic._trajectory_sampling import sample_path
+from cavalcade.kinodynamic._tree import Tree, enlarged, make_tree
+from cavalcade.kinodynamic._tree_extension import PLACES, walk_ahead
+from cavalcade.kinodynamic.obstruction import Pose, find_path, obstruction, roomy_path
+from cavalcade.kinodynamic.parameters import SIZE, make_body, make_space
 from cavalcade.kinodynamic.settings import BodySettings
-from cavalcade.lattice.ground import Ground, read_only
-from cavalcade.lattice.surface import surface
+from cavalcade.lattice.ground import Ground
 from cavalcade.robots import RobotModel
 
+Trees = tuple[Tree, Tree]
+"""That of the start and that of the goal."""
+
 _FIRST_LOOK = 200
-"""Iterations after which it is asked whether there is a way at all."""
+"""Iterations after which it is asked whether there is a path at all."""
 
 _CHUNK = 100
 """Iterations between looks at the clock, where there is a limit of time."""
@@ -59,7 +67,7 @@ class BodyPlan:
         history: `(K, 2)` iterations and length in m: of the first plan as it was found, after
             shortening, and of each better one.
         tree_sizes: Nodes of the tree from the start and of that from the goal.
-        planning_time: s of wall time.
+        planning_time: Wall time, s.
     """
 
     trajectory: Trajectory | None
@@ -91,7 +99,7 @@ def plan_body(
     Args:
         ground: What it walks on; its frame is that of the poses and of the plan.
         model: A robot with legs.
-        start, goal: x m, y m, yaw rad.
+        start, goal: x and y in m, yaw in rad.
         settings: `BodySettings()` by default.
         seed: Of the random numbers.
 
@@ -127,10 +135,9 @@ class _Problem:
         settings: BodySettings,
         seed: int,
     ) -> None:
-        self.ground, self.settings = read_only(ground), settings
-        self.start, self.goal = start, goal
-        self.discs = np.ascontiguousarray(settings.discs)
-        self.body = make_body(model, settings.variant == "published", settings.margin)
+        body = make_body(model, settings.variant == "published", settings.margin, settings.leaps)
+        self.space = make_space(ground, body, settings.discs)
+        self.settings, self.start, self.goal = settings, start, goal
         self.rng = np.array([seed % 2**64], dtype=np.uint64)
         self.yaw = np.array([start[2], goal[2]])
         self.guide = np.zeros((0, 2))
@@ -161,98 +168,93 @@ class _Problem:
         return self._answer("solved", "", self._trajectory(begin, edges))
 
     def _obstruction(self, pose: Pose) -> str:
-        why = obstruction(self.ground, self.body, self.discs, pose)
-        if why and self.body.margin > 0.0:
-            bare = self.body._replace(margin=0.0)
-            why = obstruction(self.ground, bare, self.discs, pose)
+        """Why the robot cannot stand at a pose; without its margin if that alone is in the way."""
+        why = obstruction(self.space, pose)
+        if why and self.space.body.margin > 0.0:
+            bare = self.space._replace(body=self.space.body._replace(margin=0.0))
+            why = obstruction(bare, pose)
             if not why:
-                self.body = bare
+                self.space = bare
         return why
 
     def _rest(self, pose: Pose) -> Array:
-        height = surface(self.ground, pose[0], pose[1])[0]
-        return np.array([pose[0], pose[1], height + self.body.h_nom, 0.0, 0.0, 0.0])
+        state = np.empty(6)
+        rest_at(self.space, pose[0], pose[1], state)
+        return state
 
-    def _planted(self) -> Forest:
-        forest = make_forest(8 * PLACES)
-        for tree, pose in enumerate((self.start, self.goal)):
-            plant(forest, tree, self._rest(pose), pose[2])
-        return forest
+    def _roots(self) -> Trees:
+        return (
+            make_tree(8 * PLACES, False, self._rest(self.start), self.start[2]),
+            make_tree(8 * PLACES, True, self._rest(self.goal), self.goal[2]),
+        )
 
     def _first(self, deadline: float) -> tuple[Array | None, str]:
-        """The first way, or why there is none, empty if that is not known."""
+        """The first solution, or why there is none, empty if that is not known."""
+        published = self.space.body.published
         straight = min(2, self.settings.iterations)
-        edges, forest = self._search(self._planted(), 0, straight, math.inf, deadline)
-        if edges is None and not self.body.published:
+        edges, trees = self._search(self._roots(), 0, straight, math.inf, deadline)
+        if edges is None and not published:
             edges = self._pulled()
         look = min(_FIRST_LOOK, self.settings.iterations)
         if edges is None:
-            if not self.body.published:
-                sprout(self.ground, self.body, self.discs, forest)
-            edges, forest = self._search(forest, straight, look, math.inf, deadline)
+            if not published:
+                for tree in trees:
+                    walk_ahead(self.space, tree)
+            edges, trees = self._search(trees, straight, look, math.inf, deadline)
         if edges is None and clock.perf_counter() <= deadline:
-            why, self.guide = find_way(
-                self.ground, self.body, self.discs, self.settings.leaps, self.start, self.goal
-            )
+            why, guide = find_path(self.space, self.start, self.goal)
             if why:
                 return None, why
-            if self.body.published:
-                self.guide = np.zeros((0, 2))
-            edges, forest = self._search(forest, look, self.settings.iterations, math.inf, deadline)
-        self.sizes = (int(forest.used[0]), int(forest.used[1]))
+            if not published:
+                self.guide = guide
+            edges, trees = self._search(trees, look, self.settings.iterations, math.inf, deadline)
+        self.sizes = (int(trees[0].used[0]), int(trees[1].used[0]))
         return edges, ""
 
     def _pulled(self) -> Array | None:
-        """A way where there is room to turn everywhere, if the grid shows one."""
-        way = roomy_way(self.ground, self.body, self.discs, self.start, self.goal)
-        if len(way) == 0:
+        """A path where there is room to turn everywhere, if the grid shows one."""
+        points = roomy_path(self.space, self.start, self.goal)
+        if len(points) == 0:
             return None
-        edges: Array = pull(self.ground, self.body, self.discs, way, self.yaw)
+        edges: Array = pull_string(self.space, points, self.yaw)
         return edges if len(edges) else None
 
     def _search(
-        self, forest: Forest, begin: int, end: int, bound: float, deadline: float
-    ) -> tuple[Array | None, Forest]:
+        self, trees: Trees, begin: int, end: int, bound: float, deadline: float
+    ) -> tuple[Array | None, Trees]:
+        """Search on from iteration `begin` to `end`: the solution, if any, and the trees."""
         step = end if deadline == math.inf else _CHUNK
+        sampler = Sampler(self.rng, self.guide, bound)
         at = begin
         while at < end and clock.perf_counter() <= deadline:
             status, reached, first, second = search(
-                self.ground,
-                self.body,
-                self.discs,
-                self.settings.leaps,
-                self.rng,
-                forest,
-                self.guide,
-                bound,
-                at,
-                min(end, at + step),
+                self.space, trees, sampler, at, min(end, at + step)
             )
             self.iterations += reached - at
             at = reached
-            if status == FOUND:
-                edges: Array = route(forest, first, second)
-                return edges, forest
+            if status == SOLVED:
+                edges: Array = solution(trees, first, second)
+                return edges, trees
             if status == FULL:
-                forest = make_forest(2 * forest.yaws.shape[1], forest)
-        return None, forest
+                trees = (enlarged(trees[0]), enlarged(trees[1]))
+        return None, trees
 
     def _shortened(self, edges: Array, shortcuts: int) -> Array:
         if len(edges) < 2:
             return edges
-        edges = shorten(self.ground, self.body, self.discs, edges, self.yaw)
-        if self.body.published:
+        edges = shorten(self.space, edges, self.yaw)
+        if self.space.body.published:
             self._note(edges)
             return edges
         for _ in range(min(shortcuts, _TRIES_EACH * (len(edges) - 1))):
-            edges, _ = shortcut(self.ground, self.body, self.discs, self.rng, edges, self.yaw)
-        edges = shorten(self.ground, self.body, self.discs, edges, self.yaw)
-        round_corners(self.ground, self.body, self.discs, edges, self.yaw)
+            edges, _ = shortcut(self.space, self.rng, edges, self.yaw)
+        edges = shorten(self.space, edges, self.yaw)
+        round_corners(self.space, edges, self.yaw)
         self._note(edges)
         return edges
 
     def _improved(self, edges: Array, deadline: float) -> Array:
-        """Shortcuts, and new searches where a way can still be shorter (Gammell et al. 2014)."""
+        """Shortcuts, and new searches where a path can still be shorter (Gammell et al. 2014)."""
         best = self._length(edges)
         straight = math.dist(self._rest(self.start)[:3], self._rest(self.goal)[:3])
         end = self.iterations + self.settings.improve
@@ -261,15 +263,15 @@ class _Problem:
                 break
             for _ in range(min(_SHORTCUTS, end - self.iterations)):
                 self.iterations += 1
-                edges, _ = shortcut(self.ground, self.body, self.discs, self.rng, edges, self.yaw)
+                edges, _ = shortcut(self.space, self.rng, edges, self.yaw)
             if self._length(edges) < best - 1e-6:
                 best = self._length(edges)
                 self._note(edges)
             rest = min(_ROUND, end - self.iterations)
             if rest <= 0:
                 break
-            # From iteration 2 on, so that the straight way is not tried again.
-            other, _ = self._search(self._planted(), 2, 2 + rest, best, deadline)
+            # From iteration 2 on, so that the straight line is not tried again.
+            other, _ = self._search(self._roots(), 2, 2 + rest, best, deadline)
             if other is None:
                 continue
             history = list(self.history)
@@ -281,15 +283,13 @@ class _Problem:
         return edges
 
     def _length(self, edges: Array) -> float:
-        return float(total_length(self.ground, self.body, edges))
+        return float(path_length(self.space, edges))
 
     def _note(self, edges: Array) -> None:
         self.history.append((self.iterations, self._length(edges)))
 
     def _trajectory(self, begin: Array, edges: Array) -> Trajectory:
-        times, states, yaws, phases = sample(
-            self.ground, self.body, self.discs, edges, begin, self.yaw
-        )
+        times, states, yaws, phases = sample_path(self.space, edges, begin, self.yaw)
         phase: NDArray[np.int8] = phases
         return Trajectory(times, states[:, :3].copy(), states[:, 3:].copy(), yaws, phase)
 

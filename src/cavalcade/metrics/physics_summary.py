@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from cavalcade.geometry import Array
+from cavalcade.geometry.constants import GRAVITY
 from cavalcade.metrics.summary import BodyContacts, GroundContacts, PhysicsSummary
 from cavalcade.recording.physics_track import ContactEvent, PhysicsTrack
 from cavalcade.robots import RobotModel
@@ -36,7 +37,7 @@ def summarise_physics(track: PhysicsTrack, models: Sequence[RobotModel]) -> Phys
     """
     torque = _limits(models, "torque_limits")
     speed = _limits(models, "speed_limits")
-    weights = np.array([_description(model).mass * 9.81 for model in models])
+    weights = np.array([_description(model).mass * GRAVITY for model in models])
     w_to_z = 1.0 - 2.0 * (track.base[..., 4] ** 2 + track.base[..., 5] ** 2)
     # The first sample has nothing before it.
     carried = track.foot_forces[1:, ..., 2].sum(axis=-1)

@@ -18,8 +18,9 @@ from cavalcade.drawing.physics.signals import (
     spread,
     torque_share,
 )
-from cavalcade.drawing.replay.physics_data import descriptions_of
+from cavalcade.drawing.physics.skeleton import descriptions_of
 from cavalcade.geometry import Array
+from cavalcade.geometry.constants import GRAVITY
 from cavalcade.recording.physics_track import PhysicsTrack
 
 if TYPE_CHECKING:
@@ -70,7 +71,7 @@ def make_physics_figures(
     descriptions = descriptions_of(scenario, track)
     folder = style.make_directory(out_dir)
     limits = np.array([one.torque_limits for one in descriptions])
-    weights = np.array([9.81 * one.mass for one in descriptions])
+    weights = np.array([GRAVITY * one.mass for one in descriptions])
     stand = [one.stand_height for one in descriptions]
     with style.paper_style():
         return [
