@@ -28,6 +28,7 @@ SAYS = {
     "14_plan_one_body": "on foot: infeasible",
     "15_leg_control_alone": "swings with",
     "16_predictive_control_alone": "brake with",
+    "17_check_arrays": "clean, closest",
 }
 
 WRITES = {

@@ -30,7 +30,7 @@ from cavalcade.kinodynamic.obstruction import obstruction
 from cavalcade.kinodynamic.parameters import make_body, make_space
 from cavalcade.kinodynamic.planner import BodyPlan, plan_body
 from cavalcade.kinodynamic.settings import BodySettings
-from cavalcade.lattice.ground import Ground, read_only
+from cavalcade.lattice.ground import Ground
 from cavalcade.lattice.motion_limits import footprint
 from cavalcade.lattice.planner import TRACK_STEP, SpaceTimePlanner
 from cavalcade.robots import RobotModel

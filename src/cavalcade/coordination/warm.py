@@ -55,9 +55,7 @@ def _over_a_trench() -> None:
     """Two robots, one after the other, over a trench that asks for a leap."""
     ground, model = warming.trench(), robot_model("spirit")
     starts, goals = ((1.0, 1.0, 0.0), (0.5, 2.0, 0.0)), ((3.5, 1.0, 0.0), (3.5, 2.0, 0.0))
-    planner = TerrainPlanner(
-        TeamProblem(ground, (model, model), starts, goals), PlanSettings(), 0
-    )
+    planner = TerrainPlanner(TeamProblem(ground, (model, model), starts, goals), PlanSettings(), 0)
     first = planner.plan(0, (), Budget(10_000))
     if first is not None:
         planner.plan(1, spans_of([(0, first)]), Budget(10_000))
