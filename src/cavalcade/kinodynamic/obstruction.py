@@ -41,7 +41,7 @@ def obstruction(space: StateSpace, pose: Pose) -> str:
     cos, sin = math.cos(yaw), math.sin(yaw)
     if not solid_free(space._replace(discs=np.zeros((0, 3))), x, y, cos, sin):
         return "is in an obstacle or over the map's edge"
-    if not solid_free(space, x, y, cos, sin):
+    if len(space.discs) and not solid_free(space, x, y, cos, sin):
         return "is within another robot's reach"
     if not ground.flat:
         ground_there = bilinear(ground.traversability, ground.cell, x, y)
