@@ -233,8 +233,7 @@ class _Problem:
             self.iterations += reached - at
             at = reached
             if status == SOLVED:
-                edges: Array = solution(trees, first, second)
-                return edges, trees
+                return solution(trees, first, second), trees
             if status == FULL:
                 trees = (enlarged(trees[0]), enlarged(trees[1]))
         return None, trees
