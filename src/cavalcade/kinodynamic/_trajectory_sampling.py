@@ -123,13 +123,13 @@ def _add_phase(space, edge, t0, t1, phase, samples):
     for k in range(1, count + 1):
         at = first + k
         time[at] = time[first] + (t1 - t0) * k / count
-        t = t0 + (t1 - t0) * k / count
+        t, state = t0 + (t1 - t0) * k / count, states[at]
         if phase == WALK:
-            walk_state(space, edge, t, states[at])
+            walk_state(space, edge, t, state)
         else:
-            leap_state(edge, t, states[at])
+            leap_state(edge, t, state)
         # The yaw follows the velocity; at rest it is that of the primitive's end.
-        vx, vy = states[at, 3], states[at, 4]
+        vx, vy = state[3], state[4]
         if vx * vx + vy * vy > STILL * STILL:
             yaws[at] = yaws[at - 1] + wrapped(math.atan2(vy, vx) - yaws[at - 1])
         elif k == count:
