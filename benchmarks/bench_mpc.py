@@ -27,8 +27,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from cavalcade.locomotion._mpc import solve_mpc
-from cavalcade.locomotion._mpc_build import build_qp
+from cavalcade.locomotion import MpcProblem
+from cavalcade.locomotion._mpc import build_qp, solve
 from cavalcade.locomotion._qp import solve_qp
 
 Array = NDArray[np.float64]
@@ -42,9 +42,9 @@ PUSHES = {"calm": 0.0, "pushed": 0.3, "thrown": 1.0}
 
 
 class Case(NamedTuple):
-    """What both solvers get, and the arguments of a whole call."""
+    """What both solvers get, and the problem of a whole call."""
 
-    arguments: tuple[Any, ...]
+    problem: MpcProblem
     hessian: Array
     gradient: Array
     rows: Array
@@ -90,25 +90,21 @@ def draw(rng: np.random.Generator, kind: str, push: float) -> Case:
     contacts = schedule(rng, kind)
     n = 3 * int(contacts.sum())
     hessian, gradient = np.zeros((n, n)), np.empty(n)
-    arguments = (state, reference, contacts, levers, yaws, dts, INERTIA, MASS, WEIGHTS, 1e-5)
-    build_qp(*arguments, hessian, gradient)
+    motion = state, reference, contacts, levers, yaws, dts
+    problem = MpcProblem(*motion, INERTIA, MASS, WEIGHTS, 1e-5, MU, MOST)
+    build_qp(problem, hessian, gradient)
     hessian = np.triu(hessian) + np.triu(hessian, 1).T
     # DAQP is fastest with normal forces as simple bounds, one for every unknown.
     sides = np.array([[1, 0, -MU], [-1, 0, -MU], [0, 1, -MU], [0, -1, -MU]])
     upper = np.concatenate([np.tile([1e30, 1e30, MOST], n // 3), np.zeros(4 * n // 3)])
     lower = np.concatenate([np.tile([-1e30, -1e30, 0.0], n // 3), np.full(4 * n // 3, -1e30)])
-    return Case(arguments, hessian, gradient, np.kron(np.eye(n // 3), sides), upper, lower)
+    return Case(problem, hessian, gradient, np.kron(np.eye(n // 3), sides), upper, lower)
 
 
 @njit
-def _solve_often(
-    count, state, reference, contacts, levers, yaws, dts, inertia, mass, weights, force, plan
-):
+def _solve_often(count, problem, plan):
     for _ in range(count):
-        solve_mpc(
-            state, reference, contacts, levers, yaws, dts, inertia, mass, weights, force,
-            MU, MOST, plan, MANY,
-        )  # fmt: skip
+        solve(problem, plan, MANY)
 
 
 def seconds(call: Callable[[], Any]) -> float:
@@ -136,7 +132,7 @@ def compare(case: Case, turns: int) -> tuple[float, float, float, float, float, 
         other.append(seconds(theirs))
         info = theirs()[3]
         clock.append(info["setup_time"] + info["solve_time"])
-        whole.append(seconds(lambda: _solve_often(20, *case.arguments, plan)) / 20)
+        whole.append(seconds(lambda: _solve_often(20, case.problem, plan)) / 20)
     error = float(np.abs(forces - best[0]).max())
     return 1e6 * min(own), 1e6 * min(other), 1e6 * min(clock), 1e6 * min(whole), error, changes
 

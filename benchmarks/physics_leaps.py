@@ -24,12 +24,12 @@ from cavalcade.checking.physics.record import RobotRecord, Touch
 from cavalcade.checking.plans.heights import Heights
 from cavalcade.execution.leaping import leaps_of, request_of
 from cavalcade.fleet import LeapRequest
-from cavalcade.fleet.physics import PhysicsGround, PhysicsSettings
-from cavalcade.fleet.physics.fleet import MujocoFleet
-from cavalcade.fleet.physics.leaping import APPROACH
+from cavalcade.fleet.mujoco import PhysicsGround, PhysicsSettings
+from cavalcade.fleet.mujoco.fleet import MujocoFleet
+from cavalcade.fleet.mujoco.leaping import APPROACH
 from cavalcade.kinodynamic.planner import plan_body
 from cavalcade.lattice.ground import make_ground
-from cavalcade.locomotion.leap import LeapSettings
+from cavalcade.locomotion import LeapSettings
 from cavalcade.robots import RobotModel, robot_model
 from cavalcade.world import OccupancyMap
 from cavalcade.world.terrain import generate_terrain

@@ -22,9 +22,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.fleet.physics import TeamSimulator
-from cavalcade.locomotion.control import LegControl
-from cavalcade.locomotion.settings import GaitSettings
+from cavalcade.fleet.mujoco import TeamSimulator
+from cavalcade.locomotion import GaitSettings, LegControl
 from cavalcade.robots import robot_model
 from cavalcade.robots.motion import ellipse_scale, limits_of, predict_team
 

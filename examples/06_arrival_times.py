@@ -20,17 +20,17 @@ walls = [cv.Box((4.0, 1.8), (0.3, 3.6)), cv.Box((7.0, 4.2), (0.3, 3.6))]
 world = cv.OccupancyMap.empty((11.0, 6.0)).with_shapes(walls)
 speed = velocity_map(surface_distance(world.occupied, 0.05), radius=0.30, safe_distance=1.0)
 
-times = cv.arrival_times(speed, [(60, 200)], 0.05)  # seconds to [row, col], inf without a way
-print(f"longest way: {times[np.isfinite(times)].max():.1f} s")
+times = cv.arrival_times(speed, [(60, 200)], 0.05)  # seconds to [row, col], inf without a path
+print(f"longest: {times[np.isfinite(times)].max():.1f} s")
 
-# The same as a field that can be asked for times and ways between cells.
+# The same as a field that can be asked for times and paths between cells.
 field = TravelGrid(speed, 0.05).field((10.025, 3.025))
-way, remaining = field.path((1.0, 1.0))
-print(f"from (1, 1): {remaining[0]:.1f} s over {len(way)} points")
+path, remaining = field.path((1.0, 1.0))
+print(f"from (1, 1): {remaining[0]:.1f} s over {len(path)} points")
 
 plt.switch_backend("agg")
 plt.imshow(np.where(np.isfinite(times), times, np.nan), origin="lower", extent=(0, 11, 0, 6))
 plt.colorbar(label="s")
-plt.plot(*way.T, "w-")
+plt.plot(*path.T, "w-")
 plt.savefig(folder / "arrival_times.png", dpi=120)
 print("wrote", folder / "arrival_times.png")

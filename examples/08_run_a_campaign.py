@@ -9,8 +9,8 @@ from pathlib import Path
 
 import duckdb
 
+from cavalcade.campaign.definition import define_campaign
 from cavalcade.campaign.engines import make_engine
-from cavalcade.campaign.plan import make_plan
 from cavalcade.campaign.runner import run_campaign
 from cavalcade.campaign.statistics import wilson
 
@@ -18,7 +18,7 @@ SUITE = """
 version: 1
 suite: pair
 worlds:
-  - {name: clutter, draw: generated, kind: clutter, size: [10, 6], obstacles: [6, 12],
+  - {name: clutter, sampler: generated, kind: clutter, size: [10, 6], obstacles: [6, 12],
      team: {shape: column, spacing: 0.9, robots: 2}, seeds: 6}
 """
 QUERY = "SELECT count(*), count_if(success), sum(contacts) FROM read_parquet(?) WHERE feasible"
@@ -28,7 +28,7 @@ if __name__ == "__main__":  # the campaign's processes import this file
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "pair.yaml").write_text(SUITE, encoding="utf-8")
     engine = make_engine("local", workers=2)
-    run_campaign(make_plan(folder / "pair.yaml"), folder / "pair", engine, resume=True)
+    run_campaign(define_campaign(folder / "pair.yaml"), folder / "pair", engine, resume=True)
 
     table = str(folder / "pair" / "trials.parquet")
     ((worlds, solved, contacts),) = duckdb.execute(QUERY, [table]).fetchall()

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cavalcade.lattice.motion_limits import mover_of, primitives_of
+from cavalcade.lattice.motion_limits import motion_limits, primitives_of
 from cavalcade.lattice.primitives import (
     advanced,
     along,
@@ -104,64 +104,64 @@ def test_advanced_is_the_same_for_the_smallest_turns():
 def _plans(draw) -> tuple:
     """A robot, a pose and moves whose speeds fit each other."""
     model = robot_model(draw(st.sampled_from(sorted(MODELS))))
-    mover = mover_of(model)
-    speed, free = mover[0], mover[6] > 0.0
+    limits = motion_limits(model)
+    speed, free = limits.speed, limits.free
     moves, moving = [], 0.0
     for _ in range(draw(st.integers(1, 6))):
         kind = draw(st.sampled_from(("drive", "back", "turn", "stand")))
         row = np.zeros(6)
         if kind == "drive":
             after = draw(st.sampled_from((0.0, 0.5 * speed, speed)))
-            turn = 0.0 if free or mover[4] == 0.0 else draw(st.floats(-2.0, 2.0))
-            length = max(draw(st.floats(0.05, 3.0)), mover[4] * abs(turn))
-            length = max(length, abs(after**2 - moving**2) / (2 * mover[1]) + 1e-6)
-            assert make_move(row, length, turn, moving, after, speed, mover)
+            turn = 0.0 if free or limits.radius == 0.0 else draw(st.floats(-2.0, 2.0))
+            length = max(draw(st.floats(0.05, 3.0)), limits.radius * abs(turn))
+            length = max(length, abs(after**2 - moving**2) / (2 * limits.acceleration) + 1e-6)
+            assert make_move(row, length, turn, moving, after, speed, limits)
             moving = after
         elif moving > 0.0:
             continue
         elif kind == "back":
-            if mover[5] == 0.0:
+            if limits.backwards == 0.0:
                 continue
             length = draw(st.floats(0.05, 0.6))
-            assert make_move(row, -length, 0.0, 0.0, 0.0, mover[10], mover)
+            assert make_move(row, -length, 0.0, 0.0, 0.0, limits.backward_speed, limits)
         elif kind == "turn":
-            assert make_move(row, 0.0, draw(st.floats(-math.pi, math.pi)), 0.0, 0.0, 0.0, mover)
+            assert make_move(row, 0.0, draw(st.floats(-math.pi, math.pi)), 0.0, 0.0, 0.0, limits)
         else:
             row[5] = draw(st.floats(0.1, 2.0))
         moves.append(row)
     if moving > 0.0:
         row = np.zeros(6)
-        assert make_move(row, moving**2 / mover[1], 0.0, moving, 0.0, speed, mover)
+        assert make_move(row, moving**2 / limits.acceleration, 0.0, moving, 0.0, speed, limits)
         moves.append(row)
-    return mover, np.array(draw(_POSE)), np.array(moves).reshape(-1, 6)
+    return limits, np.array(draw(_POSE)), np.array(moves).reshape(-1, 6)
 
 
 @_FEW
 @given(_plans())
 def test_sampled_moves_are_one_motion_within_the_limits(plan):
-    mover, start, moves = plan
+    limits, start, moves = plan
     ends = np.concatenate([[0.0], np.cumsum(moves[:, 5])])
     h = 1e-4
     time = np.arange(-0.1, ends[-1] + 0.2, 0.013)
     # Away from where moves join: there a heading that is free jumps, and so may a yaw rate.
     time = time[np.abs(time[:, None] - ends).min(axis=1) > 2 * h]
-    motion = sample_moves(start, moves, mover, time)
-    before = sample_moves(start, moves, mover, time - h)
-    after = sample_moves(start, moves, mover, time + h)
+    motion = sample_moves(start, moves, limits, time)
+    before = sample_moves(start, moves, limits, time - h)
+    after = sample_moves(start, moves, limits, time + h)
     change = (after[:, :3] - before[:, :3]) / (2 * h)
     assert np.abs(change - motion[:, 3:]).max() < 5e-3
     speed = np.hypot(motion[:, 3], motion[:, 4])
-    assert speed.max() <= mover[0] + 1e-9
-    assert np.abs(motion[:, 5]).max() <= mover[2] * (1 + 1e-9) + 1e-9
+    assert speed.max() <= limits.speed + 1e-9
+    assert np.abs(motion[:, 5]).max() <= limits.yaw_rate * (1 + 1e-9) + 1e-9
     # Along the heading, forwards or backwards.
     across = motion[:, 3] * np.sin(motion[:, 2]) - motion[:, 4] * np.cos(motion[:, 2])
     assert np.abs(across).max() < 1e-9
     # The speed never jumps, not even where moves join.
     for end in ends:
-        pair = sample_moves(start, moves, mover, np.array([end - 1e-7, end + 1e-7]))
+        pair = sample_moves(start, moves, limits, np.array([end - 1e-7, end + 1e-7]))
         assert abs(np.subtract(*np.hypot(pair[:, 3], pair[:, 4]))) < 1e-5
         assert np.hypot(*(pair[1] - pair[0])[:2]) < 1e-5
-    still = sample_moves(start, moves, mover, np.array([-1.0, ends[-1] + 1.0]))
+    still = sample_moves(start, moves, limits, np.array([-1.0, ends[-1] + 1.0]))
     assert (still[:, 3:] == 0.0).all()
     assert still[0, :3] == pytest.approx(start)
     assert still[1, :3] == pytest.approx(poses_between(start, moves)[-1])
@@ -170,51 +170,56 @@ def test_sampled_moves_are_one_motion_within_the_limits(plan):
 @_FEW
 @given(_plans())
 def test_poses_between_are_where_single_moves_end(plan):
-    mover, start, moves = plan
+    limits, start, moves = plan
     poses = poses_between(start, moves)
     assert len(poses) == len(moves) + 1
     for k, move in enumerate(moves):
-        x, y, yaw, _, _ = within(*poses[k], move, mover, move[5])
+        x, y, yaw, _, _ = within(*poses[k], move, limits, move[5])
         assert (x, y, yaw) == pytest.approx(tuple(poses[k + 1]), abs=1e-6)
 
 
 def test_a_plan_of_no_moves_stands():
     start = np.array([1.0, 2.0, 3.0])
-    motion = sample_moves(start, np.zeros((0, 6)), mover_of(robot_model("go1")), np.arange(3.0))
+    motion = sample_moves(
+        start, np.zeros((0, 6)), motion_limits(robot_model("go1")), np.arange(3.0)
+    )
     assert (motion == [[1.0, 2.0, 3.0, 0.0, 0.0, 0.0]] * 3).all()
 
 
 @pytest.mark.parametrize("name", sorted(MODELS))
-def test_movers_keep_to_the_limits_of_their_models(name):
+def test_motion_limits_keep_to_those_of_the_models(name):
     model = robot_model(name)
-    mover = mover_of(model)
-    assert mover.shape == (11,)
-    assert np.isfinite(np.delete(mover, 5)).all()
+    limits = motion_limits(model)
+    assert np.isfinite(limits._replace(backwards=0.0)).all()
     top = model.legs.v_max if model.legs else model.max_speed_x
-    assert 0.0 < mover[0] <= top
-    assert 0.0 < mover[10] <= mover[0]
-    assert 0.0 < mover[1] <= model.max_acceleration
-    assert 0.0 < mover[2] <= model.max_yaw_rate
-    assert 0.0 < mover[3] <= max(model.max_yaw_acceleration, 4.0 if model.legs else 0.0)
-    if mover[4] > 0.0:
+    assert 0.0 < limits.speed <= top
+    assert 0.0 < limits.backward_speed <= limits.speed
+    assert 0.0 < limits.acceleration <= model.max_acceleration
+    assert 0.0 < limits.yaw_rate <= model.max_yaw_rate
+    assert (
+        0.0 < limits.yaw_acceleration <= max(model.max_yaw_acceleration, 4.0 if model.legs else 0.0)
+    )
+    if limits.radius > 0.0:
         # In the tightest arc at full speed, it turns as fast as it may.
-        assert mover[0] / mover[4] == pytest.approx(mover[2])
-    assert (mover[6] > 0.0) == model.drive.startswith("integrator")
-    assert (mover[7], mover[8]) == (model.length / 2, model.width / 2)
-    assert (mover[9] > 0.0) == model.round
+        assert limits.speed / limits.radius == pytest.approx(limits.yaw_rate)
+    assert limits.free == model.drive.startswith("integrator")
+    assert (limits.half_length, limits.half_width) == (model.length / 2, model.width / 2)
+    assert limits.round == model.round
     if model.legs:
         # Walking a bend while slowing down stays within what friction allows.
-        assert math.hypot(mover[1], mover[0] * mover[2]) <= model.legs.mu * 9.81
+        assert (
+            math.hypot(limits.acceleration, limits.speed * limits.yaw_rate) <= model.legs.mu * 9.81
+        )
     if model.drive == "unicycle-2":
-        assert mover[4] == 0.0  # the yaw rate would jump where an arc begins
+        assert limits.radius == 0.0  # the yaw rate would jump where an arc begins
 
 
 @pytest.mark.parametrize("finer", [0, 1, 2])
 @pytest.mark.parametrize("name", sorted(MODELS))
 def test_primitives_are_moves_of_their_robot(name, finer):
-    mover = mover_of(robot_model(name))
+    limits = motion_limits(robot_model(name))
     table = primitives_of(robot_model(name), finer)
-    speeds = {0.0: 0.0, 1.0: mover[0]}
+    speeds = {0.0: 0.0, 1.0: limits.speed}
     for row in table:
         length, turn, v0, v1, vmax, duration, before, after = row
         assert duration >= 0.0
@@ -223,13 +228,13 @@ def test_primitives_are_moves_of_their_robot(name, finer):
             assert (before, after) == (0.0, 0.0)
         again = np.zeros(6)
         if length != 0.0 or turn != 0.0:
-            assert make_move(again, length, turn, v0, v1, vmax, mover)
+            assert make_move(again, length, turn, v0, v1, vmax, limits)
             assert again == pytest.approx(row[:6])
         if length != 0.0 and turn != 0.0:
-            assert abs(length / turn) >= mover[4] - 1e-9 > 0.0
+            assert abs(length / turn) >= limits.radius - 1e-9 > 0.0
         if length < 0.0:
-            assert -length <= mover[5]
-            assert vmax == mover[10]
+            assert -length <= limits.backwards
+            assert vmax == limits.backward_speed
     # Every one has its mirror image, and somebody may always stand still.
     moves = {tuple(np.round(row, 9) + 0.0) for row in table}
     half = {(*row[:1], -row[1] + 0.0, *row[2:]) for row in moves}

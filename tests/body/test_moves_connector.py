@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cavalcade.geometry import Array
-from cavalcade.lattice.dubins import MOST_MOVES, MOST_WORDS, backward_factor, connect
-from cavalcade.lattice.motion_limits import mover_of
+from cavalcade.lattice.dubins import backward_factor, connect, no_words
+from cavalcade.lattice.motion_limits import MotionLimits, motion_limits
 from cavalcade.lattice.primitives import poses_between, sample_moves, trapezoid
 from cavalcade.robots import MODELS, robot_model
 
@@ -28,13 +28,16 @@ _REST = st.just(0.0)
 
 
 def _words(
-    mover: Array, a: tuple, v0: float, b: tuple, v1: float, price: float = 2.0
+    limits: MotionLimits, a: tuple, v0: float, b: tuple, v1: float, price: float = 2.0
 ) -> list[tuple[Array, float]]:
     """All words, each with its cost."""
-    words = np.full((MOST_WORDS, MOST_MOVES, 6), np.nan)
-    counts, costs = np.zeros(MOST_WORDS, dtype=np.int64), np.empty(MOST_WORDS)
-    number = connect(np.array(a), v0, np.array(b), v1, mover, price, words, counts, costs)
-    return [(words[k, : counts[k]].copy(), float(costs[k])) for k in range(number)]
+    words = no_words()
+    words.moves[:] = np.nan
+    a, b = np.array(a, dtype=float), np.array(b, dtype=float)
+    number = connect(a, v0, b, v1, limits, price, words)
+    return [
+        (words.moves[k, : words.counts[k]].copy(), float(words.costs[k])) for k in range(number)
+    ]
 
 
 def _turned(pose: Array, b: tuple) -> float:
@@ -44,13 +47,13 @@ def _turned(pose: Array, b: tuple) -> float:
 @_FEW
 @given(_NAMES, _POSE, _SHARE, _POSE, _SHARE)
 def test_words_reach_their_end_at_its_speed(name, a, v0, b, v1):
-    mover = mover_of(robot_model(name))
-    v0, v1 = v0 * mover[0], v1 * mover[0]
-    for word, cost in _words(mover, a, v0, b, v1):
+    limits = motion_limits(robot_model(name))
+    v0, v1 = v0 * limits.speed, v1 * limits.speed
+    for word, cost in _words(limits, a, v0, b, v1):
         assert np.isfinite(word).all()
         end = poses_between(np.array(a), word)[-1]
         assert math.dist(end[:2], b[:2]) < 1e-6
-        if mover[6] == 0.0:
+        if not limits.free:
             assert _turned(end, b) < 1e-6
         # From one move to the next the speed goes on; turns on the spot are between rests.
         speeds = [(row[2], row[3]) for row in word if row[0] != 0.0]
@@ -68,7 +71,7 @@ def test_words_reach_their_end_at_its_speed(name, a, v0, b, v1):
             assert v1 == 0.0 or k < max(driven)
             assert k in (0, len(word) - 1)
         ahead = all(row[0] > 0.0 for row in word if row[0] != 0.0)
-        metre = 1.0 if ahead else backward_factor(mover)
+        metre = 1.0 if ahead else backward_factor(limits)
         length = np.abs(word[:, 0]).sum()
         assert cost == pytest.approx(word[:, 5].sum() + 2.0 * metre * length, abs=1e-6)
 
@@ -76,12 +79,12 @@ def test_words_reach_their_end_at_its_speed(name, a, v0, b, v1):
 @_FEW
 @given(_NAMES, _POSE, _SHARE, _POSE, _SHARE)
 def test_no_word_beats_the_straight_line(name, a, v0, b, v1):
-    mover = mover_of(robot_model(name))
+    limits = motion_limits(robot_model(name))
     distance = math.dist(a[:2], b[:2])
-    least = distance / mover[0]
+    least = distance / limits.speed
     if v0 == v1 == 0.0:
-        least = trapezoid(distance, 0.0, 0.0, mover[0], mover[1])[0]
-    for word, cost in _words(mover, a, v0 * mover[0], b, v1 * mover[0]):
+        least = trapezoid(distance, 0.0, 0.0, limits.speed, limits.acceleration)[0]
+    for word, cost in _words(limits, a, v0 * limits.speed, b, v1 * limits.speed):
         assert np.abs(word[:, 0]).sum() >= distance - 1e-6
         assert word[:, 5].sum() >= least - 1e-6
         assert cost >= least + 2.0 * distance - 1e-6
@@ -90,46 +93,50 @@ def test_no_word_beats_the_straight_line(name, a, v0, b, v1):
 @_FEW
 @given(_NAMES, _POSE, _SHARE, _POSE, _SHARE)
 def test_words_keep_to_the_limits_of_the_robot(name, a, v0, b, v1):
-    mover = mover_of(robot_model(name))
-    v0, v1 = v0 * mover[0], v1 * mover[0]
-    for word, _ in _words(mover, a, v0, b, v1):
+    limits = motion_limits(robot_model(name))
+    v0, v1 = v0 * limits.speed, v1 * limits.speed
+    for word, _ in _words(limits, a, v0, b, v1):
         time = np.linspace(0.0, word[:, 5].sum(), 301)
-        motion = sample_moves(np.array(a), word, mover, time)
+        motion = sample_moves(np.array(a), word, limits, time)
         speed = np.hypot(motion[:, 3], motion[:, 4])
-        assert speed.max(initial=0.0) <= mover[0] + 1e-9
-        assert np.abs(motion[:, 5]).max(initial=0.0) <= mover[2] + 1e-9
+        assert speed.max(initial=0.0) <= limits.speed + 1e-9
+        assert np.abs(motion[:, 5]).max(initial=0.0) <= limits.yaw_rate + 1e-9
         if len(time) and time[-1] > 0.0 and not v0 and not v1:
-            assert np.abs(np.diff(speed)).max() <= mover[1] * time[1] * (1 + 1e-6) + 1e-9
+            assert np.abs(np.diff(speed)).max() <= limits.acceleration * time[1] * (1 + 1e-6) + 1e-9
         backwards = word[:, 0] < 0.0
         if backwards.any():
-            assert np.abs(word[backwards, 0]).sum() <= mover[5]
-            assert (word[backwards, 4] <= mover[10] + 1e-9).all()
+            assert np.abs(word[backwards, 0]).sum() <= limits.backwards
+            assert (word[backwards, 4] <= limits.backward_speed + 1e-9).all()
             assert (word[:, 0] <= 0.0).all()
 
 
 @_FEW
 @given(_NAMES, _POSE, _POSE)
 def test_from_rest_to_rest_there_is_always_a_word(name, a, b):
-    mover = mover_of(robot_model(name))
-    words = _words(mover, a, 0.0, b, 0.0)
+    limits = motion_limits(robot_model(name))
+    words = _words(limits, a, 0.0, b, 0.0)
     assert words
     # At least turn, straight, turn.
     distance = math.dist(a[:2], b[:2])
-    turn = 0.0 if mover[6] else trapezoid(math.pi, 0.0, 0.0, mover[2], mover[3])[0]
-    straight = trapezoid(distance, 0.0, 0.0, mover[0], mover[1])[0]
+    turn = (
+        0.0
+        if limits.free
+        else trapezoid(math.pi, 0.0, 0.0, limits.yaw_rate, limits.yaw_acceleration)[0]
+    )
+    straight = trapezoid(distance, 0.0, 0.0, limits.speed, limits.acceleration)[0]
     assert min(cost for _, cost in words) <= 2 * turn + straight + 2.0 * distance + 1e-6
 
 
 @_FEW
 @given(_NAMES, _POSE, _SHARE, _POSE, _SHARE, st.floats(-3.0, 3.0))
 def test_words_do_not_depend_on_where_one_looks_from(name, a, v0, b, v1, angle):
-    mover = mover_of(robot_model(name))
-    v0, v1 = v0 * mover[0], v1 * mover[0]
+    limits = motion_limits(robot_model(name))
+    v0, v1 = v0 * limits.speed, v1 * limits.speed
     if math.dist(a[:2], b[:2]) < 1e-3:
         return
 
     def cheapest(p: tuple, q: tuple) -> float:
-        return min((cost for _, cost in _words(mover, p, v0, q, v1)), default=math.inf)
+        return min((cost for _, cost in _words(limits, p, v0, q, v1)), default=math.inf)
 
     def moved(pose: tuple) -> tuple:
         c, s = math.cos(angle), math.sin(angle)
@@ -142,7 +149,7 @@ def test_words_do_not_depend_on_where_one_looks_from(name, a, v0, b, v1, angle):
     least = cheapest(a, b)
     for image in (moved, mirrored):
         other = cheapest(image(a), image(b))
-        assert other == pytest.approx(least, abs=1e-4) or _on_an_edge(a, b, mover[4])
+        assert other == pytest.approx(least, abs=1e-4) or _on_an_edge(a, b, limits.radius)
 
 
 def _centres(pose: tuple, radius: float) -> list[complex]:
@@ -166,15 +173,15 @@ def _on_an_edge(a: tuple, b: tuple, radius: float) -> bool:
 
 @pytest.mark.parametrize(("v0", "v1"), [(1.0, 1.0), (1.0, 0.0), (0.0, 1.0)])
 def test_walking_on_straight_ahead_is_the_straight_line(v0, v1):
-    mover = mover_of(robot_model("go1"))
-    v0, v1 = v0 * mover[0], v1 * mover[0]
+    limits = motion_limits(robot_model("go1"))
+    v0, v1 = v0 * limits.speed, v1 * limits.speed
     word, cost = min(
-        _words(mover, (1, 1, 0.5), v0, (4, 1 + 3 * math.tan(0.5), 0.5), v1),
+        _words(limits, (1, 1, 0.5), v0, (4, 1 + 3 * math.tan(0.5), 0.5), v1),
         key=lambda found: found[1],
     )
     distance = 3.0 / math.cos(0.5)
     assert np.abs(word[:, 0]).sum() == pytest.approx(distance)
-    duration, _ = trapezoid(distance, v0, v1, mover[0], mover[1])
+    duration, _ = trapezoid(distance, v0, v1, limits.speed, limits.acceleration)
     assert cost == pytest.approx(duration + 2.0 * distance)
 
 
@@ -203,10 +210,12 @@ def _dubins_length(a: tuple, b: tuple, radius: float) -> float:
 @settings(max_examples=200, deadline=None)
 @given(_POSE, _POSE)
 def test_between_walking_states_the_shortest_arc_straight_arc_word_is_there(a, b):
-    mover = mover_of(robot_model("spirit"))
+    limits = motion_limits(robot_model("spirit"))
     if math.dist(a[:2], b[:2]) < 1e-3:
         return
-    lengths = [np.abs(word[:, 0]).sum() for word, _ in _words(mover, a, mover[0], b, mover[0])]
+    lengths = [
+        np.abs(word[:, 0]).sum() for word, _ in _words(limits, a, limits.speed, b, limits.speed)
+    ]
     assert lengths
-    expected = _dubins_length(a, b, mover[4])
-    assert min(lengths) == pytest.approx(expected, abs=1e-5) or _on_an_edge(a, b, mover[4])
+    expected = _dubins_length(a, b, limits.radius)
+    assert min(lengths) == pytest.approx(expected, abs=1e-5) or _on_an_edge(a, b, limits.radius)

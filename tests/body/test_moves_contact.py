@@ -11,10 +11,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cavalcade.geometry import Array
-from cavalcade.lattice.collision import bodies_meet, free_from, move_free, place_free, pose_free
-from cavalcade.lattice.dubins import MOST_MOVES, MOST_WORDS, connect
+from cavalcade.geometry.boxes import Footprint, footprints_meet
+from cavalcade.lattice.collision import (
+    Margins,
+    Scene,
+    grid_of,
+    move_free,
+    occupied_until,
+    place_free,
+    pose_free,
+)
+from cavalcade.lattice.dubins import connect, no_words
 from cavalcade.lattice.ground import Ground, make_ground
-from cavalcade.lattice.motion_limits import mover_of
+from cavalcade.lattice.motion_limits import footprint, motion_limits
 from cavalcade.lattice.planner import NOBODY, Others, others_of
 from cavalcade.lattice.primitives import sample_moves
 from cavalcade.robots import MODELS, robot_model
@@ -57,10 +66,8 @@ def _room(gap: Callable[..., Array], ground: Ground, shape: Shape, poses: Array)
 
 
 def _free(ground: Ground, poses: Array, shape: Shape, margin: float) -> Array:
-    grid = (ground.cell, ground.solid, ground.clearance)
-    return np.array(
-        [pose_free(grid, *p, shape[0], shape[1], float(shape[2]), margin) for p in poses]
-    )
+    grid, one = grid_of(ground), Footprint(*shape)
+    return np.array([pose_free(grid, one, *p, margin) for p in poses])
 
 
 @_FEW
@@ -123,8 +130,9 @@ def test_bodies_meet_where_their_distance_is_less_than_the_margin(
     footprint_gap, one, here, other, there, margin
 ):
     gap = footprint_gap(one, np.array([here]), other, np.array([there]))[0]
-    meet = bodies_meet(*here, *map(float, one), *there, *map(float, other), margin)
-    assert meet == bodies_meet(*there, *map(float, other), *here, *map(float, one), margin)
+    first, second = (Footprint(float(s[0]), float(s[1]), s[2]) for s in (one, other))
+    meet = footprints_meet(first, here, second, there, margin)
+    assert meet == footprints_meet(second, there, first, here, margin)
     if gap < margin - 1e-9:
         assert meet
     # At corners boxes are kept apart a little farther than that, discs are not.
@@ -169,17 +177,17 @@ def _taken(
 def test_places_are_free_while_nobody_is_there(footprint_gap, seed, name):
     rng = np.random.default_rng(seed)
     model = robot_model(name)
-    mover, shape = mover_of(model), (model.length / 2, model.width / 2, model.round)
+    one, shape = footprint(model), (model.length / 2, model.width / 2, model.round)
     tracks = _tracks(rng, 3)
     models = [robot_model(str(rng.choice(sorted(MODELS)))) for _ in tracks]
     spans = [(0, 0.0, math.inf), (1, 0.5, 1.5), (2, 0.0, 0.7), (2, 2.0, math.inf)]
-    others = tuple(others_of(tracks, models, spans))
+    others = others_of(tracks, models, spans)
     time = rng.uniform(0.0, 5.0, 40)
     place = np.array([*rng.uniform(0, 3, 2), rng.uniform(-3, 3)])
-    free = np.array([place_free(others, *place, mover, t, 0.0) for t in time])
+    free = np.array([place_free(others, one, tuple(place), t, 0.0) for t in time])
     reference = (tracks, models, spans, shape, place, time)
     assert (~free == _taken(footprint_gap, *reference, 0.0)).all()
-    free = np.array([place_free(others, *place, mover, t, 0.05) for t in time])
+    free = np.array([place_free(others, one, tuple(place), t, 0.05) for t in time])
     assert not free[_taken(footprint_gap, *reference, 0.05)].any()
     assert free[~_taken(footprint_gap, *reference, 0.05 * math.sqrt(2) + 1e-9)].all()
 
@@ -189,14 +197,14 @@ def test_places_are_free_while_nobody_is_there(footprint_gap, seed, name):
 def test_free_from_is_when_the_last_one_has_left(footprint_gap, seed, name, stay):
     rng = np.random.default_rng(seed)
     model = robot_model(name)
-    mover, shape = mover_of(model), (model.length / 2, model.width / 2, model.round)
+    one, shape = footprint(model), (model.length / 2, model.width / 2, model.round)
     tracks = _tracks(rng, 3)
     models = [robot_model("go1"), robot_model("unicycle"), robot_model("double-integrator")]
     late = math.inf if stay else 0.05 * (max(map(len, tracks)) - 1)
     spans = [(0, 0.0, late), (1, 0.0, late), (2, 0.3, late)]
-    others = tuple(others_of(tracks, models, spans))
+    others = others_of(tracks, models, spans)
     place = np.array([*rng.uniform(0, 3, 2), rng.uniform(-3, 3)])
-    last = free_from(others, *place, mover, 0.0, 0.0)
+    last = occupied_until(others, one, tuple(place), 0.0, 0.0)
     time = np.arange(0.0, 10.0, 0.01)
     taken = _taken(footprint_gap, tracks, models, spans, shape, place, time, 0.0)
     if last == math.inf:
@@ -211,9 +219,9 @@ def test_free_from_is_when_the_last_one_has_left(footprint_gap, seed, name, stay
 
 
 def test_nobody_is_never_in_the_way():
-    mover = mover_of(robot_model("go1"))
-    assert place_free(tuple(NOBODY), 0.0, 0.0, 0.0, mover, 0.0, 1.0)
-    assert free_from(tuple(NOBODY), 0.0, 0.0, 0.0, mover, 0.0, 1.0) == -1.0
+    go1 = footprint(robot_model("go1"))
+    assert place_free(NOBODY, go1, (0.0, 0.0, 0.0), 0.0, 1.0)
+    assert occupied_until(NOBODY, go1, (0.0, 0.0, 0.0), 0.0, 1.0) == -1.0
 
 
 def _one(model: str, track: Array) -> Others:
@@ -221,14 +229,14 @@ def _one(model: str, track: Array) -> Others:
 
 
 def test_a_robot_that_stays_takes_the_place_for_good():
-    mover = mover_of(robot_model("go1"))
+    go1, here = footprint(robot_model("go1")), (0.0, 0.0, 0.0)
     track = np.linspace((5.0, 0.0, 0.0), (0.0, 0.0, 0.0), 101)
-    others = tuple(_one("go1", track))
-    assert place_free(others, 0.0, 0.0, 0.0, mover, 0.0, 0.0)
-    assert not place_free(others, 0.0, 0.0, 0.0, mover, 1e5, 0.0)
-    assert free_from(others, 0.0, 0.0, 0.0, mover, 0.0, 0.0) == math.inf
+    others = _one("go1", track)
+    assert place_free(others, go1, here, 0.0, 0.0)
+    assert not place_free(others, go1, here, 1e5, 0.0)
+    assert occupied_until(others, go1, here, 0.0, 0.0) == math.inf
     # Where it came from, it is gone after 0.65 m at 1 m/s.
-    assert free_from(others, 5.0, 0.0, 0.0, mover, 0.0, 0.0) == pytest.approx(0.65, abs=0.051)
+    assert occupied_until(others, go1, (5.0, 0.0, 0.0), 0.0, 0.0) == pytest.approx(0.65, abs=0.051)
 
 
 @_FEW
@@ -236,35 +244,34 @@ def test_a_robot_that_stays_takes_the_place_for_good():
 def test_a_free_move_meets_nothing_all_along(footprint_gap, seed, name):
     rng = np.random.default_rng(seed)
     model = robot_model(name)
-    mover, shape = mover_of(model), (model.length / 2, model.width / 2, model.round)
+    limits, shape = motion_limits(model), (model.length / 2, model.width / 2, model.round)
     ground = _ground(rng, 0.1, 0.004)
-    grid = (ground.cell, ground.solid, ground.clearance)
     tracks = _tracks(rng, 2)
     others = others_of(tracks, [robot_model("go1")] * 2, [(0, 0.0, math.inf), (1, 0.0, math.inf)])
-    words = np.empty((MOST_WORDS, MOST_MOVES, 6))
-    counts, costs = np.zeros(MOST_WORDS, dtype=np.int64), np.empty(MOST_WORDS)
-    margins, steps = np.array([0.005, 0.05]), np.array([0.04, 0.08, 0.06])
+    margins = Margins(0.005, 0.05, 0.04, 0.08, 0.06, 0)
+    scene = Scene(grid_of(ground), others, limits, margins, 1.0)
+    lonely, words = scene._replace(others=NOBODY), no_words()
     for _ in range(4):
         a, b = (np.array([*rng.uniform(0.5, 3.5, 2), rng.uniform(-3, 3)]) for _ in range(2))
-        number = connect(a, 0.0, b, 0.0, mover, 1.0, words, counts, costs)
+        number = connect(a, 0.0, b, 0.0, limits, 1.0, words)
         pick = rng.integers(number)
         at, t = a.copy(), float(rng.uniform(0.0, 2.0))
-        for row in words[pick, : counts[pick]]:
+        for row in words.moves[pick, : words.counts[pick]]:
             time = np.arange(0.0, row[5], 0.01)
-            motion = sample_moves(at, row[None], mover, time)[:, :3]
-            alone = move_free(grid, tuple(NOBODY), *at, row, mover, t, margins, steps, False)
+            motion = sample_moves(at, row[None], limits, time)[:, :3]
+            alone = move_free(lonely, tuple(at), row, t, False)
             if alone and len(motion) > 1:
                 # At the first pose nobody looks: the move before has ended there.
                 room = _room(footprint_gap, ground, shape, motion[::11])
                 assert room[1:].min(initial=1.0) > 0.0 or room[0] <= 0.005
-            free = move_free(grid, tuple(others), *at, row, mover, t, margins, steps, False)
+            free = move_free(scene, tuple(at), row, t, False)
             assert alone or not free
             if free:
                 met = [_gap_to(footprint_gap, shape, motion, track, t + time) for track in tracks]
                 assert min(gap[1:].min(initial=1.0) for gap in met) > 0.0 or (
                     min(gap[:1].min(initial=1.0) for gap in met) <= 0.05
                 )
-            at = sample_moves(at, row[None], mover, np.array([row[5] + 1.0]))[0, :3]
+            at = sample_moves(at, row[None], limits, np.array([row[5] + 1.0]))[0, :3]
             t += row[5]
 
 

@@ -1,4 +1,4 @@
-"""Search in space and time: ways meet nobody, waits are found, and nothing is left to chance."""
+"""Search in space and time: paths meet nobody, waits are found, and nothing is left to chance."""
 
 from __future__ import annotations
 
@@ -12,17 +12,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cavalcade.geometry import Array
-from cavalcade.lattice._search import FOUND, search
+from cavalcade.lattice._search import FOUND, SearchSettings, search
+from cavalcade.lattice.collision import Others, Scene
 from cavalcade.lattice.ground import Ground, make_ground
-from cavalcade.lattice.motion_limits import mover_of, primitives_of
+from cavalcade.lattice.motion_limits import motion_limits, primitives_of
 from cavalcade.lattice.planner import (
-    CAREFUL,
+    MARGINS,
     NOBODY,
     TRACK_STEP,
-    Care,
-    Others,
-    TimedPlanner,
-    Way,
+    SpaceTimePlanner,
+    TimedPath,
     others_of,
     trajectory_of,
 )
@@ -47,33 +46,33 @@ def _shape(model: RobotModel) -> tuple[float, float, bool]:
     return model.length / 2, model.width / 2, model.round
 
 
-def _gaps(gap: Gap, way: Way, others: Others, models: list[RobotModel]) -> float:
+def _gaps(gap: Gap, path: TimedPath, others: Others, models: list[RobotModel]) -> float:
     """Least distance to each track that counts for good, until long after all have parked, m."""
-    end = max(way.duration, (others.tracks.shape[1] - 1) * others.step) + 2.0
+    end = max(path.duration, (others.tracks.shape[1] - 1) * others.step) + 2.0
     time = np.arange(0.0, end, 0.005)
-    poses = sample_moves(way.start, way.moves, way.mover, time)[:, :3]
+    poses = sample_moves(path.start, path.moves, path.limits, time)[:, :3]
     grid = np.arange(others.tracks.shape[1]) * others.step
     least = math.inf
     for track, model in zip(others.tracks, models, strict=True):
         there = np.stack([np.interp(time, grid, track[:, k]) for k in range(3)], axis=1)
-        least = min(least, gap(_shape(way.model), poses, _shape(model), there).min())
+        least = min(least, gap(_shape(path.model), poses, _shape(model), there).min())
     return least
 
 
-def _on_ground(gap: Gap, way: Way, ground: Ground) -> float:
+def _on_ground(gap: Gap, path: TimedPath, ground: Ground) -> float:
     """Least distance to solid cells and the border, m."""
-    time = np.arange(0.0, way.duration + 0.02, 0.02)
-    poses = sample_moves(way.start, way.moves, way.mover, time)[:, :3]
+    time = np.arange(0.0, path.duration + 0.02, 0.02)
+    poses = sample_moves(path.start, path.moves, path.limits, time)[:, :3]
     rows, cols = np.nonzero(ground.solid)
     squares = np.column_stack([(cols + 0.5) * CELL, (rows + 0.5) * CELL, np.zeros(len(rows))])
     least = math.inf
-    reach = math.hypot(*_shape(way.model)[:2]) + CELL
+    reach = math.hypot(*_shape(path.model)[:2]) + CELL
     for pose in poses:
         near = squares[np.hypot(*(squares[:, :2] - pose[:2]).T) < reach]
         if len(near):
             many = np.repeat(pose[None], len(near), axis=0)
             least = min(
-                least, gap(_shape(way.model), many, (CELL / 2, CELL / 2, False), near).min()
+                least, gap(_shape(path.model), many, (CELL / 2, CELL / 2, False), near).min()
             )
     return least
 
@@ -100,17 +99,17 @@ def cluttered() -> Ground:
 
 
 @pytest.mark.parametrize("name", sorted(MODELS))
-def test_alone_on_free_ground_the_first_word_is_the_way(name):
+def test_alone_on_free_ground_the_first_word_is_the_path(name):
     model = robot_model(name)
-    planner = TimedPlanner(_ground(9.0, 4.0))
+    planner = SpaceTimePlanner(_ground(9.0, 4.0))
     start, goal = np.array([1.0, 2.0, 0.3]), np.array([8.0, 2.5, -0.3])
-    way, spent, expansions = planner.plan(model, start, goal)
+    path, spent, expansions = planner.plan(model, start, goal)
     assert not spent
     assert expansions == 1
-    assert way.length == pytest.approx(math.hypot(7.0, 0.5), rel=0.03)
-    end = poses_between(start, way.moves)[-1]
+    assert path.length == pytest.approx(math.hypot(7.0, 0.5), rel=0.03)
+    end = poses_between(start, path.moves)[-1]
     assert end[:2] == pytest.approx(goal[:2])
-    if way.mover[6] == 0.0:
+    if not path.limits.free:
         assert math.remainder(end[2] - goal[2], 2 * math.pi) == pytest.approx(0.0, abs=1e-9)
 
 
@@ -119,10 +118,10 @@ _SEEDS = st.integers(0, 2**32 - 1)
 
 @settings(max_examples=12, deadline=None)
 @given(_SEEDS, st.sampled_from(sorted(MODELS)))
-def test_ways_meet_nobody_and_nothing(footprint_gap, cluttered, seed, name):
+def test_paths_meet_nobody_and_nothing(footprint_gap, cluttered, seed, name):
     rng = np.random.default_rng(seed)
     model = robot_model(name)
-    planner = TimedPlanner(cluttered)
+    planner = SpaceTimePlanner(cluttered)
     tracks, models = [], []
     for _ in range(2):
         # Nobody begins where the robot stands; they may come there.
@@ -131,17 +130,17 @@ def test_ways_meet_nobody_and_nothing(footprint_gap, cluttered, seed, name):
         models.append(robot_model(str(rng.choice(("go1", "spirit", "double-integrator")))))
     others = _for_good(tracks, models)
     start, goal = np.array([0.7, 1.0, 0.0]), np.array([7.2, 1.0, rng.uniform(-3, 3)])
-    for care in CAREFUL:
-        way, spent, expansions = planner.plan(model, start, goal, others, 3_000, care)
-        # A second look where the first way is long, or none.
+    for margins in MARGINS:
+        path, spent, expansions = planner.plan(model, start, goal, others, 3_000, margins)
+        # A second look where the first path is long, or none.
         assert expansions <= 2 * 3_000
-        assert way is None or not spent
-        if way is None:
+        assert path is None or not spent
+        if path is None:
             continue
-        assert (way.start == start).all()
-        assert poses_between(start, way.moves)[-1, :2] == pytest.approx(goal[:2])
-        assert _gaps(footprint_gap, way, others, models) > 0.0
-        assert _on_ground(footprint_gap, way, cluttered) > -1e-9
+        assert (path.start == start).all()
+        assert poses_between(start, path.moves)[-1, :2] == pytest.approx(goal[:2])
+        assert _gaps(footprint_gap, path, others, models) > 0.0
+        assert _on_ground(footprint_gap, path, cluttered) > -1e-9
 
 
 def _mirrored(pose: Array) -> Array:
@@ -154,37 +153,37 @@ def test_the_mirror_image_of_a_problem_costs_the_same(cluttered, name, goal):
     model = robot_model(name)
     track = _walk((7.0, 3.0, 3.1), (1.0, 3.6, 3.1))
     start, end = np.array([0.8, 1.0, 0.0]), np.array(goal)
-    planner = TimedPlanner(cluttered)
-    way, _, _ = planner.plan(model, start, end, _for_good([track], [robot_model("go1")]))
+    planner = SpaceTimePlanner(cluttered)
+    path, _, _ = planner.plan(model, start, end, _for_good([track], [robot_model("go1")]))
     image = make_ground(OccupancyMap(cluttered.solid[::-1].copy(), CELL))
     track = np.array([_mirrored(pose) for pose in track])
     others = _for_good([track], [robot_model("go1")])
-    other, _, _ = TimedPlanner(image).plan(model, _mirrored(start), _mirrored(end), others)
+    other, _, _ = SpaceTimePlanner(image).plan(model, _mirrored(start), _mirrored(end), others)
     # Bins are not symmetric: which of two states is the first in its bin is a matter of rounding.
-    assert planner.cost(other) == pytest.approx(planner.cost(way), rel=0.12)
+    assert planner.cost(other) == pytest.approx(planner.cost(path), rel=0.12)
 
 
 @settings(max_examples=50, deadline=None)
 @given(st.sampled_from(sorted(MODELS)), st.floats(-3.0, 3.0), st.floats(-3.0, 3.0), st.floats(0, 6))
 def test_on_free_ground_it_does_not_matter_where_one_goes(name, yaw, last, angle):
     model = robot_model(name)
-    planner = TimedPlanner(_ground(12.0, 12.0))
+    planner = SpaceTimePlanner(_ground(12.0, 12.0))
     a, b = np.array([6.0, 6.0, yaw]), np.array([9.0, 6.5, last])
-    way, _, _ = planner.plan(model, a, b)
+    path, _, _ = planner.plan(model, a, b)
     c, s = math.cos(angle), math.sin(angle)
     turned = np.array([6.0 + 3.0 * c - 0.5 * s, 6.0 + 3.0 * s + 0.5 * c, last + angle])
     other, _, _ = planner.plan(model, a + (0.0, 0.0, angle), turned)
-    assert planner.cost(other) == pytest.approx(planner.cost(way), abs=1e-6)
+    assert planner.cost(other) == pytest.approx(planner.cost(path), abs=1e-6)
 
 
 def test_the_goal_is_worth_a_detour_but_not_a_long_one():
-    """Round a wall from the one end to the other, the way is about as long as a taut string."""
+    """Round a wall from the one end to the other, the path is about as long as a taut string."""
     ground = _ground(8.0, 6.0, ((3.0, 0.0, 3.3, 4.0),))
     model = robot_model("double-integrator")
     start, goal = np.array([2.0, 1.0, 0.0]), np.array([4.5, 1.0, 0.0])
-    way, _, _ = TimedPlanner(ground).plan(model, start, goal)
+    path, _, _ = SpaceTimePlanner(ground).plan(model, start, goal)
     taut = math.dist((2.0, 1.0), (3.0, 4.15)) + 0.3 + math.dist((3.3, 4.15), (4.5, 1.0))
-    assert taut - 0.1 <= way.length <= 1.1 * taut
+    assert taut - 0.1 <= path.length <= 1.1 * taut
 
 
 _DOORWAY = ((2.9, 0.0, 3.3, 1.6), (2.9, 2.4, 3.3, 4.0))
@@ -195,18 +194,18 @@ def test_a_robot_waits_before_a_doorway_until_another_has_come_through(footprint
     ground = _ground(6.0, 4.0, _DOORWAY)
     model, go1 = robot_model(name), robot_model("go1")
     start, goal = np.array([2.0, 2.0, 0.0]), np.array([5.0, 2.0, 0.0])
-    planner = TimedPlanner(ground)
+    planner = SpaceTimePlanner(ground)
     alone, _, _ = planner.plan(model, start, goal)
     # It blocks the doorway for six seconds and then comes past.
     track = np.concatenate(
         [np.tile([3.1, 2.0, math.pi], (121, 1)), _walk((3.1, 2.0, math.pi), (0.6, 3.4, math.pi))]
     )
     others = _for_good([track], [go1])
-    way, _, _ = planner.plan(model, start, goal, others)
-    assert way.duration > max(alone.duration, 6.0)
-    assert way.length < alone.length + 4.0
-    assert _gaps(footprint_gap, way, others, [go1]) > 0.0
-    assert _on_ground(footprint_gap, way, ground) > 0.0
+    path, _, _ = planner.plan(model, start, goal, others)
+    assert path.duration > max(alone.duration, 6.0)
+    assert path.length < alone.length + 4.0
+    assert _gaps(footprint_gap, path, others, [go1]) > 0.0
+    assert _on_ground(footprint_gap, path, ground) > 0.0
 
 
 def test_arrives_only_when_the_goal_is_free_for_good(footprint_gap):
@@ -216,83 +215,71 @@ def test_arrives_only_when_the_goal_is_free_for_good(footprint_gap):
     track = np.concatenate([np.tile([7.5, 2.0, 0.0], (300, 1)), _walk((7.5, 2.0, 0), (0.5, 3, 0))])
     others = _for_good([track], [spirit])
     start, goal = np.array([2.0, 2.0, 0.0]), np.array([5.0, 2.0, 0.0])
-    way, _, _ = TimedPlanner(ground).plan(spirit, start, goal, others)
-    assert way.duration > 15.0
-    assert _gaps(footprint_gap, way, others, [spirit]) > 0.0
+    path, _, _ = SpaceTimePlanner(ground).plan(spirit, start, goal, others)
+    assert path.duration > 15.0
+    assert _gaps(footprint_gap, path, others, [spirit]) > 0.0
 
 
-@pytest.mark.parametrize("care", CAREFUL)
-def test_a_goal_that_is_taken_for_good_is_given_up_at_once(care):
+@pytest.mark.parametrize("margins", MARGINS)
+def test_a_goal_that_is_taken_for_good_is_given_up_at_once(margins):
     ground = _ground(8.0, 4.0)
     model = robot_model("go1")
     start, goal = np.array([2.0, 2.0, 0.0]), np.array([5.0, 2.0, 0.0])
     others = _for_good([_walk((2.0, 3.0, 0.0), (5.2, 2.1, 0.0))], [model])
-    assert TimedPlanner(ground).plan(model, start, goal, others, care=care) == (None, False, 0)
+    planner = SpaceTimePlanner(ground)
+    assert planner.plan(model, start, goal, others, margins=margins) == (None, False, 0)
 
 
 def test_no_more_expansions_than_are_allowed(cluttered):
     model = robot_model("spirit")
     start, goal = np.array([0.8, 1.0, 0.0]), np.array([7.2, 1.0, 0.0])
-    planner = TimedPlanner(cluttered)
+    planner = SpaceTimePlanner(cluttered)
     _, _, needed = planner.plan(model, start, goal)
     assert needed > 10
     for most in (1, 5, 10):
-        way, spent, expansions = planner.plan(model, start, goal, NOBODY, most)
-        assert way is None
+        path, spent, expansions = planner.plan(model, start, goal, NOBODY, most)
+        assert path is None
         assert spent
-        assert expansions <= 2 * most  # two guides
+        assert expansions <= 2 * most  # two costs-to-go
 
 
 def test_the_same_again_gives_the_same_bytes(cluttered):
     others = _for_good([_walk((7.0, 3.0, 3.1), (1.5, 3.0, 3.1))], [robot_model("go1")])
     start, goal = np.array([0.8, 1.0, 0.0]), np.array([7.2, 1.0, 0.0])
-    found = [
-        TimedPlanner(cluttered).plan(robot_model("spirit"), start, goal, others)[0].moves.tobytes()
+    first, second = (
+        SpaceTimePlanner(cluttered).plan(robot_model("spirit"), start, goal, others)[0]
         for _ in range(2)
-    ]
-    assert found[0] == found[1]
+    )
+    assert first.moves.tobytes() == second.moves.tobytes()
 
 
 def test_walled_in_there_is_nothing_to_find():
     ground = _ground(6.0, 4.0, ((2.9, 0.0, 3.3, 4.0),))
     start, goal = np.array([2.0, 2.0, 0.0]), np.array([5.0, 2.0, 0.0])
-    way, spent, _ = TimedPlanner(ground).plan(robot_model("go1"), start, goal)
-    assert way is None
+    path, spent, _ = SpaceTimePlanner(ground).plan(robot_model("go1"), start, goal)
+    assert path is None
     assert not spent
 
 
-def _raw(ground: Ground, model: RobotModel, start: Array, goal: Array, others: Others) -> tuple:
-    """What the search itself finds, with the arguments for shortening it."""
-    planner, care, mover = TimedPlanner(ground), Care(), mover_of(model)
-    guide, cell = planner.guide(goal, model)
-    margins, steps = np.array([care.ground, care.others]), np.array(care.steps)
-    price = planner.price_for(mover)
-    status, moves, _ = search(
-        planner.grid,
-        tuple(others),
-        mover,
-        start,
-        goal,
-        primitives_of(model),
-        guide,
-        cell,
-        margins,
-        steps,
-        np.array([0.1, 0.25]),
-        price,
-        1.5,
-        5_000,
-    )
-    return status, moves, (planner.grid, tuple(others), mover, start), (margins, steps, price)
+def _raw(
+    ground: Ground, model: RobotModel, start: Array, goal: Array, others: Others
+) -> tuple[int, Array, Scene]:
+    """What the search itself finds, before it is shortened, and where."""
+    planner = SpaceTimePlanner(ground)
+    scene = planner.scene(model, others, MARGINS[0])
+    settings = SearchSettings(0.1, 0.25, 1.5, 5_000)
+    to_go = planner.cost_to_go(goal, model)
+    status, moves, _ = search(scene, start, goal, primitives_of(model), to_go, settings)
+    return status, moves, scene
 
 
-def _cost(moves: Array, price: float) -> float:
-    return float(moves[:, 5].sum() + price * np.abs(moves[:, 0]).sum())
+def _cost(moves: Array, scene: Scene) -> float:
+    return float(moves[:, 5].sum() + scene.metre_cost * np.abs(moves[:, 0]).sum())
 
 
 @settings(max_examples=25, deadline=None)
 @given(_SEEDS, st.sampled_from(sorted(MODELS)), st.integers(0, 4))
-def test_shortening_keeps_the_way_valid_and_never_makes_it_dearer(
+def test_shortening_keeps_the_path_valid_and_never_makes_it_dearer(
     footprint_gap, cluttered, seed, name, rounds
 ):
     rng = np.random.default_rng(seed)
@@ -301,23 +288,23 @@ def test_shortening_keeps_the_way_valid_and_never_makes_it_dearer(
     go1 = robot_model("go1")
     others = _for_good([_walk(tuple(here), tuple(there))], [go1])
     start, goal = np.array([0.7, 1.0, 0.0]), np.array([7.2, 1.0, rng.uniform(-3, 3)])
-    status, moves, where, how = _raw(cluttered, model, start, goal, others)
+    status, moves, scene = _raw(cluttered, model, start, goal, others)
     if status != FOUND:
         return
-    shorter = shorten(*where, moves, *how, rounds)
-    assert _cost(shorter, how[2]) <= _cost(moves, how[2]) + 1e-6
+    shorter = shorten(scene, start, moves, rounds)
+    assert _cost(shorter, scene) <= _cost(moves, scene) + 1e-6
     if rounds == 0:
-        assert _cost(shorter, how[2]) == pytest.approx(_cost(moves, how[2]))
+        assert _cost(shorter, scene) == pytest.approx(_cost(moves, scene))
     end, last = poses_between(start, moves)[-1], poses_between(start, shorter)[-1]
     assert last[:2] == pytest.approx(end[:2], abs=1e-6)
-    if where[2][6] == 0.0:
+    if not scene.limits.free:
         assert math.remainder(last[2] - end[2], 2 * math.pi) == pytest.approx(0.0, abs=1e-6)
-    way = Way(start, shorter, where[2], model)
-    assert _gaps(footprint_gap, way, others, [go1]) > 0.0
-    assert _on_ground(footprint_gap, way, cluttered) > -1e-9
+    path = TimedPath(start, shorter, scene.limits, model)
+    assert _gaps(footprint_gap, path, others, [go1]) > 0.0
+    assert _on_ground(footprint_gap, path, cluttered) > -1e-9
     ends = np.cumsum(shorter[:, 5])
     for at in ends[:-1]:
-        pair = sample_moves(start, shorter, where[2], np.array([at - 1e-7, at + 1e-7]))
+        pair = sample_moves(start, shorter, scene.limits, np.array([at - 1e-7, at + 1e-7]))
         assert abs(np.subtract(*np.hypot(pair[:, 3], pair[:, 4]))) < 1e-5
 
 
@@ -325,47 +312,47 @@ def test_shortening_keeps_the_way_valid_and_never_makes_it_dearer(
 @given(_SEEDS, st.sampled_from(sorted(MODELS)), st.floats(0.05, 3.0))
 def test_split_moves_are_the_same_motion(seed, name, piece):
     rng = np.random.default_rng(seed)
-    mover = mover_of(robot_model(name))
+    limits = motion_limits(robot_model(name))
     start = np.array([0.0, 0.0, 1.0])
     length = float(rng.uniform(0.1, 6.0))
-    turn = 0.0 if mover[4] == 0.0 else float(rng.uniform(-1, 1)) * length / mover[4]
+    turn = 0.0 if limits.radius == 0.0 else float(rng.uniform(-1, 1)) * length / limits.radius
     rest, rows = np.zeros(6), np.zeros((3, 6))
     rest[5] = 1.0
-    vmax = float(rng.uniform(0.5, 1.0) * mover[0])
+    vmax = float(rng.uniform(0.5, 1.0) * limits.speed)
     for row, size in zip(rows, (length, -length), strict=False):
-        assert make_move(row, size, turn, 0.0, 0.0, vmax, mover)
+        assert make_move(row, size, turn, 0.0, 0.0, vmax, limits)
     rows[2] = rest
-    parts = split(rows, mover, piece)
+    parts = split(rows, limits, piece)
     assert np.abs(parts[:, 0]).max() <= piece + 1e-9
     time = np.linspace(0.0, rows[:, 5].sum() + 0.5, 200)
-    whole = sample_moves(start, rows, mover, time)
-    assert sample_moves(start, parts, mover, time) == pytest.approx(whole, abs=1e-6)
+    whole = sample_moves(start, rows, limits, time)
+    assert sample_moves(start, parts, limits, time) == pytest.approx(whole, abs=1e-6)
 
 
 @pytest.mark.parametrize("name", sorted(MODELS))
-def test_trajectories_are_the_way_as_samples(cluttered, name):
+def test_trajectories_are_the_path_as_samples(cluttered, name):
     model = robot_model(name)
-    way, _, _ = TimedPlanner(cluttered).plan(
+    path, _, _ = SpaceTimePlanner(cluttered).plan(
         model, np.array([0.8, 1.0, 0.0]), np.array([7.2, 1.0, 1.0])
     )
-    t = trajectory_of(way, cluttered)
+    t = trajectory_of(path, cluttered)
     assert t.time[0] == 0.0
-    assert t.time[-1] == pytest.approx(way.duration)
+    assert t.time[-1] == pytest.approx(path.duration)
     steps = np.diff(t.time)
     assert steps.min() > 0.0
     assert steps.max() <= 0.03 + 1e-9
-    assert t.length == pytest.approx(way.length, rel=1e-3)
+    assert t.length == pytest.approx(path.length, rel=1e-3)
     assert (t.position[:, 2] == (model.legs.h_nom if model.legs else 0.0)).all()
-    motion = sample_moves(way.start, way.moves, way.mover, t.time)
+    motion = sample_moves(path.start, path.moves, path.limits, t.time)
     assert t.position[:, :2] == pytest.approx(motion[:, :2])
     if model.drive.startswith("integrator"):
-        assert (t.yaw == way.start[2]).all()
+        assert (t.yaw == path.start[2]).all()
     else:
         assert np.abs(np.diff(t.yaw)).max() <= 1.05 * model.max_yaw_rate * 0.03
-    track = way.track()
-    assert (len(track) - 1) * TRACK_STEP >= way.duration - 1e-9
+    track = path.track()
+    assert (len(track) - 1) * TRACK_STEP >= path.duration - 1e-9
     assert track[-1, :2] == pytest.approx([7.2, 1.0])
-    assert track[0, :2] == pytest.approx(way.start[:2])
+    assert track[0, :2] == pytest.approx(path.start[:2])
 
 
 def test_tracks_of_others_are_stretched_by_standing():
@@ -380,19 +367,19 @@ def test_tracks_of_others_are_stretched_by_standing():
     assert others_of([], [], []) is NOBODY
 
 
-def test_the_guide_never_says_that_a_way_is_longer_than_it_is(cluttered):
+def test_the_cost_to_go_never_says_that_a_path_is_longer_than_it_is(cluttered):
     """Against straight lines around corners, less a cell and a half, as the search takes it."""
     model = robot_model("double-integrator")
-    planner = TimedPlanner(cluttered)
+    planner = SpaceTimePlanner(cluttered)
     goal = np.array([7.2, 1.0, 0.0])
-    guide, cell = planner.guide(goal, model)
+    lengths, cell = planner.cost_to_go(goal, model)
     rng = np.random.default_rng(0)
     checked = 0
     for start in rng.uniform((0.3, 0.3), (7.7, 3.7), (40, 2)):
-        way, _, _ = planner.plan(model, np.array([*start, 0.0]), goal)
-        if way is None:
+        path, _, _ = planner.plan(model, np.array([*start, 0.0]), goal)
+        if path is None:
             continue
         checked += 1
-        said = guide[int(start[1] / cell), int(start[0] / cell)] - 1.5 * cell
-        assert said <= way.length + 1e-9
+        said = lengths[int(start[1] / cell), int(start[0] / cell)] - 1.5 * cell
+        assert said <= path.length + 1e-9
     assert checked > 20

@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from cavalcade.campaign.lines import without_times
-from cavalcade.campaign.plan import Plan, make_plan
+from cavalcade.campaign.definition import Definition, define_campaign
+from cavalcade.campaign.trial import without_times
 
 SCENARIO = """\
 version: 1
@@ -36,7 +36,7 @@ disturbances:
   none: {}
   noise: {noise: {position: 0.002, heading: 0.002}}
 worlds:
-  - {name: short, draw: shipped, scenario: SCENARIO, seeds: 3}
+  - {name: short, sampler: shipped, scenario: SCENARIO, seeds: 3}
 """
 
 
@@ -51,8 +51,8 @@ def tiny(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def tiny_plan(tiny: Path) -> Plan:
-    return make_plan(tiny)
+def tiny_plan(tiny: Path) -> Definition:
+    return define_campaign(tiny)
 
 
 @pytest.fixture
@@ -77,8 +77,8 @@ import time
 from multiprocessing.connection import Connection
 from pathlib import Path
 
-from cavalcade.campaign.carrying import carry_out
-from cavalcade.campaign.lines import failure_line
+from cavalcade.campaign.trial_runner import run_trial
+from cavalcade.campaign.trial import failure_line
 
 FOLDER = Path(FOLDER_NAME)
 
@@ -105,7 +105,7 @@ def dies_once(trial):
     """The third trial kills its worker, but only the first time."""
     if trial.seed == 1 and trial.variant == "cavalcade" and _first_time("died-" + trial.id):
         os.kill(os.getpid(), signal.SIGKILL)
-    return carry_out(trial)
+    return run_trial(trial)
 
 
 def dies_always(trial):

@@ -14,8 +14,8 @@ from typing import Any
 
 import pytest
 
+from cavalcade.campaign.definition import Definition
 from cavalcade.campaign.engines.local import LocalEngine
-from cavalcade.campaign.plan import Plan
 
 
 @pytest.mark.parametrize(
@@ -23,7 +23,7 @@ from cavalcade.campaign.plan import Plan
 )
 @pytest.mark.parametrize("workers", [1, 2])
 def test_a_worker_killed_with_the_lock_stops_no_other(
-    work: str, fate: str, workers: int, tiny_plan: Plan, planted: Any
+    work: str, fate: str, workers: int, tiny_plan: Definition, planted: Any
 ) -> None:
     first, second = tiny_plan.trials[:2]
     expected = {"killed": fate, "after": "done"}

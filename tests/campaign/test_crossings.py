@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cavalcade.campaign.carrying import carry_out_into
 from cavalcade.campaign.crossings import crossings
+from cavalcade.campaign.definition import define_campaign
 from cavalcade.campaign.judging import judged
-from cavalcade.campaign.plan import make_plan
+from cavalcade.campaign.trial_runner import run_trial_into
 from cavalcade.errors import ScenarioError
 from cavalcade.jobs import JobResult
 from cavalcade.recording.physics_track import PhysicsTrack
@@ -22,8 +22,8 @@ version: 1
 suite: leaps
 backend: mujoco
 worlds:
-  - {name: gap, draw: walk, kind: gap, width: 0.3, seeds: 1}
-  - {name: flat, draw: walk, kind: steady, duration: 1, seeds: 1}
+  - {name: gap, sampler: walk, kind: gap, width: 0.3, seeds: 1}
+  - {name: flat, sampler: walk, kind: steady, duration: 1, seeds: 1}
 """
 
 
@@ -32,7 +32,7 @@ def leapt(tmp_path_factory: pytest.TempPathFactory) -> JobResult:
     pytest.importorskip("mujoco")
     file = tmp_path_factory.mktemp("leaps") / "leaps.yaml"
     file.write_text(SUITE, encoding="utf-8")
-    line, ran = carry_out_into(make_plan(file).trial("gap.0000.cavalcade"), None)
+    line, ran = run_trial_into(define_campaign(file).trial("gap.0000.cavalcade"), None)
     assert isinstance(ran, JobResult)
     assert (line["outcome"], line["success"], line["violations"]) == ("done", True, [])
     assert (line["measured"]["crossings"], line["measured"]["strict_crossings"]) == (1, 1)
@@ -81,13 +81,13 @@ def test_other_ground_has_no_crossings(tmp_path: Path) -> None:
     pytest.importorskip("mujoco")
     file = tmp_path / "leaps.yaml"
     file.write_text(SUITE, encoding="utf-8")
-    line, _ = carry_out_into(make_plan(file).trial("flat.0000.cavalcade"), None)
+    line, _ = run_trial_into(define_campaign(file).trial("flat.0000.cavalcade"), None)
     assert line["measured"] == {"time_ratio": None}
 
 
 def test_ideal_robots_do_not_leap_when_told(tmp_path: Path) -> None:
     file = tmp_path / "leaps.yaml"
     file.write_text(SUITE.replace("mujoco", "ideal"), encoding="utf-8")
-    trial = make_plan(file).trial("gap.0000.cavalcade")
+    trial = define_campaign(file).trial("gap.0000.cavalcade")
     with pytest.raises(ScenarioError, match=r"commands\[0\]\.leap: ideal robots do not leap"):
-        trial.scenario(trial.drawn())
+        trial.scenario(trial.instance())

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from cavalcade.campaign.carrying import carry_out
-from cavalcade.campaign.plan import make_plan
+from cavalcade.campaign.definition import define_campaign
+from cavalcade.campaign.trial_runner import run_trial
 
 
 @pytest.mark.parametrize("seed", [10066, 10073])
 def test_nothing_is_touched(seed: int) -> None:
-    plan = make_plan("events", seeds=1, seed=seed)
-    line = carry_out(plan.trial(f"events.{seed}.cavalcade"))
+    definition = define_campaign("events", seeds=1, seed=seed)
+    line = run_trial(definition.trial(f"events.{seed}.cavalcade"))
     assert (line["outcome"], line["success"], line["contacts"]) == ("arrived", True, 0)

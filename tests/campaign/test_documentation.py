@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from cavalcade.campaign.shipped import load_suite, suite_names
-from cavalcade.campaign.suite import draw_kinds, parse_suite
+from cavalcade.campaign.suite import parse_suite, sampler_kinds
 from cavalcade.campaign.table import COLUMNS
 
 TEXT = (Path(__file__).resolve().parents[2] / "docs" / "campaigns.md").read_text(encoding="utf-8")
@@ -41,10 +41,10 @@ def test_the_numbers_of_trials_are_those_of_the_suites() -> None:
         assert said[name] == runs * (len(suite.disturbances) or 1)
 
 
-@pytest.mark.parametrize("kind", sorted(draw_kinds()))
-def test_every_key_of_a_draw_is_listed(kind: str) -> None:
-    keys = set(draw_kinds()[kind].model_fields) - {"draw"}
-    said = set(re.findall(r"`(\w+)`", section(f"draw: {kind}")))
+@pytest.mark.parametrize("kind", sorted(sampler_kinds()))
+def test_every_key_of_a_sampler_is_listed(kind: str) -> None:
+    keys = set(sampler_kinds()[kind].model_fields) - {"sampler"}
+    said = set(re.findall(r"`(\w+)`", section(f"sampler: {kind}")))
     assert not keys - said
 
 

@@ -11,11 +11,11 @@ from typing import Any
 
 import pytest
 
+from cavalcade.campaign.definition import Definition
 from cavalcade.campaign.dispatch import dispatch
 from cavalcade.campaign.engines import ENGINES, make_engine, worker
 from cavalcade.campaign.engines.local import LocalEngine
 from cavalcade.campaign.engines.worker import WorkersError
-from cavalcade.campaign.plan import Plan
 from cavalcade.campaign.runner import run_campaign
 from cavalcade.errors import InputError
 
@@ -27,7 +27,7 @@ def no_report(*_: Any) -> tuple[Path, ...]:
 
 
 def test_any_number_of_workers_and_any_deaths_give_the_same_table(
-    tiny_plan: Plan, table: Table, tmp_path: Path, planted: Any
+    tiny_plan: Definition, table: Table, tmp_path: Path, planted: Any
 ) -> None:
     one, two, dying = (tmp_path / name for name in ("one", "two", "dying"))
     run_campaign(tiny_plan, one, LocalEngine(1), report=no_report)
@@ -42,7 +42,7 @@ def test_any_number_of_workers_and_any_deaths_give_the_same_table(
     assert table(dying) == expected
 
 
-def test_what_kills_its_worker_twice_is_crashed(tiny_plan: Plan, planted: Any) -> None:
+def test_what_kills_its_worker_twice_is_crashed(tiny_plan: Definition, planted: Any) -> None:
     with LocalEngine(2) as engine:
         lines = {
             line["trial"]: line
@@ -58,7 +58,7 @@ def test_what_kills_its_worker_twice_is_crashed(tiny_plan: Plan, planted: Any) -
         assert (line["success"], line["feasible"], line["summary"]) == (False, True, {})
 
 
-def test_kill_9_from_outside_in_the_middle_of_a_trial(tiny_plan: Plan, planted: Any) -> None:
+def test_kill_9_from_outside_in_the_middle_of_a_trial(tiny_plan: Definition, planted: Any) -> None:
     lines = []
     with LocalEngine(2) as engine:
         for line in dispatch(
@@ -81,7 +81,7 @@ def _kill_all(folder: Path) -> None:
             os.kill(int(text), signal.SIGKILL)
 
 
-def test_over_time(tiny_plan: Plan, planted: Any) -> None:
+def test_over_time(tiny_plan: Definition, planted: Any) -> None:
     began = time.monotonic()
     with LocalEngine(2) as engine:
         lines = list(dispatch(engine, tiny_plan.trials, 1.5, work=planted.sleeps))
@@ -93,7 +93,7 @@ def test_over_time(tiny_plan: Plan, planted: Any) -> None:
     assert len(lines) == 12
 
 
-def test_idle_workers_that_die_are_replaced(tiny_plan: Plan, planted: Any) -> None:
+def test_idle_workers_that_die_are_replaced(tiny_plan: Definition, planted: Any) -> None:
     from multiprocessing import active_children
 
     with LocalEngine(2) as engine:
@@ -106,20 +106,20 @@ def test_idle_workers_that_die_are_replaced(tiny_plan: Plan, planted: Any) -> No
     assert all(line["success"] for line in first + rest)
 
 
-def test_a_result_that_cannot_travel_is_crashed(tiny_plan: Plan, planted: Any) -> None:
+def test_a_result_that_cannot_travel_is_crashed(tiny_plan: Definition, planted: Any) -> None:
     with LocalEngine(1) as engine:
         (line,) = dispatch(engine, tiny_plan.trials[:1], 30.0, work=planted.unpicklable)
     assert line["outcome"] == "crashed"
 
 
-def test_workers_use_one_thread(tiny_plan: Plan, planted: Any) -> None:
+def test_workers_use_one_thread(tiny_plan: Definition, planted: Any) -> None:
     with LocalEngine(1) as engine:
         (line,) = dispatch(engine, tiny_plan.trials[:1], 30.0, work=planted.notes_threads)
     assert line["detail"] == "1"
 
 
 def test_workers_that_never_start_end_the_campaign_and_no_trial(
-    tiny_plan: Plan, planted: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tiny_plan: Definition, planted: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(worker, "start_worker", planted.die_at_once)
     with pytest.raises(WorkersError, match="the worker processes end before they take a trial"):
@@ -127,7 +127,9 @@ def test_workers_that_never_start_end_the_campaign_and_no_trial(
     assert (tmp_path / "a" / "trials.jsonl").read_text() == ""
 
 
-def test_a_job_that_went_down_with_the_pool_is_not_lost(tiny_plan: Plan, planted: Any) -> None:
+def test_a_job_that_went_down_with_the_pool_is_not_lost(
+    tiny_plan: Definition, planted: Any
+) -> None:
     with LocalEngine(1) as engine:
         engine.submit("a", planted.fake, (tiny_plan.trials[0],), 60.0)
         engine._all[0].stop()
@@ -143,14 +145,14 @@ def _collected(engine: LocalEngine) -> list[Any]:
     return found
 
 
-def test_ctrl_c_on_a_terminal_does_not_reach_workers(tiny_plan: Plan, planted: Any) -> None:
+def test_ctrl_c_on_a_terminal_does_not_reach_workers(tiny_plan: Definition, planted: Any) -> None:
     with LocalEngine(1) as engine:
         (line,) = dispatch(engine, tiny_plan.trials[:1], 30.0, work=planted.notes_signals)
     assert line["detail"] == "blocked"
     assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
 
 
-def test_leaving_ends_workers_in_the_middle_of_a_trial(tiny_plan: Plan, planted: Any) -> None:
+def test_leaving_ends_workers_in_the_middle_of_a_trial(tiny_plan: Definition, planted: Any) -> None:
     with LocalEngine(1) as engine:
         engine.submit("a", planted.waits_once, (tiny_plan.trials[0],), 60.0)
         pid = _pid(planted.FOLDER)
@@ -168,7 +170,7 @@ def _pid(folder: Path) -> int:
     raise AssertionError("no worker began")
 
 
-def test_the_first_alone(tiny_plan: Plan) -> None:
+def test_the_first_alone(tiny_plan: Definition) -> None:
     """While kernels are compiled, the first trial has the machine and more time."""
     engine = _Recorded()
     assert len(list(dispatch(engine, tiny_plan.trials, 5.0, first_alone=True))) == 12

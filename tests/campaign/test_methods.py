@@ -6,17 +6,22 @@ from typing import Any
 
 import pytest
 
-from cavalcade.campaign.draws import DataFolder
-from cavalcade.campaign.methods import FORMATION_VARIANTS, METHOD_VARIANTS, changed, planner_words
-from cavalcade.campaign.plan import check_plan, make_plan
+from cavalcade.campaign.definition import check_definition, define_campaign
+from cavalcade.campaign.methods import (
+    FORMATION_VARIANTS,
+    METHOD_VARIANTS,
+    changed,
+    planner_settings,
+)
+from cavalcade.campaign.samplers import DataFolder
 from cavalcade.campaign.suite import Suite, parse_suite
 from cavalcade.campaign.trial import trials_of
 from cavalcade.coordination import METHODS
 from cavalcade.errors import InputError
 from cavalcade.scenario.settings import TEAM_METHODS
 
-FORMATION = {"name": "drive", "draw": "shipped", "scenario": "cone", "seeds": 1}
-PLAN = {"name": "swap", "draw": "shipped", "scenario": "head-on", "seeds": 1}
+FORMATION = {"name": "drive", "sampler": "shipped", "scenario": "cone", "seeds": 1}
+PLAN = {"name": "swap", "sampler": "shipped", "scenario": "head-on", "seeds": 1}
 
 
 def suite_of(*groups: dict[str, Any], **head: Any) -> Suite:
@@ -45,11 +50,11 @@ def test_a_group_may_name_its_own() -> None:
     suite = suite_of(PLAN, PLAN | {"name": "again", "variants": ["joint"]}, variants=["cbs"])
     assert ids(suite) == ["swap.0000.cbs", "again.0000.joint"]
     assert suite.variants == ("cbs", "joint")
-    assert parse_suite(suite.plain()) == suite
+    assert parse_suite(suite.to_dict()) == suite
 
 
 def test_a_suite_of_one_kind_says_itself_as_ever() -> None:
-    plain = suite_of(FORMATION).plain()
+    plain = suite_of(FORMATION).to_dict()
     assert "variants" not in plain["worlds"][0]
 
 
@@ -57,13 +62,13 @@ def test_a_suite_of_one_kind_says_itself_as_ever() -> None:
 def test_a_variant_sets_method_and_options(name: str) -> None:
     suite = suite_of(PLAN, variants=[name])
     trial = next(trials_of(suite, (), DataFolder(None)))
-    scenario = trial.scenario(trial.drawn())
+    scenario = trial.scenario(trial.instance())
     published = name.endswith("-published")
     assert scenario.planner.method == name.removesuffix("-published")
     assert scenario.planner.variant == ("published" if published else "cavalcade")
     assert scenario.planner.constraints == ("static" if published else "timed")
     assert scenario.planner.conflict == ("first" if published else "costly")
-    assert planner_words(name, True)["method"] == scenario.planner.method
+    assert planner_settings(name, True)["method"] == scenario.planner.method
 
 
 @pytest.mark.parametrize(
@@ -71,11 +76,11 @@ def test_a_variant_sets_method_and_options(name: str) -> None:
     [
         (
             {"variants": ["cavalcade"], "worlds": [PLAN]},
-            "variants[0]: 'cavalcade' is for formations, not for goals of single robots",
+            "variants[0]: 'cavalcade' is for formations, not for individual goals",
         ),
         (
             {"variants": ["auto", "cbs"], "worlds": [FORMATION]},
-            "variants[0]: 'auto' is for goals of single robots, not for formations",
+            "variants[0]: 'auto' is for individual goals, not for formations",
         ),
         (
             {"worlds": [PLAN | {"variants": ["cbs-publisht"]}]},
@@ -108,14 +113,18 @@ def test_methods_are_changed_each_once() -> None:
 
 
 def test_a_method_given_takes_the_place_of_the_suites() -> None:
-    plan = make_plan("swaps", overrides=["planner.method=cbs", "planner.leaps=false"], seeds=1)
-    assert plan.suite.variants == ("cbs",)
-    assert plan.overrides == ("planner.leaps=false",)
-    check_plan(plan)
-    paper = make_plan("table1", overrides=["planner.variant=published"], seeds=1)
+    definition = define_campaign(
+        "swaps", overrides=["planner.method=cbs", "planner.leaps=false"], seeds=1
+    )
+    assert definition.suite.variants == ("cbs",)
+    assert definition.overrides == ("planner.leaps=false",)
+    check_definition(definition)
+    paper = define_campaign("table1", overrides=["planner.variant=published"], seeds=1)
     assert all(name.endswith("-published") for name in paper.suite.variants)
     for key, value in (("method", "cbz"), ("variant", "no-springs")):
         with pytest.raises(InputError, match=f"--set planner.{key}: unknown value '{value}'"):
-            make_plan("swaps", overrides=[f"planner.{key}={value}"])
+            define_campaign("swaps", overrides=[f"planner.{key}={value}"])
     with pytest.raises(InputError, match=r"--set planner.method: give it by itself"):
-        check_plan(make_plan("swaps", overrides=["planner={method: cbs, variant: cavalcade}"]))
+        check_definition(
+            define_campaign("swaps", overrides=["planner={method: cbs, variant: cavalcade}"])
+        )

@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 
 from cavalcade.campaign import judging
-from cavalcade.campaign.carrying import carry_out, carry_out_into
-from cavalcade.campaign.draws import DataFolder
+from cavalcade.campaign.definition import Definition, define_campaign
 from cavalcade.campaign.engines.local import LocalEngine
-from cavalcade.campaign.lines import without_times
-from cavalcade.campaign.plan import Plan, make_plan
 from cavalcade.campaign.runner import run_campaign
+from cavalcade.campaign.samplers import DataFolder
+from cavalcade.campaign.trial import without_times
+from cavalcade.campaign.trial_runner import run_trial, run_trial_into
 from cavalcade.checking import check
 from cavalcade.checking.physics.reading import read_records
 from cavalcade.jobs import JobResult
@@ -27,31 +27,32 @@ version: 1
 suite: legs
 backend: mujoco
 worlds:
-  - {name: steady, draw: walk, kind: steady, velocity: [0.4, 0, 0], duration: 5, seeds: 1}
-  - {name: push, draw: walk, kind: push, duration: 4, seeds: 2}
-  - {name: pair, draw: walk, kind: random, robots: 2, duration: 3, seeds: 1}
+  - {name: steady, sampler: walk, kind: steady, velocity: [0.4, 0, 0], duration: 5, seeds: 1}
+  - {name: push, sampler: walk, kind: push, duration: 4, seeds: 2}
+  - {name: pair, sampler: walk, kind: random, robots: 2, duration: 3, seeds: 1}
 """
 SHIPPED = ("physics-walk", "physics-formation", "physics-plans", "physics-leaps")
 
 
 @pytest.fixture
-def plan(tmp_path: Path) -> Plan:
+def definition(tmp_path: Path) -> Definition:
     pytest.importorskip("mujoco")
     file = tmp_path / "legs.yaml"
     file.write_text(SUITE, encoding="utf-8")
-    return make_plan(file)
+    return define_campaign(file)
 
 
 def test_the_same_lines_with_any_number_of_workers(
-    plan: Plan, tmp_path: Path, table: Callable[[Path], list[dict[str, Any]]]
+    definition: Definition, tmp_path: Path, table: Callable[[Path], list[dict[str, Any]]]
 ) -> None:
     results = [
-        run_campaign(plan, tmp_path / str(workers), LocalEngine(workers)) for workers in (1, 2)
+        run_campaign(definition, tmp_path / str(workers), LocalEngine(workers))
+        for workers in (1, 2)
     ]
     one, two = (table(tmp_path / str(workers)) for workers in (1, 2))
     assert one == two
     assert [(line["trial"], line["outcome"], line["violations"]) for line in one] == [
-        (trial.id, "done", []) for trial in sorted(plan.trials, key=lambda trial: trial.id)
+        (trial.id, "done", []) for trial in sorted(definition.trials, key=lambda trial: trial.id)
     ]
     assert results[0].summary["success"] == 4
     steady = next(line for line in one if line["scenario"] == "steady")["summary"]
@@ -60,13 +61,15 @@ def test_the_same_lines_with_any_number_of_workers(
     assert 0.005 < steady["commanded"]["rms_m_s"] < 0.04
     assert steady["path_length_m"][0] == pytest.approx(0.4 * 4.5, abs=0.15)
     text = (tmp_path / "1" / "report.md").read_text(encoding="utf-8")
-    assert "## As they were told" in text
+    assert "## Following commands" in text
     assert "## Legs and bodies" in text
     assert "2 of 2 tasks done" in text
 
 
-def test_the_checker_sees_what_a_recording_would_hold(plan: Plan, tmp_path: Path) -> None:
-    line, ran = carry_out_into(plan.trial("push.0001.cavalcade"), tmp_path / "a")
+def test_the_checker_sees_what_a_recording_would_hold(
+    definition: Definition, tmp_path: Path
+) -> None:
+    line, ran = run_trial_into(definition.trial("push.0001.cavalcade"), tmp_path / "a")
     assert isinstance(ran, JobResult)
     track = ran.recording.physics
     assert track is not None
@@ -76,12 +79,12 @@ def test_the_checker_sees_what_a_recording_would_hold(plan: Plan, tmp_path: Path
             assert getattr(here, name).tobytes() == getattr(there, name).tobytes(), name
         assert here.touches == there.touches
     assert check(tmp_path / "a").violations == ()
-    assert without_times(carry_out(plan.trial("push.0001.cavalcade"))) == without_times(line)
+    assert without_times(run_trial(definition.trial("push.0001.cavalcade"))) == without_times(line)
 
 
-def test_a_push_that_is_not_said_is_found(plan: Plan) -> None:
+def test_a_push_that_is_not_said_is_found(definition: Definition) -> None:
     """The audit takes pushes from the scenario alone: without, forces do not explain the motion."""
-    _, ran = carry_out_into(plan.trial("push.0001.cavalcade"), None)
+    _, ran = run_trial_into(definition.trial("push.0001.cavalcade"), None)
     assert isinstance(ran, JobResult)
     done, summary = ran.recording, ran.summary
     assert judging.judged(ran.scenario, ran.world, done, summary).success
@@ -92,10 +95,10 @@ def test_a_push_that_is_not_said_is_found(plan: Plan) -> None:
     assert any("momentum" in text for text in verdict.violations)
 
 
-def test_who_falls_has_fallen_whatever_else_there_is(plan: Plan) -> None:
-    trial = plan.trial("push.0000.cavalcade")
-    hard = replace(trial, draw=trial.draw.model_copy(update={"impulse": 90.0}))  # type: ignore[attr-defined]
-    line = carry_out(hard)
+def test_who_falls_has_fallen_whatever_else_there_is(definition: Definition) -> None:
+    trial = definition.trial("push.0000.cavalcade")
+    hard = replace(trial, sampler=trial.sampler.model_copy(update={"impulse": 90.0}))  # type: ignore[attr-defined]
+    line = run_trial(hard)
     assert (line["outcome"], line["success"]) == ("fallen", False)
     assert line["detail"].startswith("robot 0 ")
     assert line["summary"]["falls"] == 1
@@ -106,11 +109,11 @@ def test_plans_are_carried_out(tmp_path: Path) -> None:
     file = tmp_path / "plans.yaml"
     file.write_text(
         "version: 1\nsuite: plans\nbackend: mujoco\nworlds:\n"
-        "  - {name: pair, draw: pairs, size: [5, 5], models: [go1], seeds: 1}\n",
+        "  - {name: pair, sampler: pairs, size: [5, 5], models: [go1], seeds: 1}\n",
         encoding="utf-8",
     )
-    (trial,) = make_plan(file).trials
-    line = carry_out(trial)
+    (trial,) = define_campaign(file).trials
+    line = run_trial(trial)
     assert (line["outcome"], line["violations"]) == ("arrived", [])
     assert line["summary"]["method"] == "auto"
     assert np.max(line["summary"]["goal_error_m"]) < 0.15
@@ -121,7 +124,7 @@ def test_without_mujoco_one_line_says_what_to_install(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "mujoco", None)
-    missing = make_plan(name).suite.missing(DataFolder(None))
+    missing = define_campaign(name).suite.missing(DataFolder(None))
     assert missing is not None
     assert "pip install 'cavalcade[physics]'" in missing
     assert "\n" not in missing
@@ -131,18 +134,18 @@ def test_the_backend_of_the_command_line_takes_the_place_of_the_suite_s(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setitem(sys.modules, "mujoco", None)
-    ideal = make_plan("physics-formation", overrides=["execution.backend=ideal"])
+    ideal = define_campaign("physics-formation", overrides=["execution.backend=ideal"])
     assert (ideal.suite.backend, ideal.overrides) == ("ideal", ())
     assert ideal.suite.missing(DataFolder(None)) is None
-    walking = make_plan("clutter", overrides=["execution.backend=mujoco"])
+    walking = define_campaign("clutter", overrides=["execution.backend=mujoco"])
     assert walking.suite.missing(DataFolder(None)) is not None
-    assert make_plan("clutter").suite.backend is None
+    assert define_campaign("clutter").suite.backend is None
 
 
 @pytest.mark.parametrize("name", SHIPPED)
 def test_every_group_of_the_shipped_suites_draws(name: str) -> None:
-    suite = make_plan(name).suite
+    suite = define_campaign(name).suite
     assert suite.backend == "mujoco"
     for group in suite.worlds:
-        drawn = group.draw.draw_world(suite.seed, DataFolder(None))
-        assert drawn.feasible
+        instance = group.sampler.sample(suite.seed, DataFolder(None))
+        assert instance.feasible

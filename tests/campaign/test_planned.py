@@ -11,15 +11,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cavalcade.campaign.carrying import carry_out, carry_out_into, lost_line, replay
+from cavalcade.campaign.definition import define_campaign
 from cavalcade.campaign.engines.local import LocalEngine
-from cavalcade.campaign.lines import TIMES, without_times
-from cavalcade.campaign.plan import make_plan
 from cavalcade.campaign.planned import arrays_of, judged_plan, measured_plan
-from cavalcade.campaign.repeating import repeat_trial
+from cavalcade.campaign.repeat import repeat_trial
 from cavalcade.campaign.runner import run_campaign
 from cavalcade.campaign.suite import parse_suite
-from cavalcade.campaign.trial import Trial, trials_of
+from cavalcade.campaign.trial import TIMES, Trial, trials_of, without_times
+from cavalcade.campaign.trial_runner import lost_line, replay, run_trial, run_trial_into
 from cavalcade.campaign.warming import warmth_of
 from cavalcade.checking import check
 from cavalcade.checking.plans import read_plan
@@ -31,9 +30,9 @@ SUITE = """\
 version: 1
 suite: tiny-plans
 worlds:
-  - {name: pair, draw: pairs, keep: colliding, variants: [cbs, sequential], seeds: 2}
-  - {name: equal, draw: hopeless, kind: goals-equal, seeds: 1}
-  - {name: bad, draw: hopeless, kind: starts-overlap, seeds: 1}
+  - {name: pair, sampler: pairs, keep: colliding, variants: [cbs, sequential], seeds: 2}
+  - {name: equal, sampler: infeasible, kind: goals-equal, seeds: 1}
+  - {name: bad, sampler: infeasible, kind: starts-overlap, seeds: 1}
 """
 
 
@@ -44,26 +43,26 @@ def trial_of(group: dict[str, Any], **head: Any) -> Trial:
 
 @pytest.fixture(scope="module")
 def head_on() -> JobResult:
-    _, ran = carry_out_into(trial_of({"draw": "shipped", "scenario": "head-on"}), None)
+    _, ran = run_trial_into(trial_of({"sampler": "shipped", "scenario": "head-on"}), None)
     assert isinstance(ran, JobResult)
     return ran
 
 
 def test_a_line_holds_the_verdict_and_the_summary() -> None:
-    trial = trial_of({"draw": "pairs"}, variants=["cbs"])
-    line = carry_out(trial)
+    trial = trial_of({"sampler": "pairs"}, variants=["cbs"])
+    line = run_trial(trial)
     assert (line["outcome"], line["success"], line["violations"]) == ("solved", True, [])
     assert (line["trial"], line["expected"], line["feasible"]) == ("it.0000.cbs", "solved", True)
     assert line["summary"]["method"] == "cbs"
     assert line["measured"]["length_ratio"] >= 1.0 - 1e-6
     assert json.loads(json.dumps(line, allow_nan=False)) == line
-    assert without_times(carry_out(trial)) == without_times(line)
+    assert without_times(run_trial(trial)) == without_times(line)
     assert "single_time_ratio" in TIMES
 
 
 def test_the_checker_sees_what_a_plan_file_would_hold(tmp_path: Path) -> None:
-    trial = trial_of({"draw": "shipped", "scenario": "corner-swap"})
-    line, ran = carry_out_into(trial, tmp_path / "a")
+    trial = trial_of({"sampler": "shipped", "scenario": "corner-swap"})
+    line, ran = run_trial_into(trial, tmp_path / "a")
     assert isinstance(ran, JobResult)
     written = read_plan(tmp_path / "a" / "plan.npz")
     in_memory = arrays_of(ran)
@@ -153,31 +152,31 @@ def test_measures_are_what_they_say(head_on: JobResult) -> None:
 
 
 def test_one_robot_has_nobody_to_be_compared_with() -> None:
-    line = carry_out(trial_of({"draw": "terrain", "kind": "flat"}))
+    line = run_trial(trial_of({"sampler": "terrain", "kind": "flat"}))
     assert line["success"]
     assert line["measured"]["makespan_ratio"] is line["measured"]["single_time_ratio"] is None
     assert 1.0 - 1e-6 <= line["measured"]["length_ratio"] < 1.2
 
 
 def test_bad_input_is_a_success_only_where_it_has_to_be_refused() -> None:
-    bad = trial_of({"draw": "hopeless", "kind": "starts-overlap"})
-    line = carry_out(bad)
+    bad = trial_of({"sampler": "infeasible", "kind": "starts-overlap"})
+    line = run_trial(bad)
     assert (line["outcome"], line["success"], line["expected"]) == ("refused", True, "refused")
     assert line["summary"] == {}
-    swap = trial_of({"draw": "shipped", "scenario": "head-on"})
+    swap = trial_of({"sampler": "shipped", "scenario": "head-on"})
     outside = ("robots.0.start=[50, 50, 0]",)
-    line = carry_out(replace(swap, overrides=outside))
+    line = run_trial(replace(swap, overrides=outside))
     assert (line["outcome"], line["success"]) == ("refused", False)
 
 
 def test_a_lost_trial_is_no_refusal() -> None:
-    trial = trial_of({"draw": "hopeless", "kind": "goals-equal"})
+    trial = trial_of({"sampler": "infeasible", "kind": "goals-equal"})
     line = lost_line(trial, "overtime", "not done within 60 s")
     assert (line["success"], line["feasible"], line["expected"]) == (False, False, "infeasible")
 
 
 def test_a_replay_gives_the_plan() -> None:
-    found = replay(trial_of({"draw": "shipped", "scenario": "head-on"}))
+    found = replay(trial_of({"sampler": "shipped", "scenario": "head-on"}))
     assert found is not None
     assert found.planned is not None
     assert found.planned.summary == found.summary
@@ -186,13 +185,13 @@ def test_a_replay_gives_the_plan() -> None:
 
 
 def test_what_has_to_be_warm() -> None:
-    plans = make_plan("smoke-plans")
+    plans = define_campaign("smoke-plans")
     found = warmth_of(plans.trials)
     assert set(found) == {
         *((name, False) for name in ("auto", "cbs", "joint", "sequential", "cbs-published")),
         ("auto", True),
     }
-    assert warmth_of(make_plan("smoke").trials) == ()
+    assert warmth_of(define_campaign("smoke").trials) == ()
 
 
 def test_a_campaign_and_one_of_its_trials_again(
@@ -200,7 +199,7 @@ def test_a_campaign_and_one_of_its_trials_again(
 ) -> None:
     file = tmp_path / "tiny-plans.yaml"
     file.write_text(SUITE, encoding="utf-8")
-    plans = make_plan(file)
+    plans = define_campaign(file)
     run_campaign(plans, tmp_path / "a", LocalEngine(1))
     run_campaign(plans, tmp_path / "b", LocalEngine(2))
     lines = table(tmp_path / "a")
@@ -220,6 +219,6 @@ def test_a_campaign_and_one_of_its_trials_again(
 
 def test_the_worlds_are_as_they_were_resolved(head_on: JobResult) -> None:
     assert head_on.scenario == resolve_scenario(head_on.scenario)
-    said = trial_of({"draw": "shipped", "scenario": "head-on"}).drawn().scenario
+    said = trial_of({"sampler": "shipped", "scenario": "head-on"}).instance().scenario
     world = build_world(parse_scenario(said))
     assert np.array_equal(world.map.occupied, head_on.world.map.occupied)

@@ -11,10 +11,10 @@ import pytest
 
 pytest.importorskip("ray")
 
+from cavalcade.campaign.definition import Definition
 from cavalcade.campaign.dispatch import dispatch
 from cavalcade.campaign.engines.local import LocalEngine
 from cavalcade.campaign.engines.ray import ClusterError, RayEngine
-from cavalcade.campaign.plan import Plan
 from cavalcade.campaign.runner import run_campaign
 
 # Ray leaves sockets and files to the end of the process.
@@ -49,7 +49,7 @@ def cluster(monkeypatch: pytest.MonkeyPatch, planted: Any) -> Iterator[Any]:
 
 
 def test_two_nodes_and_one_killed_on_the_way(
-    cluster: Any, tiny_plan: Plan, table: Table, tmp_path: Path, planted: Any
+    cluster: Any, tiny_plan: Definition, table: Table, tmp_path: Path, planted: Any
 ) -> None:
     run_campaign(tiny_plan, tmp_path / "local", LocalEngine(1), report=lambda *_: ())
     run_campaign(tiny_plan, tmp_path / "ray", RayEngine(), report=lambda *_: ())
@@ -75,7 +75,7 @@ def test_two_nodes_and_one_killed_on_the_way(
 
 
 def test_time_limits_and_crashes(
-    tiny_plan: Plan, planted: Any, monkeypatch: pytest.MonkeyPatch
+    tiny_plan: Definition, planted: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO", "0")
     monkeypatch.delenv("RAY_ADDRESS", raising=False)

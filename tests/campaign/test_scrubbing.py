@@ -1,6 +1,6 @@
 import pytest
 
-from cavalcade.campaign.scrubbing import is_private, scrubbed
+from cavalcade.campaign.table import is_private, scrubbed
 
 
 @pytest.mark.parametrize(

@@ -7,20 +7,22 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from cavalcade.campaign.draws import DataFolder
+from cavalcade.campaign.definition import check_definition, define_campaign
 from cavalcade.campaign.engines.local import LocalEngine
-from cavalcade.campaign.plan import check_plan, make_plan
 from cavalcade.campaign.runner import run_campaign
+from cavalcade.campaign.samplers import DataFolder
 
 
 def test_smoke(tmp_path: Path, table: Callable[[Path], list[dict[str, Any]]]) -> None:
-    plan = make_plan("smoke")
-    assert plan.suite.missing(DataFolder(None)) is None
-    check_plan(plan)
-    assert len(plan.trials) >= 20
-    result = run_campaign(plan, tmp_path / "a", LocalEngine(2), command="cavalcade campaign smoke")
+    definition = define_campaign("smoke")
+    assert definition.suite.missing(DataFolder(None)) is None
+    check_definition(definition)
+    assert len(definition.trials) >= 20
+    result = run_campaign(
+        definition, tmp_path / "a", LocalEngine(2), command="cavalcade campaign smoke"
+    )
     lines = table(tmp_path / "a")
-    assert [line["trial"] for line in lines] == sorted(trial.id for trial in plan.trials)
+    assert [line["trial"] for line in lines] == sorted(trial.id for trial in definition.trials)
     wrong = ("crashed", "refused", "overtime", "invalid")
     assert [line for line in lines if line["outcome"] in wrong] == []
     own = [line for line in lines if line["variant"] == "cavalcade" and line["feasible"]]
@@ -32,13 +34,13 @@ def test_smoke(tmp_path: Path, table: Callable[[Path], list[dict[str, Any]]]) ->
 
 
 def test_smoke_of_plans(tmp_path: Path, table: Callable[[Path], list[dict[str, Any]]]) -> None:
-    plan = make_plan("smoke-plans")
-    assert plan.suite.missing(DataFolder(None)) is None
-    check_plan(plan)
-    assert len(plan.trials) >= 20
-    result = run_campaign(plan, tmp_path / "a", LocalEngine(2))
+    definition = define_campaign("smoke-plans")
+    assert definition.suite.missing(DataFolder(None)) is None
+    check_definition(definition)
+    assert len(definition.trials) >= 20
+    result = run_campaign(definition, tmp_path / "a", LocalEngine(2))
     lines = table(tmp_path / "a")
-    assert [line["trial"] for line in lines] == sorted(trial.id for trial in plan.trials)
+    assert [line["trial"] for line in lines] == sorted(trial.id for trial in definition.trials)
     # The paper's options may bring robots into contact; everything else has to be right.
     own = [line for line in lines if not line["variant"].endswith("-published")]
     assert [(line["trial"], line["detail"]) for line in own if not line["success"]] == []

@@ -11,18 +11,18 @@ from typing import Any
 
 import pytest
 
-from cavalcade.campaign.lines import failure_line
-from cavalcade.campaign.plan import Plan, make_plan
+from cavalcade.campaign.definition import Definition, define_campaign
 from cavalcade.campaign.store import CORRUPT, LINES, Store
+from cavalcade.campaign.trial import failure_line
 from cavalcade.errors import OutputError, RecordingError
 
 
-def line(plan: Plan, index: int) -> dict[str, Any]:
-    return failure_line(plan.trials[index], "arrived", "") | {"success": True}
+def line(definition: Definition, index: int) -> dict[str, Any]:
+    return failure_line(definition.trials[index], "arrived", "") | {"success": True}
 
 
 @pytest.fixture
-def half(tiny_plan: Plan, tmp_path: Path) -> Path:
+def half(tiny_plan: Definition, tmp_path: Path) -> Path:
     """A folder with trials 3, 1 and 2 in it."""
     with Store(tmp_path / "runs" / "a", tiny_plan) as store:
         for index in (3, 1, 2):
@@ -30,11 +30,11 @@ def half(tiny_plan: Plan, tmp_path: Path) -> Path:
     return tmp_path / "runs" / "a"
 
 
-def ids(plan: Plan, *indices: int) -> list[str]:
-    return [plan.trials[index].id for index in indices]
+def ids(definition: Definition, *indices: int) -> list[str]:
+    return [definition.trials[index].id for index in indices]
 
 
-def test_lines_come_back_in_the_order_of_the_trials(tiny_plan: Plan, half: Path) -> None:
+def test_lines_come_back_in_the_order_of_the_trials(tiny_plan: Definition, half: Path) -> None:
     with Store(half, tiny_plan, resume=True) as store:
         assert store.done == set(ids(tiny_plan, 1, 2, 3))
         store.append(line(tiny_plan, 0))
@@ -43,12 +43,12 @@ def test_lines_come_back_in_the_order_of_the_trials(tiny_plan: Plan, half: Path)
     assert sorted(os.listdir(half)) == ["campaign.json", LINES]
 
 
-def test_a_folder_with_results_needs_resume(tiny_plan: Plan, half: Path) -> None:
+def test_a_folder_with_results_needs_resume(tiny_plan: Definition, half: Path) -> None:
     with pytest.raises(OutputError, match="holds a campaign; use --resume"):
         Store(half, tiny_plan)
 
 
-def test_a_folder_with_other_things_is_refused(tiny_plan: Plan, tmp_path: Path) -> None:
+def test_a_folder_with_other_things_is_refused(tiny_plan: Definition, tmp_path: Path) -> None:
     (tmp_path / "b").mkdir()
     (tmp_path / "b" / "thesis.tex").touch()
     with pytest.raises(OutputError, match="the folder is not empty; name another one"):
@@ -73,20 +73,22 @@ def test_a_folder_with_other_things_is_refused(tiny_plan: Plan, tmp_path: Path) 
     ],
 )
 def test_the_folder_of_another_campaign_is_refused(
-    tiny: Path, tiny_plan: Plan, half: Path, changes: dict[str, Any], message: str
+    tiny: Path, tiny_plan: Definition, half: Path, changes: dict[str, Any], message: str
 ) -> None:
     before = (half / LINES).read_bytes()
     with pytest.raises(OutputError) as caught:
-        Store(half, make_plan(tiny, **changes), resume=True)
+        Store(half, define_campaign(tiny, **changes), resume=True)
     assert message in str(caught.value)
     assert str(caught.value).endswith("; name another folder")
     assert (half / LINES).read_bytes() == before
 
 
-def test_the_folder_of_another_suite_and_version(tiny: Path, tiny_plan: Plan, half: Path) -> None:
+def test_the_folder_of_another_suite_and_version(
+    tiny: Path, tiny_plan: Definition, half: Path
+) -> None:
     tiny.write_text(tiny.read_text().replace("suite: tiny", "suite: other"))
     with pytest.raises(OutputError, match="holds a campaign of suite tiny, not other"):
-        Store(half, make_plan(tiny), resume=True)
+        Store(half, define_campaign(tiny), resume=True)
     said = json.loads((half / "campaign.json").read_text())
     said |= {"version": "0.0.1", "fingerprint": "older"}
     (half / "campaign.json").write_text(json.dumps(said))
@@ -97,7 +99,7 @@ def test_the_folder_of_another_suite_and_version(tiny: Path, tiny_plan: Plan, ha
         Store(half, tiny_plan, resume=True)
 
 
-def test_a_torn_last_line_is_dropped(tiny_plan: Plan, half: Path) -> None:
+def test_a_torn_last_line_is_dropped(tiny_plan: Definition, half: Path) -> None:
     whole = (half / LINES).read_bytes()
     (half / LINES).write_bytes(whole[:-40])
     said: list[str] = []
@@ -119,7 +121,7 @@ def test_a_torn_last_line_is_dropped(tiny_plan: Plan, half: Path) -> None:
         b'{"trial": NaN}\n',
     ],
 )
-def test_a_corrupt_line_is_set_aside(tiny_plan: Plan, half: Path, garbage: bytes) -> None:
+def test_a_corrupt_line_is_set_aside(tiny_plan: Definition, half: Path, garbage: bytes) -> None:
     rows = (half / LINES).read_bytes().splitlines(keepends=True)
     (half / LINES).write_bytes(b"".join([rows[0], garbage, rows[2]]))
     said: list[str] = []
@@ -146,7 +148,7 @@ def test_a_corrupt_line_is_set_aside(tiny_plan: Plan, half: Path, garbage: bytes
     ],
 )
 def test_a_line_that_is_not_whole_is_set_aside(
-    tiny_plan: Plan, half: Path, change: dict[str, Any]
+    tiny_plan: Definition, half: Path, change: dict[str, Any]
 ) -> None:
     rows = (half / LINES).read_bytes().splitlines(keepends=True)
     rows[1] = json.dumps(json.loads(rows[1]) | change).encode() + b"\n"
@@ -158,7 +160,7 @@ def test_a_line_that_is_not_whole_is_set_aside(
     assert (half / CORRUPT).read_bytes() == rows[1]
 
 
-def test_a_line_may_name_files_that_are_no_text(tiny_plan: Plan, half: Path) -> None:
+def test_a_line_may_name_files_that_are_no_text(tiny_plan: Definition, half: Path) -> None:
     odd = line(tiny_plan, 0) | {"detail": "no such file: \udcff.yaml"}
     with Store(half, tiny_plan, resume=True) as store:
         store.append(odd)
@@ -166,7 +168,7 @@ def test_a_line_may_name_files_that_are_no_text(tiny_plan: Plan, half: Path) -> 
         assert next(iter(store.lines())) == odd
 
 
-def test_a_trial_that_stands_twice_counts_once(tiny_plan: Plan, half: Path) -> None:
+def test_a_trial_that_stands_twice_counts_once(tiny_plan: Definition, half: Path) -> None:
     rows = (half / LINES).read_bytes().splitlines(keepends=True)
     (half / LINES).write_bytes(b"".join([*rows, rows[0]]))
     said: list[str] = []
@@ -176,7 +178,7 @@ def test_a_trial_that_stands_twice_counts_once(tiny_plan: Plan, half: Path) -> N
     assert "stands there twice" in said[0]
 
 
-def test_two_campaigns_do_not_meet_in_one_folder(tiny_plan: Plan, half: Path) -> None:
+def test_two_campaigns_do_not_meet_in_one_folder(tiny_plan: Definition, half: Path) -> None:
     code = (
         "import sys; from cavalcade.campaign.folder import locked; from pathlib import Path; "
         f"h = locked(Path({str(half)!r})); print('locked', flush=True); sys.stdin.read()"
@@ -199,7 +201,7 @@ def test_two_campaigns_do_not_meet_in_one_folder(tiny_plan: Plan, half: Path) ->
 
 
 def test_a_full_disk_loses_nothing(
-    tiny_plan: Plan, half: Path, monkeypatch: pytest.MonkeyPatch
+    tiny_plan: Definition, half: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     before = (half / LINES).read_bytes()
     with Store(half, tiny_plan, resume=True) as store:
@@ -233,7 +235,7 @@ def _full_after(size: int) -> Any:
     return write
 
 
-def test_a_folder_that_cannot_be_made_leaves_nothing(tiny_plan: Plan, tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_made_leaves_nothing(tiny_plan: Definition, tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(OutputError, match="cannot be written"):
         Store(tmp_path / "file" / "a" / "b", tiny_plan)

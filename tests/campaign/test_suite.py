@@ -8,10 +8,10 @@ from typing import Any
 import pytest
 import yaml
 
-from cavalcade.campaign.draws import DataFolder
-from cavalcade.campaign.plan import check_plan, make_plan
+from cavalcade.campaign.definition import check_definition, define_campaign, difference
+from cavalcade.campaign.samplers import DataFolder
 from cavalcade.campaign.shipped import load_suite, suite_names
-from cavalcade.campaign.suite import draw_kinds, parse_suite
+from cavalcade.campaign.suite import parse_suite, sampler_kinds
 from cavalcade.campaign.trial import trials_of
 from cavalcade.errors import InputError
 
@@ -33,7 +33,7 @@ def test_every_shipped_suite_is_read_and_says_itself_again(name: str) -> None:
     suite = load_suite(name)
     assert suite.suite == suite.name == name
     assert suite.about
-    assert parse_suite(suite.plain()) == suite
+    assert parse_suite(suite.to_dict()) == suite
 
 
 def test_trials_in_their_order() -> None:
@@ -45,8 +45,8 @@ def test_trials_in_their_order() -> None:
             "variants": ["cavalcade", "published"],
             "disturbances": {"none": {}, "late": {"delay": {"mean": 0.1}}},
             "worlds": [
-                {"name": "one", "draw": "shipped", "scenario": "cone", "seeds": 2},
-                {"name": "two", "draw": "shipped", "scenario": "cone", "seeds": 1},
+                {"name": "one", "sampler": "shipped", "scenario": "cone", "seeds": 2},
+                {"name": "two", "sampler": "shipped", "scenario": "cone", "seeds": 1},
             ],
         }
     )
@@ -66,18 +66,18 @@ def test_trials_in_their_order() -> None:
         "two.0007.published.late",
     ]
     trial = next(t for t in trials_of(suite, ("execution.rate=10",), NO_DATA) if "late" in t.id)
-    scenario = trial.scenario(trial.drawn())
+    scenario = trial.scenario(trial.instance())
     assert (scenario.planner.variant, scenario.seed) == ("cavalcade", 7)
     assert (scenario.execution.delay.mean, scenario.execution.rate) == (0.1, 10.0)
 
 
 def test_ids_without_named_disturbances() -> None:
-    plan = make_plan("clutter", seeds=2, seed=9_999)
-    assert [trial.id for trial in plan.trials] == [
+    definition = define_campaign("clutter", seeds=2, seed=9_999)
+    assert [trial.id for trial in definition.trials] == [
         "clutter.9999.cavalcade",
         "clutter.10000.cavalcade",
     ]
-    assert {trial.disturbance for trial in plan.trials} == {"none"}
+    assert {trial.disturbance for trial in definition.trials} == {"none"}
 
 
 @pytest.mark.parametrize(
@@ -103,8 +103,12 @@ def test_ids_without_named_disturbances() -> None:
         ("references", ["published"], "references: expected "),
         ("worlds", [], "worlds: expected at least 1"),
         ("worlds", "clutter", "worlds: expected a list"),
-        ("worlds.0.draw", "generate", "worlds[0].draw: unknown value 'generate'; did you mean"),
-        ("worlds.0.draw", None, "worlds[0].draw: unknown value None"),
+        (
+            "worlds.0.sampler",
+            "generate",
+            "worlds[0].sampler: unknown value 'generate'; did you mean",
+        ),
+        ("worlds.0.sampler", None, "worlds[0].sampler: unknown value None"),
         ("worlds.0.name", "a/b", "worlds[0].name: "),
         ("worlds.0.name", None, "worlds[0].name: "),
         ("worlds.0.seeds", 0, "worlds[0].seeds: "),
@@ -121,7 +125,7 @@ def test_a_bad_file_is_one_line(tmp_path: Path, path: str, value: Any, message: 
         "worlds": [
             {
                 "name": "clutter",
-                "draw": "generated",
+                "sampler": "generated",
                 "kind": "clutter",
                 "size": [14, 10],
                 "obstacles": 15,
@@ -145,34 +149,34 @@ def test_a_bad_file_is_one_line(tmp_path: Path, path: str, value: Any, message: 
 
 
 def test_groups_have_names_of_their_own() -> None:
-    group = {"name": "a", "draw": "shipped", "scenario": "cone", "seeds": 1}
+    group = {"name": "a", "sampler": "shipped", "scenario": "cone", "seeds": 1}
     with pytest.raises(InputError, match=r"worlds\[1\]\.name: 'a' is there already"):
         parse_suite({"version": 1, "suite": "x", "worlds": [group, group]})
 
 
 def test_groups_without_names_are_not_called_alike() -> None:
-    group = {"draw": "shipped", "scenario": "cone", "seeds": 1}
+    group = {"sampler": "shipped", "scenario": "cone", "seeds": 1}
     with pytest.raises(InputError, match=r"worlds\[0\]\.name: missing"):
         parse_suite({"version": 1, "suite": "x", "worlds": [group, group]})
 
 
 def test_endless_worlds_need_a_number(tmp_path: Path) -> None:
     file = tmp_path / "own.yaml"
-    group = {"name": "a", "draw": "shipped", "scenario": "cone"}
+    group = {"name": "a", "sampler": "shipped", "scenario": "cone"}
     file.write_text(yaml.safe_dump({"version": 1, "suite": "own", "worlds": [group]}))
     with pytest.raises(InputError) as caught:
-        make_plan(file)
+        define_campaign(file)
     assert str(caught.value).startswith(f"{file}: worlds[0].seeds: missing; expected how many")
-    assert len(make_plan(file, seeds=3).trials) == 3
+    assert len(define_campaign(file, seeds=3).trials) == 3
 
 
 def test_a_scenario_file_that_cannot_be_used_is_refused_at_once(tmp_path: Path) -> None:
     file = tmp_path / "own.yaml"
     (tmp_path / "scenario.yaml").write_text("version: 1\nnaem: x\n", encoding="utf-8")
-    group = {"name": "a", "draw": "shipped", "scenario": "scenario.yaml", "seeds": 2}
+    group = {"name": "a", "sampler": "shipped", "scenario": "scenario.yaml", "seeds": 2}
     file.write_text(yaml.safe_dump({"version": 1, "suite": "own", "worlds": [group]}))
     with pytest.raises(InputError) as caught:
-        make_plan(file)
+        define_campaign(file)
     said = f"{file}: worlds[0]: {tmp_path / 'scenario.yaml'}: naem: unknown key"
     assert str(caught.value).startswith(said)
 
@@ -186,7 +190,7 @@ def test_a_scenario_file_that_cannot_be_used_is_refused_at_once(tmp_path: Path) 
 )
 def test_numbers_have_a_limit(numbers: dict[str, int], message: str) -> None:
     with pytest.raises(InputError) as caught:
-        make_plan("clutter", **numbers)
+        define_campaign("clutter", **numbers)
     assert str(caught.value).startswith(message)
 
 
@@ -208,7 +212,7 @@ def test_no_such_suite(name: str, message: str) -> None:
 
 
 def test_draws_have_names() -> None:
-    assert {"generated", "barn", "maps", "events", "shipped"} <= set(draw_kinds())
+    assert {"generated", "barn", "maps", "events", "shipped"} <= set(sampler_kinds())
 
 
 def test_the_data_may_be_absent(tmp_path: Path) -> None:
@@ -231,45 +235,76 @@ def test_the_data_may_be_absent(tmp_path: Path) -> None:
 )
 def test_overrides_are_tried_before_anything_runs(overrides: list[str], message: str) -> None:
     with pytest.raises(InputError) as caught:
-        check_plan(make_plan("clutter", overrides=overrides))
+        check_definition(define_campaign("clutter", overrides=overrides))
     assert str(caught.value).startswith(message)
 
 
 def test_a_variant_given_takes_the_place_of_the_suites() -> None:
-    plan = make_plan("smoke", overrides=["planner.variant=published", "execution.rate=10"])
-    assert plan.suite.variants == ("published",)
-    assert plan.overrides == ("execution.rate=10",)
-    check_plan(plan)
-    quoted = make_plan("smoke", overrides=['planner.variant="published"'])
+    definition = define_campaign(
+        "smoke", overrides=["planner.variant=published", "execution.rate=10"]
+    )
+    assert definition.suite.variants == ("published",)
+    assert definition.overrides == ("execution.rate=10",)
+    check_definition(definition)
+    quoted = define_campaign("smoke", overrides=['planner.variant="published"'])
     assert quoted.suite.variants == ("published",)
     with pytest.raises(InputError) as caught:
-        make_plan("smoke", overrides=["planner.variant=publisht"])
+        define_campaign("smoke", overrides=["planner.variant=publisht"])
     said = "--set planner.variant: unknown value 'publisht'; did you mean published?"
     assert str(caught.value).startswith(said)
 
 
 def test_a_variant_given_has_no_reference() -> None:
     assert load_suite("ablation").references["no-springs"] == "published"
-    plan = make_plan("ablation", overrides=["planner.variant=no-springs"])
-    assert (plan.suite.variants, plan.suite.references) == (("no-springs",), {})
+    definition = define_campaign("ablation", overrides=["planner.variant=no-springs"])
+    assert (definition.suite.variants, definition.suite.references) == (("no-springs",), {})
 
 
 def test_the_fingerprint_tells_campaigns_apart() -> None:
-    plans = [
-        make_plan("clutter"),
-        make_plan("clutter", seeds=5),
-        make_plan("clutter", seed=5),
-        make_plan("clutter", overrides=["execution.rate=10"]),
-        make_plan("forest"),
+    definitions = [
+        define_campaign("clutter"),
+        define_campaign("clutter", seeds=5),
+        define_campaign("clutter", seed=5),
+        define_campaign("clutter", overrides=["execution.rate=10"]),
+        define_campaign("forest"),
     ]
-    assert len({plan.fingerprint for plan in plans}) == 5
-    assert make_plan("clutter").fingerprint == plans[0].fingerprint
+    assert len({definition.fingerprint for definition in definitions}) == 5
+    assert define_campaign("clutter").fingerprint == definitions[0].fingerprint
 
 
 def test_close_matches_of_a_trials_name() -> None:
-    plan = make_plan("clutter", seeds=20)
+    definition = define_campaign("clutter", seeds=20)
     with pytest.raises(InputError) as caught:
-        plan.trial("clutter.0013.cavalkade")
+        definition.trial("clutter.0013.cavalkade")
     assert "did you mean clutter.0013.cavalcade or " in str(caught.value)
     with pytest.raises(InputError, match="no such trial: ''"):
-        plan.trial("")
+        definition.trial("")
+
+
+FORMER = """\
+version: 1
+suite: former
+worlds:
+  - {name: one, draw: shipped, scenario: cone, seeds: 1}
+  - {name: two, draw: hopeless, kind: goals-equal, seeds: 1}
+"""
+
+
+def test_former_names_are_read_with_a_warning(tmp_path: Path) -> None:
+    file = tmp_path / "former.yaml"
+    file.write_text(FORMER, encoding="utf-8")
+    with pytest.warns(FutureWarning, match=r"former.yaml: `draw` of worlds is called `sampler`"):
+        before = define_campaign(file)
+    current = FORMER.replace("draw: hopeless", "sampler: infeasible").replace("draw:", "sampler:")
+    file.write_text(current, encoding="utf-8")
+    after = define_campaign(file)
+    assert before.to_dict() == after.to_dict()
+    # The folder of a campaign that was begun with them is that of the same campaign.
+    worlds = yaml.safe_load(FORMER)["worlds"]
+    for group, now in zip(worlds, after.suite.to_dict()["worlds"], strict=True):
+        group |= {key: value for key, value in now.items() if key != "sampler"}
+    suite = {**after.suite.to_dict(), "worlds": worlds}
+    begun = {**after.to_dict(), "fingerprint": "0", "suite": suite}
+    assert difference(after, begun) is None
+    worlds[0]["seeds"] = 2
+    assert difference(after, begun) == "was begun with other values in suite former: worlds"

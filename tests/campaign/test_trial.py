@@ -13,11 +13,10 @@ import numpy as np
 import pytest
 
 from cavalcade.campaign import judging
-from cavalcade.campaign.carrying import carry_out, carry_out_into, lost_line, replay
-from cavalcade.campaign.lines import TIMES, without_times
-from cavalcade.campaign.plan import Plan, make_plan
+from cavalcade.campaign.definition import Definition, define_campaign
 from cavalcade.campaign.runner import run_campaign
-from cavalcade.campaign.trial import Trial
+from cavalcade.campaign.trial import TIMES, Trial, without_times
+from cavalcade.campaign.trial_runner import lost_line, replay, run_trial, run_trial_into
 from cavalcade.checking import check
 from cavalcade.checking.report import Report, Violation
 from cavalcade.checking.tracks import read_tracks
@@ -41,23 +40,23 @@ KEYS = [
 
 
 @pytest.fixture
-def noisy(tiny_plan: Plan) -> Trial:
+def noisy(tiny_plan: Definition) -> Trial:
     return tiny_plan.trial("short.0002.cavalcade.noise")
 
 
 def test_a_line_holds_the_verdict_and_the_summary(noisy: Trial) -> None:
-    line = carry_out(noisy)
+    line = run_trial(noisy)
     assert list(line) == KEYS
     assert (line["outcome"], line["success"], line["violations"]) == ("arrived", True, [])
     assert (line["trial"], line["scenario"], line["seed"]) == (noisy.id, "short", 2)
     assert 1.0 < line["measured"]["time_ratio"] < 4.0
     assert line["summary"]["seed"] == 2
     assert json.loads(json.dumps(line, allow_nan=False)) == line
-    assert without_times(carry_out(noisy)) == without_times(line)
+    assert without_times(run_trial(noisy)) == without_times(line)
 
 
 def test_the_checker_sees_what_a_recording_would_hold(noisy: Trial, tmp_path: Path) -> None:
-    _, ran = carry_out_into(noisy, tmp_path / "a")
+    _, ran = run_trial_into(noisy, tmp_path / "a")
     assert ran is not None
     written = read_tracks(tmp_path / "a" / "recording.mcap", 2)
     for in_memory, from_file in zip(judging.tracks_of(ran.recording), written, strict=True):
@@ -110,11 +109,11 @@ def carry_out_status(count: int) -> Any:
 
 
 def test_a_trial_of_a_campaign_again(
-    tiny_plan: Plan, tmp_path: Path, table: Callable[[Path], Any]
+    tiny_plan: Definition, tmp_path: Path, table: Callable[[Path], Any]
 ) -> None:
     """Bit for bit: with recording and figures the summary is the same but for times."""
     from cavalcade.campaign.engines.local import LocalEngine
-    from cavalcade.campaign.repeating import repeat_trial
+    from cavalcade.campaign.repeat import repeat_trial
 
     run_campaign(tiny_plan, tmp_path / "c", LocalEngine(1), report=lambda *_: ())
     trial = "short.0001.fixed-roles.noise"
@@ -129,7 +128,7 @@ def test_a_trial_of_a_campaign_again(
     repeat_trial(tmp_path / "c", trial, tmp_path / "t", force=True)
     found = replay(tiny_plan.trial(trial))
     assert found is not None
-    assert {k: v for k, v in found[3].items() if k not in TIMES} == line["summary"]
+    assert {k: v for k, v in found.summary.to_dict().items() if k not in TIMES} == line["summary"]
 
 
 def test_bad_input_is_refused_and_an_exception_is_a_crash(
@@ -137,7 +136,7 @@ def test_bad_input_is_refused_and_an_exception_is_a_crash(
 ) -> None:
     import cavalcade.jobs.running
 
-    line = carry_out(replace(noisy, overrides=("robots[0].start=[100, 1, 0]",)))
+    line = run_trial(replace(noisy, overrides=("robots[0].start=[100, 1, 0]",)))
     assert line["outcome"] == "refused"
     assert "robots[0].start" in line["detail"]
     assert (list(line), line["success"], line["summary"]) == (KEYS, False, {})
@@ -146,14 +145,14 @@ def test_bad_input_is_refused_and_an_exception_is_a_crash(
         raise ZeroDivisionError("by nothing\nat all")
 
     monkeypatch.setattr(cavalcade.jobs.running, "run", broken, raising=False)
-    line = carry_out(noisy)
+    line = run_trial(noisy)
     assert line["outcome"] == "crashed"
     assert line["detail"].startswith("ZeroDivisionError: by nothing at all (test_trial.py:")
 
 
 def test_a_lost_trial_still_knows_its_world() -> None:
-    plan = make_plan("clutter", seeds=1)
-    line = lost_line(plan.trials[0], "overtime", "not done within 3 s")
+    definition = define_campaign("clutter", seeds=1)
+    line = lost_line(definition.trials[0], "overtime", "not done within 3 s")
     assert (line["outcome"], line["feasible"], line["level_name"]) == (
         "overtime",
         True,
@@ -164,11 +163,11 @@ def test_a_lost_trial_still_knows_its_world() -> None:
     class Nothing:
         level_name = None
 
-        def draw_world(self, seed: int, data: Any) -> Any:
+        def sample(self, seed: int, data: Any) -> Any:
             raise InputError("no such file")
 
-    draw: Any = Nothing()
-    line = lost_line(replace(plan.trials[0], draw=draw), "crashed", "killed")
+    sampler: Any = Nothing()
+    line = lost_line(replace(definition.trials[0], sampler=sampler), "crashed", "killed")
     assert line["feasible"] is True
     assert line["detail"].startswith("killed; the world cannot be drawn: InputError: no such file")
 
@@ -181,10 +180,10 @@ class TestVerdict:
     """What the checker and the audit make of the run's own reason."""
 
     @pytest.fixture
-    def scenario(self, tiny_plan: Plan) -> Scenario:
+    def scenario(self, tiny_plan: Definition) -> Scenario:
         trial = tiny_plan.trials[0]
         events = "execution.events=[{at: 2.0, add: {circle: {center: [4, 2], radius: 0.3}}}]"
-        return replace(trial, overrides=(events,)).scenario(trial.drawn())
+        return replace(trial, overrides=(events,)).scenario(trial.instance())
 
     @pytest.fixture
     def verdict(self, scenario: Scenario, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
@@ -255,8 +254,8 @@ class TestVerdict:
         assert (done.outcome, done.success, done.contacts) == ("collision", False, 0)
 
 
-def test_who_is_lost_at_the_end(tiny_plan: Plan) -> None:
+def test_who_is_lost_at_the_end(tiny_plan: Definition) -> None:
     trial = tiny_plan.trials[0]
     events = "execution.events=[{at: 1, lose: 0}, {at: 2, rejoin: 0}, {at: 3, lose: 1}]"
-    scenario = replace(trial, overrides=(events,)).scenario(trial.drawn())
+    scenario = replace(trial, overrides=(events,)).scenario(trial.instance())
     assert judging.lost_at_the_end(scenario) == {1}

@@ -29,8 +29,8 @@ version: 1
 suite: tiny
 about: Two robots go one and a half metres.
 worlds:
-  - {name: short, draw: shipped, scenario: SCENARIO, seeds: 2}
-  - {name: late, draw: shipped, scenario: LATE, seeds: 1}
+  - {name: short, sampler: shipped, scenario: SCENARIO, seeds: 2}
+  - {name: late, sampler: shipped, scenario: LATE, seeds: 1}
 """
 
 
@@ -182,14 +182,14 @@ def test_absent_mujoco_is_one_line_and_one(
 def test_a_trial_that_was_lost_in_the_campaign(
     suite: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from cavalcade.campaign.lines import failure_line
-    from cavalcade.campaign.plan import make_plan
+    from cavalcade.campaign.definition import define_campaign
     from cavalcade.campaign.store import Store
+    from cavalcade.campaign.trial import failure_line
 
-    plan = make_plan(suite)
-    with Store(tmp_path / "c", plan) as store:
-        store.append(failure_line(plan.trials[0], "overtime", "not done within 120 s"))
-    words = ["trial", tmp_path / "c", plan.trials[0].id, "--out", tmp_path / "t", "--quiet"]
+    definition = define_campaign(suite)
+    with Store(tmp_path / "c", definition) as store:
+        store.append(failure_line(definition.trials[0], "overtime", "not done within 120 s"))
+    words = ["trial", tmp_path / "c", definition.trials[0].id, "--out", tmp_path / "t", "--quiet"]
     assert main([str(word) for word in words]) == 0
     assert capsys.readouterr().err == (
         "cavalcade: warning: not as in the campaign: there it was overtime: not done within 120 s\n"
@@ -216,7 +216,7 @@ def test_a_trial_of_no_campaign(
 def test_campaigns_do_not_slow_the_other_commands() -> None:
     code = (
         "import sys; from cavalcade.cli import commands; "
-        "heavy = {'pebble', 'ray', 'duckdb', 'numba', 'numpy', 'cavalcade.campaign.plan'}; "
+        "heavy = {'pebble', 'ray', 'duckdb', 'numba', 'numpy', 'cavalcade.campaign.definition'}; "
         "print(heavy & set(sys.modules))"
     )
     done = subprocess.run(

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from cavalcade.eikonal import TravelGrid, arrival_times
+from cavalcade.eikonal._march import work_space
 from cavalcade.errors import InputError
 
 CELL = 0.05
@@ -263,22 +264,28 @@ def test_stopping_early_leaves_the_rest_out_and_the_work_space_clean():
     assert grid.from_cells([(100, 100)]).tobytes() == full.tobytes()
 
 
-def test_work_space_grows_where_it_does_not_suffice(clutter):
+def test_work_space_grows_where_it_does_not_suffice(clutter, monkeypatch):
     speed = clutter(80, 80, 7)
-    source = a_free_cell(speed, 7)
+    source, other = a_free_cell(speed, 7), a_free_cell(speed, 3)
+    points = [(np.array(k[::-1]) + 0.5) * CELL for k in (source, other)]
     expected = arrival_times(speed, [source], CELL)
-    grid, roomy = TravelGrid(speed, CELL), TravelGrid(speed, CELL)
-    grid._work = (grid._work[0], *(part[:8] for part in grid._work[1:4]),
-                  grid._work[4])  # fmt: skip
-    tight = grid._work
-    np.testing.assert_array_equal(grid.from_cells([source]), expected)
-    assert grid._work[1].size > 8
-    points = [(np.array(k[::-1]) + 0.5) * CELL for k in (source, a_free_cell(speed, 3))]
-    grid._work = (np.full_like(tight[0], 0xFFFFFFFF), *tight[1:])
-    path, eta = grid.local_path(*points)
-    other, other_eta = roomy.local_path(*points)
-    np.testing.assert_array_equal(path, other)
-    assert eta == other_eta
+    expected_path, expected_eta = TravelGrid(speed, CELL).local_path(*points)
+    made = []
+
+    def tight(size, nodes=0):
+        made.append(nodes)
+        work = work_space(size, nodes)
+        if nodes:
+            return work
+        return work._replace(cells=work.cells[:8], links=work.links[:8], spares=work.spares[:8])
+
+    monkeypatch.setattr("cavalcade.eikonal._march.work_space", tight)
+    np.testing.assert_array_equal(TravelGrid(speed, CELL).from_cells([source]), expected)
+    assert made == [0, 32]
+    path, eta = TravelGrid(speed, CELL).local_path(*points)
+    np.testing.assert_array_equal(path, expected_path)
+    assert eta == expected_eta
+    assert made == [0, 32, 0, 32]
 
 
 def test_blocked_targets_are_not_waited_for():

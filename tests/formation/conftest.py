@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from cavalcade.formation import Formation, FormationPlanner, FormationSettings
+from cavalcade.formation import Formation, FormationPlanner, FormationSettings, SafetyFilter
+from cavalcade.formation._clearance import Footprint
 from cavalcade.formation.cycle import Cycle
-from cavalcade.formation.goals import BodyCover, GoalPlan
-from cavalcade.formation.ground import Ground
+from cavalcade.formation.goals import GoalPlan
+from cavalcade.formation.planning_maps import PlanningMaps
 from cavalcade.formation.team import Team
 from cavalcade.geometry import rotation
 from cavalcade.robots.motion import advance, limits_of
@@ -133,10 +134,10 @@ def cycle_of(
     """The working state of a cycle in which Go1s stand at `poses`, before anything is found out."""
     poses = np.array(poses, dtype=float)
     team = Team(len(poses), formation) if team is None else team
-    ground = Ground(map.occupied, map.resolution, FormationSettings())
+    maps = PlanningMaps(map.occupied, map.resolution, FormationSettings())
     points = np.ascontiguousarray(poses[:, :2])
     plan = GoalPlan(
-        ground, np.array(goal), team.formation.slots, points[team.active], BodyCover.of(0.65, 0.28)
+        maps, np.array(goal), team.formation.slots, points[team.active], Footprint.of(0.65, 0.28)
     )
     return Cycle(plan, team, poses, points, team.active, time)
 
@@ -162,3 +163,17 @@ class Tools:
 @pytest.fixture(scope="session")
 def tools() -> Tools:
     return Tools()
+
+
+@pytest.fixture
+def seen_velocities(monkeypatch) -> list[np.ndarray]:
+    """What planners take the velocities `(N, 3)` for, cycle by cycle, as their filter sees it."""
+    seen: list[np.ndarray] = []
+    apply = SafetyFilter.apply
+
+    def watched(self, inputs):
+        seen.append(inputs.team.velocities)
+        return apply(self, inputs)
+
+    monkeypatch.setattr(SafetyFilter, "apply", watched)
+    return seen

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy import ndimage
 
 from cavalcade.eikonal import surface_distance, velocity_map
-from cavalcade.formation._kernels import avoid_obstacles, sobel
+from cavalcade.formation._shaping import avoid_obstacles, sobel
 
 CELL, SAFE, W_MIN = 0.05, 0.50, 0.50
 

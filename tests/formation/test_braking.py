@@ -1,4 +1,4 @@
-"""What the last filter counts on: how ideal robots brake."""
+"""What the safety filter counts on: how ideal robots brake."""
 
 from __future__ import annotations
 

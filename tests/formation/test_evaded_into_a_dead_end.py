@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cavalcade.formation import Formation, FormationPlanner, MovingObstacle
+from cavalcade.formation import DynamicObstacle, Formation, FormationPlanner
 from cavalcade.world import Box, OccupancyMap
 
 GO1 = (0.65, 0.28)
@@ -34,8 +34,8 @@ def least_gaps(tools, poses, standing, moving, seconds=14.0):
         ]
         if cycle % 3 == 0:
             planner.update_map(still.with_shapes(boxes))
-        planner.set_moving_obstacles(
-            [MovingObstacle(box, item[2]) for box, item in zip(boxes, moving, strict=True)]
+        planner.set_dynamic_obstacles(
+            [DynamicObstacle(box, item[2]) for box, item in zip(boxes, moving, strict=True)]
         )
         log.append(boxes)
 

@@ -10,28 +10,28 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cavalcade.formation import Formation, FormationSettings
+from cavalcade.formation._clearance import Footprint
 from cavalcade.formation.goals import (
-    BodyCover,
     Descent,
     GoalPlan,
     descend_from,
     eta_from,
-    local_way,
+    local_path,
     partial_goals,
 )
-from cavalcade.formation.ground import Ground
+from cavalcade.formation.planning_maps import PlanningMaps
 from cavalcade.world import Box, Circle, OccupancyMap
 
 CELL = 0.05
 W_MIN = 0.70
 SQUARE = Formation.square(1.0).slots
 GO1 = (0.65, 0.28)
-COVER = BodyCover.of(*GO1)
+COVER = Footprint.of(*GO1)
 
 
-def ground_of(*shapes, size=(8.0, 6.0), **values):
+def maps_of(*shapes, size=(8.0, 6.0), **values):
     world = OccupancyMap.empty(size, CELL).with_shapes(shapes)
-    return Ground(world.occupied, CELL, FormationSettings(**values))
+    return PlanningMaps(world.occupied, CELL, FormationSettings(**values))
 
 
 class TestPartialGoals:
@@ -69,7 +69,7 @@ class TestPartialGoals:
 
     def test_in_a_narrow_corridor_all_fall_onto_the_leaders(self):
         walls = [Box((4.0, 1.2), (8.0, 2.4)), Box((4.0, 4.8), (8.0, 2.4))]
-        goals = partial_goals(ground_of(*walls), np.array([4.0, 3.0]), 0.0, SQUARE, W_MIN)
+        goals = partial_goals(maps_of(*walls), np.array([4.0, 3.0]), 0.0, SQUARE, W_MIN)
         np.testing.assert_allclose(goals, np.tile((4.0, 3.0), (4, 1)), atol=1e-9)
 
     def test_off_the_map_they_are_drawn_back_in(self):
@@ -81,15 +81,15 @@ class TestPartialGoals:
         np.testing.assert_array_equal(goals, [[2.0, 2.0]])
 
 
-def gaps(tools, ground, places, yaw):
+def gaps(tools, maps, places, yaw):
     """Of the bodies of Go1s that stand there, to the nearest obstacle."""
     return [
-        tools.occupied_gap(np.array([*place, yaw]), GO1, ground.occupied, CELL) for place in places
+        tools.occupied_gap(np.array([*place, yaw]), GO1, maps.occupied, CELL) for place in places
     ]
 
 
-OPEN = ground_of(size=(12.0, 12.0))
-CLUTTER = ground_of(
+OPEN = maps_of(size=(12.0, 12.0))
+CLUTTER = maps_of(
     Circle((3.0, 2.0), 0.3), Circle((5.0, 4.0), 0.2), Box((4.2, 3.0), (0.3, 0.5), 0.4)
 )
 
@@ -144,20 +144,20 @@ class TestPlan:
         world = OccupancyMap.empty((6.0, 5.0), CELL).with_shapes(
             [Circle(tuple(rng.uniform((3.0, 1.0), (5.0, 4.0))), 0.3) for _ in range(3)]
         )
-        ground = Ground(world.occupied, CELL, FormationSettings(), radius)
+        maps = PlanningMaps(world.occupied, CELL, FormationSettings(), radius)
         goal = np.array([*rng.uniform((2.5, 0.5), (5.5, 4.5)), rng.uniform(-3.0, 3.0)])
         slots = Formation.triangle(0.8).slots
-        plan = GoalPlan(ground, goal, slots, np.tile((1.0, 2.5), (3, 1)), COVER)
+        plan = GoalPlan(maps, goal, slots, np.tile((1.0, 2.5), (3, 1)), COVER)
         if len(plan.cut_off) == 0:
-            assert min(gaps(tools, ground, plan.places, goal[2])) > 0.01
+            assert min(gaps(tools, maps, plan.places, goal[2])) > 0.01
 
     def test_where_there_is_little_room_the_bodies_fill_it(self):
         """A dead end just wide enough: room to turn is given up before the place is."""
         walls = [Box((6.0, 1.25), (3.0, 2.5)), Box((6.0, 4.6), (3.0, 2.8))]  # 0.70 m between them
-        ground = ground_of(*walls)
+        maps = maps_of(*walls)
         alone, start = np.zeros((1, 2)), np.array([[1.0, 3.0]])
-        along = GoalPlan(ground, np.array([6.0, 2.85, 0.0]), alone, start, COVER)
-        across = GoalPlan(ground, np.array([6.0, 2.85, math.pi / 2]), alone, start, COVER)
+        along = GoalPlan(maps, np.array([6.0, 2.85, 0.0]), alone, start, COVER)
+        across = GoalPlan(maps, np.array([6.0, 2.85, math.pi / 2]), alone, start, COVER)
         assert along.moved < CELL
         assert across.moved > 1.0
         assert across.places[0, 0] < 4.5
@@ -169,18 +169,18 @@ class TestPlan:
     def test_only_who_is_walled_in_is_cut_off(self):
         cell = [Box((1.0, 4.0 + dy), (1.3, 0.1)) for dy in (-0.6, 0.6)]
         cell += [Box((1.0 + dx, 4.0), (0.1, 1.3)) for dx in (-0.6, 0.6)]
-        plan = GoalPlan(ground_of(*cell), np.array([6.0, 3.0, 0.0]), SQUARE, self.START, COVER)
+        plan = GoalPlan(maps_of(*cell), np.array([6.0, 3.0, 0.0]), SQUARE, self.START, COVER)
         assert plan.cut_off.tolist() == [1]
 
     def test_a_goal_behind_a_wall_is_moved_to_this_side_of_it(self):
-        ground = ground_of(Box((5.0, 3.0), (0.2, 6.0)))
-        plan = GoalPlan(ground, np.array([6.0, 3.0, 0.0]), SQUARE, self.START, COVER)
+        maps = maps_of(Box((5.0, 3.0), (0.2, 6.0)))
+        plan = GoalPlan(maps, np.array([6.0, 3.0, 0.0]), SQUARE, self.START, COVER)
         assert len(plan.cut_off) == 0
         assert plan.places[:, 0].max() < 4.9 - 0.30
 
     def test_a_shape_around_an_obstacle_keeps_its_centre(self):
-        ground = ground_of(Circle((5.0, 3.0), 0.2))
-        plan = GoalPlan(ground, np.array([5.0, 3.0, 0.0]), Formation.circle(6, 1.5).slots,
+        maps = maps_of(Circle((5.0, 3.0), 0.2))
+        plan = GoalPlan(maps, np.array([5.0, 3.0, 0.0]), Formation.circle(6, 1.5).slots,
                         self.START, COVER)  # fmt: skip
         assert plan.moved == 0.0
         assert np.isfinite([plan.field.eta(point) for point in self.START]).all()
@@ -219,8 +219,8 @@ class TestDescent:
         assert math.isfinite(way.eta)
 
     def test_from_nowhere_near_free_ground_there_is_no_way(self):
-        ground = ground_of(Box((6.0, 3.0), (4.0, 6.0)))
-        way = descend_from(ground.leader.field(np.array([1.0, 3.0])), np.array([7.0, 3.0]))
+        maps = maps_of(Box((6.0, 3.0), (4.0, 6.0)))
+        way = descend_from(maps.leader.field(np.array([1.0, 3.0])), np.array([7.0, 3.0]))
         assert way.eta == math.inf
 
 
@@ -228,13 +228,13 @@ class TestCover:
     @pytest.mark.parametrize("size", [(0.65, 0.28), (0.70, 0.35), (1.0, 0.2), (0.4, 0.4)])
     @pytest.mark.parametrize("discs", [(1, 1), (2, 1), (4, 1), (7, 1), (5, 2), (2, 3)])
     def test_the_discs_cover_the_rectangle_and_no_smaller_ones_would(self, tools, size, discs):
-        cover = BodyCover.of(*size, *discs)
+        cover = Footprint.of(*size, *discs)
         points = tools.rectangle_points(np.zeros(3), *size, 0.01)
-        offset = points[:, None] - cover.offsets[None]
+        offset = points[:, None] - cover.discs[None]
         away = np.hypot(offset[..., 0], offset[..., 1]).min(axis=1)
-        assert len(cover.offsets) == discs[0] * discs[1]
+        assert len(cover.discs) == discs[0] * discs[1]
         assert away.max() == pytest.approx(cover.radius)
-        np.testing.assert_allclose(cover.offsets, -cover.offsets[::-1], atol=1e-12)
+        np.testing.assert_allclose(cover.discs, -cover.discs[::-1], atol=1e-12)
 
 
 class TestWays:
@@ -253,28 +253,28 @@ class TestWays:
         assert eta_from(field, self.INSIDE) >= field.eta(near) + math.dist(near, self.INSIDE) / 0.5
 
     def test_no_time_where_there_is_no_free_ground_near(self):
-        field = ground_of(Box((6.0, 3.0), (4.0, 6.0))).leader.field(np.array([1.0, 3.0]))
+        field = maps_of(Box((6.0, 3.0), (4.0, 6.0))).leader.field(np.array([1.0, 3.0]))
         assert eta_from(field, np.array([7.0, 3.0])) == math.inf
 
-    def test_a_local_way_leads_from_start_to_goal(self):
-        way, _ = local_way(CLUTTER, np.array([1.0, 3.0]), np.array([6.5, 3.0]))
+    def test_a_local_path_leads_from_start_to_goal(self):
+        way, _ = local_path(CLUTTER, np.array([1.0, 3.0]), np.array([6.5, 3.0]))
         assert way[0].tolist() == [1.0, 3.0]
         assert math.dist(way[-1], (6.5, 3.0)) < CELL
         assert (CLUTTER.speed_at(way) > 0.0).all()
 
     def test_from_the_inflated_zone_it_first_leads_out(self):
-        way, _ = local_way(CLUTTER, self.INSIDE, np.array([6.5, 3.0]))
+        way, _ = local_path(CLUTTER, self.INSIDE, np.array([6.5, 3.0]))
         assert way[0].tolist() == self.INSIDE.tolist()
         assert (CLUTTER.speed_at(way[1:]) > 0.0).all()
 
     def test_out_it_leads_even_if_the_goal_is_not_free(self):
-        way, _ = local_way(CLUTTER, self.INSIDE, np.array([5.0, 4.0]))
+        way, _ = local_path(CLUTTER, self.INSIDE, np.array([5.0, 4.0]))
         assert len(way) == 2
         assert CLUTTER.speed_at(way[1:])[0] > 0.0
 
     def test_none_from_deep_inside(self):
-        ground = ground_of(Box((6.0, 3.0), (4.0, 6.0)))
-        assert len(local_way(ground, np.array([7.0, 3.0]), np.array([1.0, 3.0]))[0]) == 0
+        maps = maps_of(Box((6.0, 3.0), (4.0, 6.0)))
+        assert len(local_path(maps, np.array([7.0, 3.0]), np.array([1.0, 3.0]))[0]) == 0
 
 
 class TestSlotFields:
@@ -283,14 +283,14 @@ class TestSlotFields:
     WALL = Box((4.0, 1.9), (0.2, 3.8))  # from y = 0 to 3.8
 
     def plan(self):
-        ground = ground_of(self.WALL)
+        maps = maps_of(self.WALL)
         return GoalPlan(
-            ground, np.array([6.5, 2.0, 0.0]), np.zeros((1, 2)), np.array([[1.0, 3.0]]), COVER
+            maps, np.array([6.5, 2.0, 0.0]), np.zeros((1, 2)), np.array([[1.0, 3.0]]), COVER
         )
 
     @staticmethod
     def full(plan):
-        return plan.ground.follower.field(plan.places[0])
+        return plan.maps.follower.field(plan.places[0])
 
     def test_for_those_that_asked_it_is_the_whole_field(self):
         plan = self.plan()
@@ -323,13 +323,13 @@ class TestSlotFields:
         field, full = plan.slot_field(0, behind[None]), self.full(plan)
         assert eta_from(field, behind) == pytest.approx(eta_from(full, behind), rel=0.01)
         way = descend_from(field, behind).points
-        assert (plan.ground.speed_at(way) > 0.0).all()
+        assert (plan.maps.speed_at(way) > 0.0).all()
         steps = np.hypot(*np.diff(way, axis=0).T)
         assert steps.max() <= 0.1
 
     def test_one_without_a_way_has_none(self):
-        ground = ground_of(Box((4.0, 3.0), (0.2, 6.0)))
-        plan = GoalPlan(ground, np.array([6.5, 3.0, 0.0]), np.zeros((1, 2)),
+        maps = maps_of(Box((4.0, 3.0), (0.2, 6.0)))
+        plan = GoalPlan(maps, np.array([6.5, 3.0, 0.0]), np.zeros((1, 2)),
                         np.array([[6.0, 3.0]]), COVER)  # fmt: skip
         point = np.array([1.0, 3.0])
         assert eta_from(plan.slot_field(0, point[None]), point) == math.inf

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cavalcade.formation import VARIANTS, Formation, FormationPlanner, MovingObstacle
+from cavalcade.formation import VARIANTS, DynamicObstacle, Formation, FormationPlanner
+from cavalcade.geometry import rotation
 from cavalcade.world import Box, Circle, OccupancyMap
 
 ROOM = OccupancyMap.empty((9.0, 6.0), 0.05)
@@ -112,7 +113,7 @@ class TestPause:
         planner.resume()
         assert in_slots(tools.drive(planner, drive.poses[-1], 60.0).poses[-1], SQUARE, GOAL)
 
-    def test_a_short_pause_does_not_make_it_forget_that_it_moves(self, tools):
+    def test_a_short_pause_does_not_make_it_forget_that_it_moves(self, tools, seen_velocities):
         """Right after it the filter must still know that robots need their braking distance."""
 
         def hook(cycle, planner):
@@ -123,8 +124,7 @@ class TestPause:
 
         planner = planner_for()
         tools.drive(planner, tools.placed(SQUARE, START), 82 * 0.05, hook)
-        speed = np.hypot(*planner._tracker._velocities[:, :2].T)
-        assert speed.max() > 0.3
+        assert np.hypot(*seen_velocities[-1][:, :2].T).max() > 0.3
 
 
 class TestShape:
@@ -252,7 +252,7 @@ class TestMovers:
             if cycle > 60:
                 place[1] = min(place[1] + speed * 0.05, 5.6)
             moving = (0.0, speed if place[1] < 5.6 else 0.0)
-            planner.set_moving_obstacles([MovingObstacle(Circle(tuple(place), 0.25), moving)])
+            planner.set_dynamic_obstacles([DynamicObstacle(Circle(tuple(place), 0.25), moving)])
             log.append(place.copy())
 
         drive = tools.drive(planner, tools.placed(SQUARE, START), 60.0, hook)
@@ -271,7 +271,9 @@ class TestMovers:
 
         def hook(cycle, planner):
             place[0] = max(place[0] - 0.5 * 0.05, 0.4)
-            planner.set_moving_obstacles([MovingObstacle(Circle(tuple(place), 0.25), (-0.5, 0.0))])
+            planner.set_dynamic_obstacles(
+                [DynamicObstacle(Circle(tuple(place), 0.25), (-0.5, 0.0))]
+            )
             log.append(place.copy())
 
         drive = tools.drive(planner, np.array([[4.5, 3.0, 0.0]]), 16.0, hook, until_arrived=False)
@@ -281,11 +283,11 @@ class TestMovers:
         ]
         assert min(gaps) > 0.0
         # And returns when it is past.
-        planner.set_moving_obstacles([])
+        planner.set_dynamic_obstacles([])
         assert tools.drive(planner, drive.poses[-1], 20.0).status[-1].arrived
 
 
-def test_velocities_survive_another_maps_frame():
+def test_velocities_survive_another_maps_frame(seen_velocities):
     """They are told in the map's frame of the poses, whatever the grid's."""
     planner = planner_for(Formation.column(2))
     poses = np.array([[3.0, 3.0, 0.0], [2.0, 3.0, 0.0]])
@@ -294,7 +296,7 @@ def test_velocities_survive_another_maps_frame():
     planner.update_map(OccupancyMap(np.zeros((220, 260), np.int8), 0.05, (-1.0, -2.5, 2.0)))
     for cycle in range(20, 23):
         planner.step(poses + (0.3 * 0.05 * cycle, 0.0, 0.0), cycle * 0.05)
-        speed = planner._tracker._velocities
+        speed = seen_velocities[-1][:, :2] @ rotation(2.0).T  # the filter sees the grid's frame
         np.testing.assert_allclose(speed[:, 1], 0.0, atol=0.02)
         assert (speed[:, 0] > 0.1).all()
 

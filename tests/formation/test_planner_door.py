@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from cavalcade.formation import VARIANTS, Formation, FormationPlanner, MovingObstacle
+from cavalcade.formation import VARIANTS, DynamicObstacle, Formation, FormationPlanner
 from cavalcade.world import Box, OccupancyMap
 
 ROOM = OccupancyMap.empty((9.0, 6.0), 0.05)
@@ -41,7 +41,7 @@ class TestDoor:
         status = drive.status[-1]
         assert set(drive.states) == {"infeasible"}
         assert status.involved == (0, 1)
-        assert status.message == "no way to the goal for robots 0, 1"
+        assert status.message == "no path to the goal for robots 0, 1"
         assert (drive.commands == 0.0).all()
         # Once it takes part again, all go.
         planner.rejoin(2)
@@ -67,13 +67,13 @@ class TestDoor:
 
     def test_what_the_map_does_not_show_ends_in_a_word(self, tools):
         planner = planner_for(Formation.column(2, 1.0), self.WORLD, self.GOAL)
-        planner.set_moving_obstacles([MovingObstacle(Box((4.5, 3.0), (0.4, 0.9)), (0.0, 0.0))])
+        planner.set_dynamic_obstacles([DynamicObstacle(Box((4.5, 3.0), (0.4, 0.9)), (0.0, 0.0))])
         drive = tools.drive(planner, self.POSES[:2], 90.0)
         status = drive.status[-1]
         assert status.state == "stuck"
         assert set(status.involved) <= {0, 1}
         assert status.involved
-        assert status.message.startswith("stand-off of robot")
+        assert status.message.startswith("deadlock of robot")
         assert "resolving" in drive.states
         np.testing.assert_allclose(drive.commands[-1], 0.0, atol=1e-9)
         for poses in drive.poses[::4]:
@@ -81,7 +81,7 @@ class TestDoor:
                 box = np.array([4.5, 3.0, 0.0])
                 assert tools.sampled_gap(pose, box, GO1, (0.4, 0.9)) > 0.0
         # Stuck stays stuck until it is told of a change.
-        planner.set_moving_obstacles([])
+        planner.set_dynamic_obstacles([])
         planner.step(drive.poses[-1], 90.0)
         assert planner.status.state == "stuck"
         planner.resume()

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cavalcade.formation.standoff import PATIENCE, SlotExchange
+from cavalcade.formation.deadlock import PATIENCE, SlotExchange
 
 MARGIN = 0.2  # s that an exchange must gain, or may cost
 
@@ -45,10 +45,7 @@ def exchanged(eta, roles, rounds=1, points=None):
     eta = np.asarray(eta, dtype=float)
     points = row_of(len(eta)) if points is None else np.array(points)
     goal, active = Times(eta, points), np.arange(len(eta))
-    exchange = SlotExchange(len(eta))
-    exchange.assign(goal, points, active, 0.0)
-    exchange._roles = np.array(roles)
-    exchange._last[:] = -math.inf
+    exchange = SlotExchange(len(eta), np.array(roles))
     times = (k * (PATIENCE + 0.1) for k in range(rounds))
     return [exchange.assign(goal, points, active, time).tolist() for time in times]
 

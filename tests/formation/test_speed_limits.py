@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cavalcade.formation._kernels import limit_speeds
+from cavalcade.formation._shaping import limit_speeds
 
 V_X, V_Y, V_MIN, SLOWDOWN = 0.50, 0.20, 0.10, 0.40
 FREE, FAR = 1.0, math.inf
@@ -21,7 +21,7 @@ def limited(velocity, yaw=0.0, w=FREE, to_goal=FAR, v_min=V_MIN):
     changed = np.array([velocity], dtype=float)
     limit_speeds(
         changed, np.array([yaw]), np.array([w]), np.array([to_goal]),
-        np.array([V_X, V_Y, v_min, SLOWDOWN]),
+        (V_X, V_Y, v_min, SLOWDOWN),
     )  # fmt: skip
     return changed[0]
 
@@ -101,6 +101,6 @@ def test_robots_do_not_meet_in_it():
     velocity = np.array([[1.0, 0.0], [0.0, 0.0], [0.0, 0.1]])
     limit_speeds(
         velocity, np.zeros(3), np.array([1.0, 0.0, 1.0]), np.full(3, np.inf),
-        np.array([V_X, V_Y, V_MIN, SLOWDOWN]),
+        (V_X, V_Y, V_MIN, SLOWDOWN),
     )  # fmt: skip
     np.testing.assert_allclose(velocity, [[0.5, 0.0], [0.0, 0.0], [0.0, 0.1]])

@@ -10,11 +10,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cavalcade.formation import LABORATORY_SPRINGS, SIMULATION_SPRINGS
-from cavalcade.formation._kernels import add_springs
+from cavalcade.formation._shaping import SPRING, add_springs
 
 PERIOD = 0.05
 LAW = np.array([[4.5, 1.25, 0.40, 0.10, 0.04]])
 PAIR = np.array([[0, 1]])
+
+
+def spring_arrays(rest, laws):
+    """Rest lengths `(C,)` and laws `(C, 5)` as the kernel takes them."""
+    return np.array([(a, *law) for a, law in zip(rest, laws, strict=True)], dtype=SPRING)
+
+
+def sprung(velocity, points, pairs, rest, laws, previous):
+    """The kernel's lengths; velocities are changed in place."""
+    return add_springs(velocity, points, pairs, spring_arrays(rest, laws), previous, PERIOD)
 
 
 def reference(velocity, points, pairs, rest, laws, previous, period):
@@ -49,7 +59,7 @@ def pulled(length, rest=1.0, previous=math.nan, law=LAW):
     """Change of the first robot's speed towards the second."""
     velocity = np.zeros((2, 2))
     points = np.array([[0.0, 0.0], [length, 0.0]])
-    add_springs(velocity, points, PAIR, np.array([rest]), law, np.array([previous]), PERIOD)
+    sprung(velocity, points, PAIR, np.array([rest]), law, np.array([previous]))
     np.testing.assert_array_equal(velocity[1], -velocity[0])
     assert velocity[0, 1] == 0.0
     return velocity[0, 0]
@@ -82,7 +92,7 @@ def test_kernel_and_reference_agree(network):
     velocity, *rest = network
     wanted, lengths = reference(velocity, *rest, PERIOD)
     found = velocity.copy()
-    np.testing.assert_allclose(add_springs(found, *rest, PERIOD), lengths, atol=1e-12)
+    np.testing.assert_allclose(sprung(found, *rest), lengths, atol=1e-12)
     np.testing.assert_allclose(found, wanted, atol=1e-9)
 
 
@@ -91,7 +101,7 @@ def test_kernel_and_reference_agree(network):
 def test_springs_never_move_the_team_as_a_whole(network):
     velocity, *rest = network
     found = velocity.copy()
-    add_springs(found, *rest, PERIOD)
+    sprung(found, *rest)
     np.testing.assert_allclose(found.sum(axis=0), velocity.sum(axis=0), atol=1e-9)
 
 
@@ -100,8 +110,8 @@ def test_springs_never_move_the_team_as_a_whole(network):
 def test_mirrored_springs_act_mirrored(network):
     velocity, points, *rest = network
     found, mirrored = velocity.copy(), velocity * (1, -1)
-    add_springs(found, points, *rest, PERIOD)
-    add_springs(mirrored, points * (1, -1), *rest, PERIOD)
+    sprung(found, points, *rest)
+    sprung(mirrored, points * (1, -1), *rest)
     np.testing.assert_allclose(mirrored, found * (1, -1), atol=1e-12)
 
 
@@ -138,16 +148,14 @@ def test_a_pair_that_has_just_been_formed_is_not_damped():
 def test_an_empty_slot_pulls_nobody():
     velocity = np.ones((2, 2))
     points = np.array([[0.0, 0.0], [5.0, 0.0]])
-    lengths = add_springs(
-        velocity, points, np.array([[0, -1]]), np.ones(1), LAW, np.full(1, np.nan), PERIOD
-    )
+    lengths = sprung(velocity, points, np.array([[0, -1]]), np.ones(1), LAW, np.full(1, np.nan))
     assert np.isnan(lengths).all()
     assert (velocity == 1.0).all()
 
 
 def test_two_robots_on_one_spot_are_left_alone():
     velocity = np.zeros((2, 2))
-    add_springs(velocity, np.ones((2, 2)), PAIR, np.ones(1), LAW, np.full(1, np.nan), PERIOD)
+    sprung(velocity, np.ones((2, 2)), PAIR, np.ones(1), LAW, np.full(1, np.nan))
     assert (velocity == 0.0).all()
 
 

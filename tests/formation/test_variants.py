@@ -11,7 +11,7 @@ from cavalcade.formation import VARIANTS, Variant
 from cavalcade.formation.variants import variant_named
 
 PUBLISHED = Variant("published")
-OURS = {"improved", "standoffs", "filter"}
+OURS = {"improved", "recovery", "filter"}
 
 
 def differences(name):
@@ -31,7 +31,7 @@ def differences(name):
         ("cavalcade-no-lookahead", OURS | {"lookahead"}),
         ("cavalcade-no-springs", OURS | {"springs"}),
         ("cavalcade-no-avoidance", OURS | {"avoidance"}),
-        ("cavalcade-no-standoffs", OURS - {"standoffs"}),
+        ("cavalcade-no-recovery", OURS - {"recovery"}),
         ("cavalcade-no-filter", OURS - {"filter"}),
         ("published", set()),
         ("fixed-roles", {"adaptive_roles"}),

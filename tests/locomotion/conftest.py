@@ -80,7 +80,7 @@ class Walkers:
     """
 
     def __init__(self, *names, poses=None, ground=None, footing=None, settings=None, physics=None):
-        from cavalcade.fleet.physics import TeamSimulator
+        from cavalcade.fleet.mujoco import TeamSimulator
         from cavalcade.locomotion.control import LegControl
 
         models = [robot_model(name) for name in names or ("go1",)]

@@ -34,7 +34,7 @@ def turn(yaw):
 
 def on(height, cell=0.02):
     """Ground of a height field for physics and for leg control."""
-    from cavalcade.fleet.physics import PhysicsGround
+    from cavalcade.fleet.mujoco import PhysicsGround
 
     terrain = Terrain.from_heights(height, cell)
     free = OccupancyMap(np.zeros(height.shape, bool), cell, terrain.origin)

@@ -3,28 +3,34 @@
 from __future__ import annotations
 
 import math
-import types
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numba import njit
 
-from cavalcade.locomotion import _horizon
-from cavalcade.locomotion._horizon import STILL, approach, solve_walk, swing_share, wish
-from cavalcade.locomotion._legs import BODY, look
-from cavalcade.locomotion.figures import robot_figures
-from cavalcade.locomotion.records import STANDING, STATE, STEPS, TROTTING
+from cavalcade.locomotion._horizon import (
+    STILL,
+    approach,
+    commanded_velocity,
+    solve_forces,
+    swing_share,
+    walk_problem,
+)
+from cavalcade.locomotion._kinematics import measure_body
+from cavalcade.locomotion.parameters import robot_parameters
+from cavalcade.locomotion.records import BODY, STANDING, STATE, STEPS, TROTTING, Measured
 from cavalcade.locomotion.settings import GaitSettings
 from cavalcade.robots import robot_model
 
 GO1 = robot_model("go1").description
-FIGURES = robot_figures(GO1)[()]
+PARAMETERS = robot_parameters(GO1)[()]
 ACROSS = [1, 0, 3, 2]
 WEIGHT = GO1.mass * 9.81
 
 # A robot that is its own mirror image; Go1 itself carries some things on one side.
-EVEN = robot_figures(GO1)
+EVEN = robot_parameters(GO1)
 EVEN["centre"][1] = 0.0
 for _a, _b in ((0, 1), (1, 2)):
     EVEN["inertia"][_a, _b] = EVEN["inertia"][_b, _a] = 0.0
@@ -42,8 +48,13 @@ def turn(yaw):
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
+@njit
+def solve_walk(parameters, values, body, state):
+    solve_forces(walk_problem(parameters, values, body, state), state)
+
+
 def walking(mode, time=0.1, velocity=(0.0, 0.0, 0.0), wanted=None, pose=(0.0, 0.0, 0.0),
-            figures=FIGURES, values=None):  # fmt: skip
+            parameters=PARAMETERS, values=None):  # fmt: skip
     """A robot at its nominal height; feet are in the air by the trot's clock, which began at 0.
 
     Velocities are in the body's frame; `wanted` is what it gets to hear, the same by default.
@@ -55,7 +66,7 @@ def walking(mode, time=0.1, velocity=(0.0, 0.0, 0.0), wanted=None, pose=(0.0, 0.
     qpos = np.array([x, y, GO1.stand_height, np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)])
     qpos = np.concatenate([qpos, GO1.standing])
     qvel = np.concatenate([world, [0.0, 0.0, velocity[2]], np.zeros(12)])
-    look(figures, qpos, qvel, body)
+    measure_body(parameters, Measured(time, qpos, qvel, np.zeros(4)), body)
     state["mode"], state["time"], state["heard"], state["idle"] = mode, time, time, time
     state["velocity"] = velocity
     state["wanted"] = velocity if wanted is None else wanted
@@ -67,32 +78,19 @@ def walking(mode, time=0.1, velocity=(0.0, 0.0, 0.0), wanted=None, pose=(0.0, 0.
     return body, state
 
 
-def forces(mode, figures=FIGURES, values=None, change=None, **options):
+def forces(mode, parameters=PARAMETERS, values=None, change=None, **options):
     values = gait() if values is None else values
-    body, state = walking(mode, figures=figures, values=values, **options)
+    body, state = walking(mode, parameters=parameters, values=values, **options)
     if change is not None:
         change(body, state)
-    solve_walk(figures, values, body, state)
+    solve_walk(parameters, values, body, state)
     return state["forces"].copy()
 
 
 def question(values, body, state):
-    """The arguments of `solve_mpc` by name, from the kernel run as Python."""
-    names = (
-        "state", "reference", "contacts", "levers", "yaws", "dts", "inertia", "mass", "weights",
-        "force_weight", "mu", "max_force", "plan", "changes",
-    )  # fmt: skip
-    asked = {}
-
-    def catch(*arguments):
-        asked.update(zip(names, arguments, strict=True))
-        return np.zeros((STEPS, 4, 3))
-
-    code = solve_walk.py_func.__code__
-    scope = {**vars(_horizon), "solve_mpc": catch}
-    rows = [np.array([row]).view(np.recarray)[0] for row in (FIGURES, values, body, state)]
-    types.FunctionType(code, scope)(*rows)
-    return asked
+    """The problem by its fields' names, from the kernel run as Python."""
+    rows = [np.array([row]).view(np.recarray)[0] for row in (PARAMETERS, values, body, state)]
+    return walk_problem.py_func(*rows)._asdict()
 
 
 @given(st.floats(0.2, 0.8), st.floats(0.2, 0.9), st.floats(0.0, 10.0))
@@ -122,9 +120,9 @@ def test_a_command_holds_until_the_silence_and_tiny_ones_are_none():
     values = gait()
     _, state = walking(TROTTING, time=1.0, wanted=(0.3, -0.1, 0.2))
     state["heard"] = 0.5
-    assert wish(values, state) == (0.3, -0.1, 0.2)
+    assert commanded_velocity(values, state) == (0.3, -0.1, 0.2)
     state["time"] = 1.0 + 1e-6
-    assert wish(values, state) == (0.0, 0.0, 0.0)
+    assert commanded_velocity(values, state) == (0.0, 0.0, 0.0)
     for wanted, none in (
         ((0.9 * STILL, 0.0, 0.0), True),
         ((0.8 * STILL, 0.8 * STILL, 0.0), False),
@@ -132,7 +130,7 @@ def test_a_command_holds_until_the_silence_and_tiny_ones_are_none():
         ((0.0, 0.0, 2.1 * STILL), False),
     ):
         _, state = walking(TROTTING, wanted=wanted)
-        assert (wish(values, state) == (0.0, 0.0, 0.0)) == none
+        assert (commanded_velocity(values, state) == (0.0, 0.0, 0.0)) == none
 
 
 @given(speeds, speeds, st.floats(1e-3, 0.5))
@@ -156,7 +154,7 @@ def test_the_reference_is_the_command_as_it_will_be_approached(now, wanted, yaw)
     values = gait()
     body, state = walking(TROTTING, velocity=now, wanted=wanted, pose=(1.0, -2.0, yaw))
     asked = question(values, body, state)["reference"]
-    goal = np.array(wish(values, state))
+    goal = np.array(commanded_velocity(values, state))
     velocity, place, angle, dt = np.array(now), state["place"].copy(), yaw, 1e-4
     for k in range(STEPS):
         for _ in range(round(values["step"] / dt)):

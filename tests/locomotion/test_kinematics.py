@@ -10,8 +10,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from cavalcade.geometry.constants import GRAVITY
 from cavalcade.locomotion._kinematics import (
-    GRAVITY,
     SINGULAR,
     angles,
     cross,
@@ -24,11 +24,11 @@ from cavalcade.locomotion._kinematics import (
     turned_back,
     wrapped,
 )
-from cavalcade.locomotion.figures import robot_figures
+from cavalcade.locomotion.parameters import robot_parameters
 from cavalcade.robots import robot_model
 
 ROBOTS = {name: robot_model(name).description for name in ("go1", "go2")}
-FIGURES = {name: robot_figures(robot)[()] for name, robot in ROBOTS.items()}
+PARAMETERS = {name: robot_parameters(robot)[()] for name, robot in ROBOTS.items()}
 LEGS = range(4)
 
 robots = st.sampled_from(sorted(ROBOTS))
@@ -49,13 +49,13 @@ def chain(robot, leg, joints):
 
 def forward(name, leg, joints):
     place, jacobian = np.empty(3), np.empty((3, 3))
-    leg_forward(FIGURES[name], leg, np.array(joints), place, jacobian)
+    leg_forward(PARAMETERS[name], leg, np.array(joints), place, jacobian)
     return place, jacobian
 
 
 def inverse(name, leg, place):
     joints = np.empty(3)
-    leg_inverse(FIGURES[name], leg, np.array(place), joints)
+    leg_inverse(PARAMETERS[name], leg, np.array(place), joints)
     return joints
 
 
@@ -90,7 +90,7 @@ def test_the_jacobian_is_the_derivative(name, leg, share):
 def test_a_foot_below_its_hip_comes_back_to_its_place_by_the_same_angles(name, leg, share):
     joints = drawn(name, leg, share)
     place, _ = forward(name, leg, joints)
-    robot = FIGURES[name]
+    robot = PARAMETERS[name]
     assume(-robot["thigh"] * np.cos(joints[1]) - robot["calf"] * np.cos(sum(joints[1:])) < -0.02)
     length = np.linalg.norm(place - chain(ROBOTS[name], leg, [joints[0], 0.0, 0.0])[1])
     assume(length > 0.01)
@@ -109,7 +109,7 @@ def test_joints_stay_in_their_ranges_wherever_a_foot_is_wanted(name, leg, place)
 
 @pytest.mark.parametrize("leg", LEGS)
 def test_a_leg_points_to_what_is_too_far(leg):
-    robot = FIGURES["go1"]
+    robot = PARAMETERS["go1"]
     shoulder = robot["hip"][leg] + [0.0, robot["side"][leg], 0.0]
     far = np.array([0.35, 0.0, -1.0])
     place, _ = forward("go1", leg, inverse("go1", leg, shoulder + far))
@@ -133,7 +133,7 @@ def test_torques_of_a_legs_weight_are_the_slope_of_its_energy(name, leg, share, 
         return GRAVITY * masses @ (chain(ROBOTS[name], leg, values)[0] @ up)
 
     found = np.empty(3)
-    leg_weight(FIGURES[name], leg, joints, up, found)
+    leg_weight(PARAMETERS[name], leg, joints, up, found)
     for j, unit in enumerate(np.eye(3)):
         slope = (energy(joints + step * unit) - energy(joints - step * unit)) / (2.0 * step)
         assert found[j] == pytest.approx(slope, abs=1e-7)

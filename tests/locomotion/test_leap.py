@@ -9,14 +9,15 @@ import numpy as np
 import pytest
 
 from cavalcade.errors import InputError
-from cavalcade.locomotion._leap_horizon import foothold, way
-from cavalcade.locomotion.figures import robot_figures
-from cavalcade.locomotion.leap import GRAVITY, LeapManoeuvre, LeapSettings, lay_out
-from cavalcade.locomotion.leap_records import CROUCH, FLIGHT, LANDING, LEAP, PUSH
+from cavalcade.geometry.constants import GRAVITY
+from cavalcade.locomotion._leap_horizon import foothold, leap_reference
+from cavalcade.locomotion.leap import LeapManoeuvre, LeapSettings, plan_leap
+from cavalcade.locomotion.parameters import robot_parameters
+from cavalcade.locomotion.records import CROUCH, FLIGHT, LANDING, LEAP, PUSH
 from cavalcade.robots import robot_model
 
 GO1 = robot_model("go1").description
-ROBOT = robot_figures(GO1)
+ROBOT = robot_parameters(GO1)
 HEIGHT = 0.28
 GAP = LeapManoeuvre((0.0, 0.0, 0.0, 0.0), (0.75, 0.0, 0.0, 0.0), (0.23, 0.53))
 STEP = LeapManoeuvre((0.0, 0.0, 0.0, 0.0), (0.57, 0.0, 0.2, 0.0), (0.33, 0.33))
@@ -40,7 +41,7 @@ def feet_below(pose):
 def laid(manoeuvre, settings=None):
     """The leap of a robot that stands at the take-off, as a row that kernels take."""
     row = np.zeros(1, LEAP)
-    row[0] = lay_out(
+    row[0] = plan_leap(
         manoeuvre,
         ROBOT,
         HEIGHT,
@@ -54,7 +55,7 @@ def laid(manoeuvre, settings=None):
 
 def state(row, phase, t):
     out = np.zeros(12)
-    way(row[0], phase, t, out)
+    leap_reference(row[0], phase, t, out)
     return out
 
 

@@ -5,20 +5,26 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cavalcade.locomotion._centroid import centroid
-from cavalcade.locomotion._leap_legs import foot_way, keep_clear
-from cavalcade.locomotion._legs import BODY, look
-from cavalcade.locomotion.figures import robot_figures
-from cavalcade.locomotion.leap import LeapManoeuvre, LeapSettings, lay_out
-from cavalcade.locomotion.leap_records import FLIGHT, LEAP
-from cavalcade.locomotion.records import ROBOT
+from cavalcade.locomotion._centroid import measure_centroid
+from cavalcade.locomotion._kinematics import measure_body
+from cavalcade.locomotion._leap_legs import flying_foot, keep_clear
+from cavalcade.locomotion.leap import LeapManoeuvre, LeapSettings, plan_leap
+from cavalcade.locomotion.parameters import robot_parameters
+from cavalcade.locomotion.records import BODY, FLIGHT, LEAP, ROBOT, Centroid, Measured
 from cavalcade.robots import robot_model
 
 
 def row_of(name):
     rows = np.zeros(1, ROBOT)
-    rows[0] = robot_figures(robot_model(name).description)
+    rows[0] = robot_parameters(robot_model(name).description)
     return rows
+
+
+def seen(rows, qpos, qvel):
+    """The body of the robot `rows[0]`, and its centroid."""
+    body, measured = np.zeros(1, BODY), Measured(0.0, qpos, qvel, np.zeros(4))
+    measure_body(rows[0], measured, body[0])
+    return body[0], measure_centroid(rows[0], measured, body[0])
 
 
 def random_state(description, rng, tilt=0.4):
@@ -34,7 +40,7 @@ def random_state(description, rng, tilt=0.4):
 @pytest.mark.parametrize("seed", range(5))
 def test_the_mass_is_where_mujoco_has_it_and_moves_as_there(name, seed):
     mujoco = pytest.importorskip("mujoco")
-    from cavalcade.fleet.physics import TeamSimulator
+    from cavalcade.fleet.mujoco import TeamSimulator
 
     model = robot_model(name)
     simulator = TeamSimulator([model], [[0.0, 0.0, 0.0]])
@@ -44,11 +50,7 @@ def test_the_mass_is_where_mujoco_has_it_and_moves_as_there(name, seed):
     data.qpos[team.qpos[0]], data.qvel[team.qvel[0]] = qpos, qvel
     mujoco.mj_forward(simulator.model, data)
     mujoco.mj_subtreeVel(simulator.model, data)
-    body = np.zeros(1, BODY)
-    rows = row_of(name)
-    look(rows[0], qpos, qvel, body[0])
-    centre, velocity, spin = np.zeros(3), np.zeros(3), np.zeros(3)
-    centroid(rows[0], qpos, qvel, body[0], centre, velocity, spin)
+    _, (centre, velocity, _) = seen(row_of(name), qpos, qvel)
     trunk = int(team.trunks[0])
     np.testing.assert_allclose(centre, data.subtree_com[trunk], atol=1e-5)
     np.testing.assert_allclose(velocity, data.subtree_linvel[trunk], atol=1e-4)
@@ -60,29 +62,26 @@ def test_a_body_whose_joints_rest_turns_as_its_trunk():
     qpos = np.concatenate([[0.0, 0.0, 0.28], [1.0, 0.0, 0.0, 0.0], description.standing])
     qvel = np.zeros(18)
     qvel[3:6] = 0.3, -0.2, 0.5
-    body = np.zeros(1, BODY)
-    look(rows[0], qpos, qvel, body[0])
-    centre, velocity, spin = np.zeros(3), np.zeros(3), np.zeros(3)
-    centroid(rows[0], qpos, qvel, body[0], centre, velocity, spin)
+    body, (centre, _, spin) = seen(rows, qpos, qvel)
     np.testing.assert_allclose(spin, qvel[3:6], atol=1e-12)
-    np.testing.assert_allclose(centre, body[0]["centre"], atol=1e-9)
+    np.testing.assert_allclose(centre, body["centre"], atol=1e-9)
     # Legs that swing forward turn the rest the other way, and the mean turns with the legs.
     qvel[:] = 0.0
     qvel[7::3] = -2.0
-    centroid(rows[0], qpos, qvel, body[0], centre, velocity, spin)
+    _, (_, velocity, spin) = seen(rows, qpos, qvel)
     assert spin[1] < -0.05
     assert velocity[0] > 0.0
 
 
 def leap_row():
     description = robot_model("go1").description
-    figures = robot_figures(description)
+    parameters = robot_parameters(description)
     feet = np.column_stack(
-        [figures["hip"][:, 0], figures["hip"][:, 1] + figures["side"], np.full(4, 0.02)]
+        [parameters["hip"][:, 0], parameters["hip"][:, 1] + parameters["side"], np.full(4, 0.02)]
     )
     leap = LeapManoeuvre((0.0, 0.0, 0.0, 0.0), (0.75, 0.0, 0.0, 0.0), (0.23, 0.53))
     row = np.zeros(1, LEAP)
-    row[0] = lay_out(leap, figures, 0.28, feet, 0.0, LeapSettings())
+    row[0] = plan_leap(leap, parameters, 0.28, feet, 0.0, LeapSettings())
     row["left"][0] = feet
     return row
 
@@ -93,7 +92,7 @@ def fly(row, leg, t):
     fall = np.array([0.0, 0.0, 9.81])
     place, rate = np.zeros(3), np.zeros(3)
     centre, speed = lift + velocity * t - 0.5 * fall * t * t, velocity - fall * t
-    foot_way(row[0], centre, speed, leg, t, place, rate)
+    flying_foot(row[0], Centroid(centre, speed, np.zeros(3)), leg, t, place, rate)
     return place, rate, centre
 
 
@@ -125,15 +124,14 @@ def test_feet_are_kept_where_legs_can_be_and_left_alone_there(seed):
     rng, rows = np.random.default_rng(seed), row_of("go1")
     description = robot_model("go1").description
     qpos, qvel = random_state(description, rng, tilt=0.8)
-    body = np.zeros(1, BODY)
-    look(rows[0], qpos, qvel, body[0])
+    body, _ = seen(rows, qpos, qvel)
     for leg in range(4):
         place = qpos[:3] + rng.uniform(-0.4, 0.4, 3)
-        keep_clear(rows[0], body[0], leg, place)
-        local = body[0]["matrix"].T @ (place - qpos[:3])
+        keep_clear(rows[0], body, leg, place)
+        local = body["matrix"].T @ (place - qpos[:3])
         hip = rows["hip"][0, leg]
         assert local[2] <= hip[2] - 0.11 + 1e-9
         assert abs(local[1] - hip[1] - rows["side"][0, leg]) <= 0.12 + 1e-9
         again = place.copy()
-        keep_clear(rows[0], body[0], leg, again)
+        keep_clear(rows[0], body, leg, again)
         np.testing.assert_allclose(again, place, atol=1e-12)

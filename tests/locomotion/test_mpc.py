@@ -2,52 +2,43 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-
 import numpy as np
 import pytest
 
-from cavalcade.locomotion._mpc import solve_mpc
-from cavalcade.locomotion._mpc_build import GRAVITY, build_qp
+from cavalcade.errors import InputError
+from cavalcade.geometry.constants import GRAVITY
+from cavalcade.locomotion import MpcProblem, solve_mpc
+from cavalcade.locomotion._mpc import build_qp, solve
 
 STEPS = 10
 HIPS = np.array([[0.19, 0.13], [0.19, -0.13], [-0.19, 0.13], [-0.19, -0.13]])
 WEIGHTS = np.array([2.0, 2.0, 2.0, 4.0, 4.0, 50.0, 0.02, 0.02, 0.15, 0.6, 0.6, 0.2])
+ROBOT = {"mass": 12.7, "weights": WEIGHTS, "force_weight": 1e-5, "mu": 0.5, "max_force": 180.0}
 SIDES = [1, 0, 3, 2]  # the leg on the other side
 KINDS = ["trot", "stand", "leap"]
 
 
-@dataclass(frozen=True)
-class Problem:
-    """The arguments of `solve_mpc`, in order."""
+def forces_of(problem):
+    """`(H, 4, 3)`."""
+    solution = solve_mpc(problem)
+    assert solution.exact
+    return solution.forces
 
-    state: np.ndarray
-    reference: np.ndarray
-    contacts: np.ndarray
-    levers: np.ndarray
-    yaws: np.ndarray
-    dts: np.ndarray
-    inertia: np.ndarray
-    mass: float = 12.7
-    weights: np.ndarray = field(default_factory=WEIGHTS.copy)
-    force_weight: float = 1e-5
-    mu: float = 0.5
-    max_force: float = 180.0
 
-    def values(self):
-        values = [getattr(self, name) for name in self.__dataclass_fields__]
-        return [np.ascontiguousarray(v) if isinstance(v, np.ndarray) else v for v in values]
+def overwritten(problem, before):
+    """The same by the kernel, in an array that holds something else before."""
+    plan = np.full((STEPS, 4, 3), before)
+    arrays = [np.ascontiguousarray(v) if isinstance(v, np.ndarray) else v for v in problem]
+    solve(MpcProblem(*arrays), plan, 30)
+    return plan
 
-    def solve(self, before=0.0):
-        plan = np.full((len(self.dts), 4, 3), before)
-        solve_mpc(*self.values(), plan, 30)
-        return plan
 
-    def build(self):
-        n = 3 * int(self.contacts.sum())
-        hessian, gradient = np.zeros((n, n)), np.empty(n)
-        build_qp(*self.values()[:-2], hessian, gradient)
-        return np.triu(hessian) + np.triu(hessian, 1).T, gradient
+def build(problem):
+    """The programme's whole hessian, and its gradient."""
+    n = 3 * int(problem.contacts.sum())
+    hessian, gradient = np.zeros((n, n)), np.empty(n)
+    build_qp(problem, hessian, gradient)
+    return np.triu(hessian) + np.triu(hessian, 1).T, gradient
 
 
 def turn(yaw):
@@ -86,7 +77,7 @@ def drawn(rng, kind, push=0.0):
     state[6:] += push * rng.normal(0, 1, 6) * np.repeat([3.0, 1.0], 3)
     skew = rng.normal(0, 0.004, (3, 3))
     inertia = np.diag([0.08, 0.26, 0.28]) + skew + skew.T
-    return Problem(state, reference, schedule(rng, kind), levers, yaws, dts, inertia)
+    return MpcProblem(state, reference, schedule(rng, kind), levers, yaws, dts, inertia, **ROBOT)
 
 
 def build_slowly(p):
@@ -119,7 +110,7 @@ def standing():
     state = np.zeros(12)
     state[5] = 0.28
     levers = np.tile(np.column_stack([HIPS, np.full(4, -0.28)]), (STEPS, 1, 1))
-    return Problem(
+    return MpcProblem(
         state,
         np.tile(state, (STEPS, 1)),
         np.ones((STEPS, 4), bool),
@@ -127,6 +118,7 @@ def standing():
         np.zeros(STEPS),
         np.full(STEPS, 0.04),
         np.diag([0.08, 0.26, 0.28]),
+        **ROBOT,
     )
 
 
@@ -135,7 +127,7 @@ def test_the_programme_is_that_of_explicit_matrices(kind):
     rng = np.random.default_rng(0)
     for _ in range(20):
         problem = drawn(rng, kind, push=0.5)
-        for built, slow in zip(problem.build(), build_slowly(problem), strict=True):
+        for built, slow in zip(build(problem), build_slowly(problem), strict=True):
             np.testing.assert_allclose(built, slow, atol=1e-13 * np.abs(slow).max(), rtol=1e-12)
 
 
@@ -152,7 +144,7 @@ def test_daqp_finds_the_same_forces(kind, push):
         limits = np.tile([0.0, 0.0, 0.0, 0.0, p.max_force], feet)
         exact, _, flag, _ = daqp.solve(hessian, gradient, np.kron(np.eye(feet), one), limits)
         assert flag == 1
-        np.testing.assert_allclose(p.solve()[p.contacts].ravel(), exact, atol=1e-5)  # N
+        np.testing.assert_allclose(forces_of(p)[p.contacts].ravel(), exact, atol=1e-5)  # N
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -161,7 +153,7 @@ def test_forces_obey_their_limits_exactly(kind):
     slips = presses = 0
     for _ in range(50):
         p = drawn(rng, kind, push=1.0)
-        forces = p.solve()
+        forces = forces_of(p)
         x, y, z = np.moveaxis(forces, 2, 0)
         assert (np.abs(x) <= p.mu * z).all()
         assert (np.abs(y) <= p.mu * z).all()
@@ -176,13 +168,13 @@ def test_forces_obey_their_limits_exactly(kind):
 def test_standing_feet_carry_the_weight_in_equal_shares():
     p = standing()
     shares = np.tile([0.0, 0.0, p.mass * GRAVITY / 4], (STEPS, 4, 1))
-    np.testing.assert_allclose(p.solve(), shares, atol=1e-6)
+    np.testing.assert_allclose(forces_of(p), shares, atol=1e-6)
 
 
 def test_feet_nearer_to_the_centre_of_mass_carry_more():
     p = standing()
     ahead = p.levers - [0.05, 0.0, 0.0]
-    forces = replace(p, levers=ahead).solve()[..., 2]
+    forces = forces_of(p._replace(levers=ahead))[..., 2]
     np.testing.assert_allclose(forces[0].sum(), p.mass * GRAVITY, rtol=0.02)
     assert (forces[0, :2] > forces[0, 2:] + 5.0).all()
 
@@ -191,16 +183,16 @@ def test_a_fall_is_met_and_a_push_is_braked():
     p = standing()
     sinking, pushed, tilted = (p.state.copy() for _ in range(3))
     sinking[11], pushed[9], tilted[0] = -0.3, 0.4, 0.1
-    assert replace(p, state=sinking).solve()[0, :, 2].sum() > 1.1 * p.mass * GRAVITY
-    assert replace(p, state=pushed).solve()[0, :, 0].sum() < -5.0
-    forces = replace(p, state=tilted).solve()[0, :, 2]
+    assert forces_of(p._replace(state=sinking))[0, :, 2].sum() > 1.1 * p.mass * GRAVITY
+    assert forces_of(p._replace(state=pushed))[0, :, 0].sum() < -5.0
+    forces = forces_of(p._replace(state=tilted))[0, :, 2]
     assert forces[1] + forces[3] > forces[0] + forces[2] + 5.0  # rolled to the right
 
 
 def test_nothing_stands_and_nothing_pushes():
     p = standing()
-    flying = replace(p, contacts=np.zeros((STEPS, 4), bool))
-    np.testing.assert_array_equal(flying.solve(before=7.0), 0.0)
+    flying = p._replace(contacts=np.zeros((STEPS, 4), bool))
+    np.testing.assert_array_equal(overwritten(flying, 7.0), 0.0)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -211,8 +203,7 @@ def test_a_mirrored_robot_pushes_mirrored(kind):
     both = np.concatenate([turned, mirror, turned, mirror])
     for _ in range(10):
         p = drawn(rng, kind, push=0.5)
-        other = replace(
-            p,
+        other = p._replace(
             state=p.state * both,
             reference=p.reference * both,
             contacts=p.contacts[:, SIDES],
@@ -220,7 +211,7 @@ def test_a_mirrored_robot_pushes_mirrored(kind):
             yaws=-p.yaws,
             inertia=p.inertia * np.outer(mirror, mirror),
         )
-        np.testing.assert_allclose(other.solve(), p.solve()[:, SIDES] * mirror, atol=1e-6)
+        np.testing.assert_allclose(forces_of(other), forces_of(p)[:, SIDES] * mirror, atol=1e-6)
 
 
 def test_a_robot_turned_by_a_quarter_pushes_turned():
@@ -235,19 +226,47 @@ def test_a_robot_turned_by_a_quarter_pushes_turned():
             reference[:, part : part + 3] = reference[:, part : part + 3] @ quarter.T
         state[2] += np.pi / 2
         reference[:, 2] += np.pi / 2
-        other = replace(
-            p,
+        other = p._replace(
             state=state,
             reference=reference,
             levers=p.levers @ quarter.T,
             yaws=p.yaws + np.pi / 2,
         )
-        np.testing.assert_allclose(other.solve(), p.solve() @ quarter.T, atol=1e-6)
+        np.testing.assert_allclose(forces_of(other), forces_of(p) @ quarter.T, atol=1e-6)
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_answer_depends_on_the_question_alone(kind):
     p = drawn(np.random.default_rng(5), kind, push=1.0)
-    first = p.solve()
-    np.testing.assert_array_equal(p.solve(before=1e3), first)
-    np.testing.assert_array_equal(replace(p, contacts=p.contacts.astype(np.uint8)).solve(), first)
+    first = forces_of(p)
+    np.testing.assert_array_equal(overwritten(p, 1e3), first)
+    np.testing.assert_array_equal(
+        forces_of(p._replace(contacts=p.contacts.astype(np.uint8))), first
+    )
+
+
+def test_forces_within_the_limits_come_also_when_changes_run_out():
+    p = drawn(np.random.default_rng(6), "stand", push=1.0)
+    rough, exact = solve_mpc(p, changes=0), solve_mpc(p)
+    assert (rough.exact, exact.exact) == (False, True)
+    assert exact.changes > 0
+    assert (np.abs(rough.forces[..., :2]) <= p.mu * rough.forces[..., 2:]).all()
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("state", np.zeros(11)),
+        ("reference", np.zeros((STEPS - 1, 12))),
+        ("levers", np.full((STEPS, 4, 3), np.nan)),
+        ("dts", np.zeros(STEPS)),
+        ("inertia", np.diag([0.1, 0.1, -0.1])),
+        ("mass", 0.0),
+        ("weights", -WEIGHTS),
+        ("mu", np.nan),
+        ("max_force", -1.0),
+    ],
+)
+def test_a_malformed_problem_is_refused_by_the_fields_name(name, value):
+    with pytest.raises(InputError, match=f"{name}: expected"):
+        solve_mpc(standing()._replace(**{name: value}))

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cavalcade.lattice.ground import Ground, make_ground, read_only
-from cavalcade.locomotion._legs import BODY, look
+from cavalcade.lattice.ground import Ground, make_ground
+from cavalcade.locomotion._kinematics import measure_body
 from cavalcade.locomotion._swing import (
     LEANING,
     LEAST,
@@ -22,17 +22,16 @@ from cavalcade.locomotion._swing import (
     swing_point,
     to_ground,
 )
-from cavalcade.locomotion.figures import robot_figures
-from cavalcade.locomotion.records import STATE
+from cavalcade.locomotion.parameters import robot_parameters
+from cavalcade.locomotion.records import BODY, STATE, Footing, Measured
 from cavalcade.locomotion.settings import GaitSettings
 from cavalcade.robots import robot_model
 from cavalcade.world import OccupancyMap
 
 GO1 = robot_model("go1").description
-FIGURES = robot_figures(GO1)[()]
+PARAMETERS = robot_parameters(GO1)[()]
 CELL = 0.05
-FLAT = read_only(make_ground(OccupancyMap(np.zeros((1, 1), dtype=bool), 1.0)))
-NOWHERE = np.zeros(3)
+FLAT = Footing.of(make_ground(OccupancyMap(np.zeros((1, 1), dtype=bool), 1.0)), (0.0, 0.0, 0.0))
 
 metres = st.floats(-0.5, 0.5)
 places = st.tuples(metres, metres, st.floats(-0.2, 0.2)).map(np.array)
@@ -49,20 +48,22 @@ def standing(pose=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, 0.0)):
         [[x, y, GO1.stand_height, np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)], GO1.standing]
     )
     body, state = np.zeros(1, BODY)[0], np.zeros(1, STATE)[0]
-    look(FIGURES, qpos, np.concatenate([velocity[:2], [0, 0, 0, velocity[2]], np.zeros(12)]), body)
+    qvel = np.concatenate([velocity[:2], [0, 0, 0, velocity[2]], np.zeros(12)])
+    measure_body(PARAMETERS, Measured(0.0, qpos, qvel, np.zeros(4)), body)
     state["lifted"] = body["foot"]
     return body, state
 
 
-def field(seed, rows=40, cols=60):
-    """Ground of random heights of which a third carries nothing."""
+def field(seed, frame=(0.0, 0.0, 0.0), rows=40, cols=60):
+    """Footing of random heights of which a third carries nothing."""
     rng = np.random.default_rng(seed)
     shape = (rows, cols)
     zero = np.zeros(shape)
     bad = rng.random(shape) < 0.33
     share = np.where(bad, rng.uniform(0.0, LEAST - 1e-6, shape), rng.uniform(LEAST, 1.0, shape))
     height = rng.uniform(0.0, 0.1, shape)
-    return Ground(CELL, rng.random(shape) < 0.05, zero, False, height, height, zero, zero, share)
+    solid = rng.random(shape) < 0.05
+    return Footing.of(Ground(CELL, solid, zero, False, height, height, zero, zero, share), frame)
 
 
 def point(lifted, landing, apex, share, lasts=0.2):
@@ -104,7 +105,7 @@ def test_the_smooth_share_rises_from_0_to_1():
 @pytest.mark.parametrize("pose", [(0.0, 0.0, 0.0), (3.0, -2.0, 2.5)])
 def test_a_robot_that_stands_puts_its_feet_back_where_they_are(leg, pose):
     body, state = standing(pose)
-    choose_foothold(FIGURES, gait(), body, state, leg, 0.1, FLAT, NOWHERE)
+    choose_foothold(PARAMETERS, gait(), body, state, leg, 0.1, FLAT)
     np.testing.assert_allclose(state["landing"][leg], body["foot"][leg], atol=1e-9)
     radius, clearance = GO1.foot_radius, gait()["clearance"]
     assert state["apex"][leg] == pytest.approx(radius + clearance, abs=1e-9)
@@ -117,7 +118,7 @@ def test_footholds_lead_by_the_way_until_the_middle_of_the_stance(yaw):
     c, s = np.cos(yaw), np.sin(yaw)
     body, state = standing((1.0, 2.0, yaw), (*(np.array([[c, -s], [s, c]]) @ speed), 0.0))
     state["velocity"] = *speed, 0.0
-    choose_foothold(FIGURES, values, body, state, 1, left, FLAT, NOWHERE)
+    choose_foothold(PARAMETERS, values, body, state, 1, left, FLAT)
     lead = (state["landing"][1] - body["foot"][1])[:2]
     until = left + 0.5 * values["duty"] * values["period"]
     np.testing.assert_allclose(lead @ [[c, -s], [s, c]], until * speed, atol=1e-9)
@@ -128,7 +129,7 @@ def test_footholds_catch_a_body_that_is_faster_than_wanted():
     for capture in (0.0, 0.1):
         body, state = standing(velocity=(0.5, 0.3, 0.0))
         state["velocity"] = 0.2, 0.0, 0.0
-        choose_foothold(FIGURES, gait(capture=capture), body, state, 0, 0.1, FLAT, NOWHERE)
+        choose_foothold(PARAMETERS, gait(capture=capture), body, state, 0, 0.1, FLAT)
         leads.append(state["landing"][0].copy())
     np.testing.assert_allclose(leads[1] - leads[0], [0.03, 0.03, 0.0], atol=1e-9)
 
@@ -141,7 +142,7 @@ def test_footholds_turn_with_the_commanded_turn():
     turn = rate * (left + 0.5 * values["duty"] * values["period"])
     c, s = np.cos(turn), np.sin(turn)
     for leg in range(4):
-        choose_foothold(FIGURES, values, body, state, leg, left, FLAT, NOWHERE)
+        choose_foothold(PARAMETERS, values, body, state, leg, left, FLAT)
         wanted = np.array([[c, -s], [s, c]]) @ body["foot"][leg, :2]
         np.testing.assert_allclose(state["landing"][leg, :2], wanted, atol=1e-9)
 
@@ -149,7 +150,7 @@ def test_footholds_turn_with_the_commanded_turn():
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("frame", [(0.0, 0.0, 0.0), (5.0, -3.0, 0.8)])
 def test_feet_land_on_the_nearest_ground_that_carries_and_swing_clear(seed, frame):
-    ground, frame, values = field(seed), np.array(frame), gait()
+    ground, values = field(seed, frame), gait()
     c, s = np.cos(frame[2]), np.sin(frame[2])
     rng = np.random.default_rng(seed)
     moved = 0
@@ -159,8 +160,8 @@ def test_feet_land_on_the_nearest_ground_that_carries_and_swing_clear(seed, fram
         _, state = standing()
         start = rng.normal(0.0, 0.1, 2)
         state["lifted"][0] = x + start[0], y + start[1], 0.1
-        place_foot(FIGURES, values, state, 0, x, y, ground, frame)
-        a, b = to_ground(frame, *state["landing"][0, :2])
+        place_foot(PARAMETERS, values, state, 0, x, y, ground)
+        a, b = to_ground(ground.frame, *state["landing"][0, :2])
         row, col = int(b / CELL), int(a / CELL)
         middles = np.argwhere(~ground.solid & (ground.traversability >= LEAST))[:, ::-1]
         away = np.hypot(*((middles + 0.5) * CELL - (u, v)).T).min()
@@ -178,7 +179,7 @@ def test_a_foot_with_no_good_place_near_goes_where_it_was_wanted():
     ground = field(0)
     ground = ground._replace(traversability=np.zeros_like(ground.traversability))
     _, state = standing()
-    place_foot(FIGURES, gait(), state, 2, 1.013, 0.987, ground, NOWHERE)
+    place_foot(PARAMETERS, gait(), state, 2, 1.013, 0.987, ground)
     np.testing.assert_array_equal(state["landing"][2, :2], [1.013, 0.987])
 
 
@@ -190,7 +191,7 @@ def test_a_swing_goes_over_what_stands_between():
                              traversability=np.ones_like(height))  # fmt: skip
     _, state = standing()
     state["lifted"][0] = 0.8, 1.0, GO1.foot_radius
-    place_foot(FIGURES, gait(), state, 0, 1.4, 1.0, ground, NOWHERE)
+    place_foot(PARAMETERS, gait(), state, 0, 1.4, 1.0, ground)
     wanted = 0.15 + GO1.foot_radius + gait()["clearance"]
     assert state["apex"][0] == pytest.approx(wanted)
     assert state["landing"][0, 2] == pytest.approx(GO1.foot_radius)
@@ -199,17 +200,16 @@ def test_a_swing_goes_over_what_stands_between():
 @pytest.mark.parametrize("yaw", [0.0, 0.7, np.pi])
 def test_below_a_step_feet_keep_room_for_their_calves(yaw):
     """Going down, knees bend backwards: right below a riser the calf would lie on its edge."""
-    ground = field(0)
+    ground = field(0, (0.0, 0.0, yaw))
     cells = (np.arange(ground.height.shape[1]) + 0.5) * CELL
     across = np.full_like(ground.height, 1.0) * (cells < 1.0)
     ground = ground._replace(height=0.08 * across, solid=np.zeros_like(ground.solid),
                              traversability=np.ones_like(ground.height))  # fmt: skip
-    frame = np.array([0.0, 0.0, yaw])
     c, s = np.cos(yaw), np.sin(yaw)
 
     def clears(ahead):
         x, y = c * ahead - s * 1.0, s * ahead + c * 1.0
-        return shank_clears(FIGURES, ground, frame, x, y, c, s)
+        return shank_clears(PARAMETERS, ground, x, y, c, s)
 
     assert not clears(1.0 + CELL)
     assert clears(1.0 + LEANING * 0.213 + 2.0 * CELL)
@@ -217,7 +217,7 @@ def test_below_a_step_feet_keep_room_for_their_calves(yaw):
     assert clears(0.5)
     # The other way round the step is ahead, where no calf is.
     x, y = c * (1.0 + CELL) - s * 1.0, s * (1.0 + CELL) + c * 1.0
-    assert shank_clears(FIGURES, ground, frame, x, y, -c, -s)
+    assert shank_clears(PARAMETERS, ground, x, y, -c, -s)
 
 
 def test_a_foothold_at_the_foot_of_a_step_is_moved_by_little_and_to_room():
@@ -229,14 +229,14 @@ def test_a_foothold_at_the_foot_of_a_step_is_moved_by_little_and_to_room():
     moved = 0
     for x in np.linspace(0.6, 1.4, 41):
         body, state = standing((x, 1.0, 0.0))
-        choose_foothold(FIGURES, gait(), body, state, 0, 0.0, FLAT, NOWHERE)
+        choose_foothold(PARAMETERS, gait(), body, state, 0, 0.0, FLAT)
         wanted = state["landing"][0, 0]
-        choose_foothold(FIGURES, gait(), body, state, 0, 0.0, ground, NOWHERE)
+        choose_foothold(PARAMETERS, gait(), body, state, 0, 0.0, ground)
         shift = state["landing"][0, 0] - wanted
         assert abs(shift) <= SHIFT * SHIFTS + 1e-9
-        free = shank_clears(FIGURES, ground, NOWHERE, wanted, state["landing"][0, 1], 1.0, 0.0)
+        free = shank_clears(PARAMETERS, ground, wanted, state["landing"][0, 1], 1.0, 0.0)
         assert free == (abs(shift) < 1e-9)
         if not free:
             moved += 1
-            assert shank_clears(FIGURES, ground, NOWHERE, *state["landing"][0, :2], 1.0, 0.0)
+            assert shank_clears(PARAMETERS, ground, *state["landing"][0, :2], 1.0, 0.0)
     assert moved >= 2

@@ -143,7 +143,7 @@ def test_rotors_as_the_joints_feel_them(robot, published):
 
 def test_mujoco_reads_the_same_robot_from_both(robot, published):
     mujoco = pytest.importorskip("mujoco")
-    from cavalcade.fleet.physics.robot_spec import robot_spec
+    from cavalcade.fleet.mujoco.robot_spec import robot_spec
 
     published = copy.deepcopy(published)
     for link in published.findall("link"):

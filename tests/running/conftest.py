@@ -96,8 +96,8 @@ class StraightPlanner:
     def update_map(self, map: Any) -> None:
         self.calls.append(("update_map", map))
 
-    def set_moving_obstacles(self, obstacles: Sequence[Any]) -> None:
-        self.calls.append(("set_moving_obstacles", list(obstacles)))
+    def set_dynamic_obstacles(self, obstacles: Sequence[Any]) -> None:
+        self.calls.append(("set_dynamic_obstacles", list(obstacles)))
 
     def called(self, name: str) -> list[Any]:
         return [call[1:] for call in self.calls if call[0] == name]

@@ -94,7 +94,7 @@ def test_a_moving_obstacle_is_drawn_cell_by_cell_and_announced(
     # It appears, then 2 m in cells of 0.05 m.
     assert 38 <= len(given) <= 43
     assert play.map == play.world.map.with_shapes([Circle((6.0, 3.0), 0.3)])
-    announced = [call[0] for call in play.planner.called("set_moving_obstacles")]
+    announced = [call[0] for call in play.planner.called("set_dynamic_obstacles")]
     assert announced[-1] == []
     moving = [movers[0] for movers in announced[:-1]]
     assert len(moving) == 80

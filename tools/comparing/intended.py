@@ -56,7 +56,15 @@ class ChangedText:
     why: str
 
 
-Change = RenamedKey | ChangedValue | ChangedText
+@dataclass(frozen=True)
+class ChangedOrder:
+    """The keys of the outermost mapping come in another order."""
+
+    where: str
+    why: str
+
+
+Change = RenamedKey | ChangedValue | ChangedText | ChangedOrder
 
 _PLAN_KEYS = (*("found_by", "iterations", "limit_s", "counts", "margin_m", "footholds", "delay_s"),)
 _EVERY_KEY = "all summaries have all keys, null where they do not apply, as the contract says"
@@ -64,6 +72,8 @@ _EVERY_COLUMN = "the table has a column for each key of a summary, whatever its 
 
 INTENDED: tuple[Change, ...] = (
     *(RenamedKey("*/summary.json", "", key, _EVERY_KEY) for key in _PLAN_KEYS),
+    ChangedOrder("run/summary.json", "margin_m and delay_s stand where those of plans do"),
+    ChangedOrder("*.parquet", "columns come in the order of a summary's keys"),
     *(RenamedKey("*.said.json", "", key, _EVERY_KEY) for key in _PLAN_KEYS),
     *(RenamedKey("*.jsonl", "", f"*.summary.{key}", _EVERY_KEY) for key in _PLAN_KEYS),
     *(
@@ -101,6 +111,10 @@ def apply_changes(
                 old = _renamed(old, _parts(change.old, flat), _parts(change.new, flat))
             else:
                 new = _without_new(new, old, _parts(change.new, flat))
+        elif isinstance(change, ChangedOrder):
+            if isinstance(old, dict) and isinstance(new, dict):
+                first = {key: old[key] for key in new if key in old}
+                old = {**first, **old}
         elif isinstance(change, ChangedValue):
             old = _replaced(old, _parts(change.key, flat), change.old, change.new)
         elif change.old:

@@ -7,16 +7,15 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
-from cavalcade.campaign.carrying import carry_out, lost_line
 from cavalcade.campaign.engines.protocol import Ended, Engine, Work
-from cavalcade.campaign.lines import CRASHED, OVERTIME, Line, failure_line
-from cavalcade.campaign.trial import Trial
+from cavalcade.campaign.trial import CRASHED, OVERTIME, Line, Trial, failure_line
+from cavalcade.campaign.trial_runner import lost_line, run_trial
 
 RETRIES = 1
 """A trial whose process died is tried again this often."""
 
 DRAWING = 60.0
-"""Time to draw the world of a trial that was lost, s."""
+"""Time to sample the world of a trial that was lost, s."""
 
 COMPILING = 600.0
 """Added to the time limit while the numerical kernels are being compiled, s."""
@@ -41,7 +40,7 @@ def dispatch(
     trials: Iterable[Trial],
     limit: float,
     *,
-    work: Work = carry_out,
+    work: Work = run_trial,
     first_alone: bool = False,
     prepare: tuple[Work, tuple[Any, ...]] | None = None,
     tick: Callable[[], None] = lambda: None,
@@ -49,7 +48,7 @@ def dispatch(
     """The lines of the trials as they are finished, in any order.
 
     A trial whose process dies is tried once more, then its outcome is `crashed`; one that takes
-    too long is `overtime`. For the line of either the world is drawn, but not run.
+    too long is `overtime`. For the line of either the world is sampled, but not run.
 
     Args:
         engine: Started.
@@ -94,7 +93,7 @@ def dispatch(
             if ended.fate == "done":
                 alone = False
                 yield ended.value
-            elif job.outcome is not None:  # not even its world can be drawn
+            elif job.outcome is not None:  # not even its world can be sampled
                 yield failure_line(job.trial, job.outcome, job.detail)
             else:
                 again.append(_after(job, ended, limit))

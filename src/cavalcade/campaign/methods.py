@@ -1,6 +1,7 @@
-"""What a suite's `variants` may name: variants of the formation planner, or methods for own goals.
+"""What a suite's `variants` may name: variants of the formation planner, or planning methods.
 
-A method's name may end in `-published`: then it plans with the paper's options.
+Methods are for robots with individual goals. A method's name may end in `-published`: then it
+plans with the paper's options.
 """
 
 from __future__ import annotations
@@ -23,38 +24,39 @@ METHODS = ("auto", "cbs", "joint", "sequential")
 METHOD_VARIANTS: tuple[str, ...] = (*METHODS, *(f"{method}{_SUFFIX}" for method in METHODS))
 """Of groups whose robots have goals of their own."""
 
-_WORDS = {True: "goals of single robots", False: "formations"}
+_TASKS = {True: "individual goals", False: "formations"}
 
 
-def choices(own_goals: bool) -> tuple[str, ...]:
+def choices(individual_goals: bool) -> tuple[str, ...]:
     """What the variants of a group may be."""
-    return METHOD_VARIANTS if own_goals else FORMATION_VARIANTS
+    return METHOD_VARIANTS if individual_goals else FORMATION_VARIANTS
 
 
-def default(own_goals: bool) -> tuple[str, ...]:
+def default(individual_goals: bool) -> tuple[str, ...]:
     """The variants of a group for which the suite names none."""
-    return ("auto",) if own_goals else ("cavalcade",)
+    return ("auto",) if individual_goals else ("cavalcade",)
 
 
-def check_variant(name: str, own_goals: bool, key: str) -> None:
+def check_variant(name: str, individual_goals: bool, key: str) -> None:
     """Refuse a variant that a group cannot be run with.
 
     Raises:
         ScenarioError: It cannot.
     """
-    known = choices(own_goals)
+    known = choices(individual_goals)
     if name in known:
         return
-    if name in choices(not own_goals):
-        text = f"{short(name)} is for {_WORDS[not own_goals]}, not for {_WORDS[own_goals]}"
+    if name in choices(not individual_goals):
+        other, this = _TASKS[not individual_goals], _TASKS[individual_goals]
+        text = f"{short(name)} is for {other}, not for {this}"
     else:
         text = f"unknown value {short(name)}{did_you_mean(name, known)}"
     raise ScenarioError(text, key=key, choices=known)
 
 
-def planner_words(name: str, own_goals: bool) -> dict[str, Any]:
+def planner_settings(name: str, individual_goals: bool) -> dict[str, Any]:
     """What a variant sets in a scenario's planner section."""
-    if not own_goals:
+    if not individual_goals:
         return {"variant": name}
     method, variant = _parts(name)
     return {"method": method, "variant": variant}

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.campaign.draws.model import EXPECTED, SOLVED
+from cavalcade.campaign.samplers.sampler import EXPECTED, SOLVED
 from cavalcade.campaign.verdict import COLLISION, INVALID, Verdict, count_contacts, lines_of
 from cavalcade.checking import judge_plan
 from cavalcade.coordination import TeamProblem, plan_team, problem_of
@@ -25,7 +25,7 @@ def judged_plan(result: JobResult, expected: str = SOLVED) -> Verdict:
 
     Args:
         result: What planning came to.
-        expected: As in `Drawn`: where there is no plan, refusing is the success.
+        expected: As in `Instance`: where there is no plan, refusing is the success.
     """
     # Also of a plan whose own summary finds contact, all that the coordinator claims is judged.
     claimed = {**result.summary, "success": result.plan is not None and result.plan.solved}

@@ -1,4 +1,4 @@
-"""A whole campaign: from a plan to a folder of lines and a report."""
+"""A whole campaign: from its definition to a folder of lines and a report."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from cavalcade.campaign.carrying import carry_out, replay
+from cavalcade.campaign.definition import Definition
 from cavalcade.campaign.dispatch import dispatch
-from cavalcade.campaign.draws.model import EXPECTED
 from cavalcade.campaign.engines.protocol import Engine, Work
-from cavalcade.campaign.lines import Line
-from cavalcade.campaign.plan import Plan
 from cavalcade.campaign.progress import CampaignReporter
+from cavalcade.campaign.samplers import EXPECTED
 from cavalcade.campaign.store import Store
 from cavalcade.campaign.suite import Suite
+from cavalcade.campaign.trial import Line
+from cavalcade.campaign.trial_runner import replay, run_trial
 from cavalcade.campaign.warming import warm_all, warmth_of
 
 Report = Callable[[Path, Suite, Sequence[Line]], Sequence[Path]]
@@ -51,20 +51,20 @@ class CampaignResult:
 
 
 def run_campaign(
-    plan: Plan,
+    definition: Definition,
     out: str | Path,
     engine: Engine,
     *,
     resume: bool = False,
     quiet: bool = True,
-    work: Work = carry_out,
+    work: Work = run_trial,
     report: Report | None = None,
     command: str = "",
 ) -> CampaignResult:
-    """Carry out what is not done yet of a plan, and write the report.
+    """Carry out what is not done yet of a campaign, and write the report.
 
     Args:
-        plan: Checked, its data there.
+        definition: Checked, its data there.
         out: The campaign's folder.
         engine: Not started; it is not started if nothing is left to do.
         resume: Go on with what `out` holds.
@@ -78,23 +78,23 @@ def run_campaign(
         CampaignInterrupted: Ctrl-C.
     """
     warnings: list[str] = []
-    with Store(out, plan, resume=resume, warn=warnings.append) as store:
-        left = [trial for trial in plan.trials if trial.id not in store.done]
-        total, name = len(plan.trials), plan.suite.name
+    with Store(out, definition, resume=resume, warn=warnings.append) as store:
+        left = [trial for trial in definition.trials if trial.id not in store.done]
+        total, name = len(definition.trials), definition.suite.name
         reporter = CampaignReporter(name, total, total - len(left), quiet=quiet)
         for text in warnings:
             reporter.warn(text)
         try:
             with reporter:
                 if left:
-                    warmth = warmth_of(left) if work is carry_out else ()
-                    formations = any(not trial.draw.own_goals for trial in left)
+                    warmth = warmth_of(left) if work is run_trial else ()
+                    formations = any(not trial.sampler.individual_goals for trial in left)
                     first_alone = _compiles(reporter, formations, bool(warmth))
                     with engine:
                         for line in dispatch(
                             engine,
                             left,
-                            plan.suite.time_limit,
+                            definition.suite.time_limit,
                             work=work,
                             first_alone=first_alone,
                             prepare=(warm_all, (warmth,)) if warmth else None,
@@ -106,11 +106,11 @@ def run_campaign(
                 reporter.say("writing the report ...")
                 # Nothing else needs all lines at once.
                 lines = list(store.lines())
-                write = report or partial(_write_report, plan, command)
-                files = write(store.folder, plan.suite, lines)
+                write = report or partial(_write_report, definition, command)
+                files = write(store.folder, definition.suite, lines)
         except KeyboardInterrupt:
             raise CampaignInterrupted(store.count(), total) from None
-    return CampaignResult(_summary(plan, lines), tuple(files))
+    return CampaignResult(_summary(definition, lines), tuple(files))
 
 
 def _compiles(reporter: CampaignReporter, formations: bool, plans: bool) -> bool:
@@ -119,7 +119,7 @@ def _compiles(reporter: CampaignReporter, formations: bool, plans: bool) -> bool
     Args:
         reporter: Says it.
         formations: There are trials of formations.
-        plans: There are trials with goals of single robots, whose kernels are prepared for.
+        plans: There are trials with individual goals, whose kernels are prepared for.
     """
     from cavalcade.jobs.warm import kernels_are_cached
 
@@ -133,24 +133,28 @@ def _compiles(reporter: CampaignReporter, formations: bool, plans: bool) -> bool
 
 
 def _write_report(
-    plan: Plan, command: str, folder: Path, suite: Suite, lines: Sequence[Line]
+    definition: Definition, command: str, folder: Path, suite: Suite, lines: Sequence[Line]
 ) -> Sequence[Path]:
     from cavalcade.campaign.report import write_report
 
     return write_report(
-        folder, suite, lines, command=command, replay=lambda line: replay(plan.trial(line["trial"]))
+        folder,
+        suite,
+        lines,
+        command=command,
+        replay=lambda line: replay(definition.trial(line["trial"])),
     )
 
 
-def _summary(plan: Plan, lines: Sequence[Line]) -> dict[str, Any]:
+def _summary(definition: Definition, lines: Sequence[Line]) -> dict[str, Any]:
     feasible = [line for line in lines if line["feasible"]]
     groups: dict[tuple[str, str, str], list[Line]] = {}
     for line in lines:
         key = (line["scenario"], line["disturbance"], line["variant"])
         groups.setdefault(key, []).append(line)
     return {
-        "suite": plan.suite.name,
-        "fingerprint": plan.fingerprint,
+        "suite": definition.suite.name,
+        "fingerprint": definition.fingerprint,
         "trials": len(lines),
         "feasible": len(feasible),
         "success": sum(line["success"] for line in lines),

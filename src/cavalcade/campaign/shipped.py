@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import difflib
+import warnings
 from pathlib import Path
 
-from cavalcade.campaign.suite import Suite, parse_suite
+from cavalcade.campaign.suite import Suite, parse_suite, with_current_names
 from cavalcade.errors import ScenarioError
 from cavalcade.scenario.shipped import read_text
 from cavalcade.yaml_text import parse_yaml
@@ -31,7 +32,11 @@ def load_suite(name_or_path: str | Path) -> Suite:
     data = parse_yaml(read_text(file), file=str(file))
     if not isinstance(data, dict):
         raise ScenarioError("expected a mapping with version, suite, worlds, …", file=file)
-    return parse_suite(data, file)
+    suite = parse_suite(data, file)
+    if with_current_names(data) != data:
+        text = "`draw` of worlds is called `sampler` now, and its value `hopeless` `infeasible`"
+        warnings.warn(f"{file}: {text}", FutureWarning, stacklevel=2)
+    return suite
 
 
 def find_suite(name_or_path: str | Path) -> Path:

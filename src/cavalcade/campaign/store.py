@@ -10,14 +10,14 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+from cavalcade.campaign.definition import FILE, Definition, difference, read_definition_file
 from cavalcade.campaign.folder import locked, make_folders, remove_empty, unlock
-from cavalcade.campaign.lines import Line, failure_line
-from cavalcade.campaign.plan import FILE, Plan, difference, read_plain
+from cavalcade.campaign.trial import Line, failure_line
 from cavalcade.errors import OutputError
 from cavalcade.files import write_file
 
 LINES, CORRUPT = "trials.jsonl", "trials.corrupt.jsonl"
-_OF_THE_PLAN = ("trial", "suite", "scenario", "variant", "disturbance", "seed")
+_OF_THE_DEFINITION = ("trial", "suite", "scenario", "variant", "disturbance", "seed")
 
 
 class Store:
@@ -27,7 +27,7 @@ class Store:
 
     Args:
         folder: Missing or empty, or with this very campaign in it if `resume`.
-        plan: Of the campaign.
+        definition: Of the campaign.
         resume: Go on with what is there.
         warn: Told, one line each, of damaged lines that were taken out.
 
@@ -40,14 +40,14 @@ class Store:
     def __init__(
         self,
         folder: str | Path,
-        plan: Plan,
+        definition: Definition,
         *,
         resume: bool = False,
         warn: Callable[[str], None] = lambda text: None,
     ) -> None:
         self.folder = Path(folder)
-        self._trials = plan.trials
-        self._order = {trial.id: place for place, trial in enumerate(plan.trials)}
+        self._trials = definition.trials
+        self._order = {trial.id: place for place, trial in enumerate(definition.trials)}
         self._done: set[str] = set()
         self._lock = -1
         self._file = -1
@@ -60,11 +60,11 @@ class Store:
             if (self.folder / FILE).exists():
                 if not resume:  # begun by another process this very moment
                     raise OutputError(f"{self.folder}: holds a campaign; use --resume to go on")
-                other = difference(plan, read_plain(self.folder))
+                other = difference(definition, read_definition_file(self.folder))
                 if other is not None:
                     raise OutputError(f"{self.folder}: {other}; name another folder")
             else:
-                text = json.dumps(plan.plain(), indent=2, ensure_ascii=False) + "\n"
+                text = json.dumps(definition.to_dict(), indent=2, ensure_ascii=False) + "\n"
                 write_file(self.folder / FILE, _encoded(text), durable=True)
             self._mend(warn)
             flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND
@@ -192,7 +192,7 @@ class Store:
             key in line and (type(line[key]) is type(value) or key in ("level", "level_name"))
             for key, value in model.items()
         )
-        same = whole and all(line[key] == model[key] for key in _OF_THE_PLAN)
+        same = whole and all(line[key] == model[key] for key in _OF_THE_DEFINITION)
         return trial if same else None
 
     def _take_back(self) -> None:

@@ -9,12 +9,13 @@ from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import BaseModel, Field, Strict, ValidationError, field_validator, model_validator
 
-from cavalcade.campaign.draws import DataFolder, Draw, DrawSection
 from cavalcade.campaign.methods import check_variant, choices, default
+from cavalcade.campaign.samplers import DataFolder, Sampler, SamplerSection
 from cavalcade.errors import InputError, ScenarioError
 from cavalcade.scenario.fields import Positive, Section, Seed, expected
 from cavalcade.scenario.messages import did_you_mean, scenario_error, short
 from cavalcade.scenario.settings import Delay, Noise, PhysicsSection
+from cavalcade.scenario.spellings import current_value
 
 LONGEST_NAME = 60
 Name = Annotated[str, Field(pattern=rf"^[A-Za-z0-9][A-Za-z0-9_-]{{0,{LONGEST_NAME - 1}}}$")]
@@ -24,7 +25,7 @@ Backend = Literal["ideal", "mujoco"]
 """Who moves robots."""
 
 Variants = Annotated[tuple[str, ...], Field(min_length=1)]
-"""Of formation planners, or methods for goals of single robots; see `methods`."""
+"""Of formation planners, or methods for individual goals; see `methods`."""
 
 UNDISTURBED = "none"
 
@@ -45,7 +46,7 @@ class Disturbance(Section):
 
 
 class _Head(Section):
-    """A suite's file but for the insides of its worlds, which depend on their `draw`."""
+    """A suite's file but for the insides of its worlds, which depend on their `sampler`."""
 
     version: Literal[1]
     suite: Name
@@ -84,7 +85,7 @@ class _GroupHead(Section):
 
 
 def _missing_physics() -> str | None:
-    from cavalcade.fleet.physics.engine import load_mujoco
+    from cavalcade.fleet.mujoco.engine import load_mujoco
 
     try:
         load_mujoco()
@@ -94,7 +95,10 @@ def _missing_physics() -> str | None:
 
 
 def _each_once(variants: tuple[str, ...] | None) -> tuple[str, ...] | None:
-    if variants is not None and len(set(variants)) < len(variants):
+    if variants is None:
+        return None
+    variants = tuple(current_value("planner.variant", name) for name in variants)
+    if len(set(variants)) < len(variants):
         raise expected("a variant stands here twice")
     return variants
 
@@ -105,19 +109,19 @@ class Group:
 
     Attributes:
         name: What the trials' lines call `scenario`.
-        seeds: How many worlds are drawn; None for all that there are, which must have an end.
-        draw: Where they come from.
+        seeds: How many worlds are sampled; None for all that there are, which must have an end.
+        sampler: Where they come from.
         variants: Every world is run with each.
     """
 
     name: str
     seeds: int | None
-    draw: Draw
+    sampler: Sampler
     variants: tuple[str, ...]
 
     def numbers(self, first: int, data: DataFolder) -> range:
         """The seeds of its worlds, beginning with `first`."""
-        limit = self.draw.limit(data)
+        limit = self.sampler.limit(data)
         last = None if self.seeds is None else first + self.seeds
         ends = [end for end in (limit, last) if end is not None]
         return range(first, max(min(ends, default=first), first))
@@ -156,19 +160,19 @@ class Suite:
 
     def missing(self, data: DataFolder) -> str | None:
         """What data or packages are absent, one line; None when all are there."""
-        found = [group.draw.missing(data) for group in self.worlds]
+        found = [group.sampler.missing(data) for group in self.worlds]
         if self.backend == "mujoco":
             found.append(_missing_physics())
         return next((line for line in found if line is not None), None)
 
-    def plain(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """The same as its file would say it, with all defaults; `parse_suite` reads it."""
         worlds = []
         for group in self.worlds:
             head: dict[str, Any] = {"name": group.name, "seeds": group.seeds}
             if group.variants != self.variants:
                 head["variants"] = list(group.variants)
-            section: Any = group.draw
+            section: Any = group.sampler
             worlds.append({**head, **section.model_dump(mode="json")})
         return {
             "version": 1,
@@ -187,6 +191,30 @@ class Suite:
         }
 
 
+_FORMER_KEY, _FORMER_KINDS = "draw", {"hopeless": "infeasible"}
+"""How `sampler` and samplers were once called."""
+
+
+def with_current_names(data: Any) -> Any:
+    """The plain data of a suite with today's keys in the place of former ones.
+
+    What is no suite comes back as it is.
+    """
+    worlds = data.get("worlds") if isinstance(data, Mapping) else None
+    if not isinstance(worlds, list | tuple):
+        return data
+    return {**data, "worlds": [_with_sampler(group) for group in worlds]}
+
+
+def _with_sampler(group: Any) -> Any:
+    if not isinstance(group, Mapping) or _FORMER_KEY not in group or "sampler" in group:
+        return group
+    kind = group[_FORMER_KEY]
+    current = _FORMER_KINDS.get(kind, kind) if isinstance(kind, str) else kind
+    rest = {key: value for key, value in group.items() if key != _FORMER_KEY}
+    return {**rest, "sampler": current}
+
+
 def parse_suite(data: Mapping[str, Any], file: str | Path | None = None) -> Suite:
     """A suite from the plain data of its file.
 
@@ -197,7 +225,11 @@ def parse_suite(data: Mapping[str, Any], file: str | Path | None = None) -> Suit
     Raises:
         ScenarioError: It does not fit the schema.
     """
-    head: _Head = _validated(_Head, data, file, "")
+    head: _Head = _validated(_Head, with_current_names(data), file, "")
+    references = {
+        current_value("planner.variant", name): current_value("planner.variant", other)
+        for name, other in head.references.items()
+    }
     groups = tuple(
         _group(group, head.variants, file, f"worlds[{index}]")
         for index, group in enumerate(head.worlds)
@@ -205,9 +237,9 @@ def parse_suite(data: Mapping[str, Any], file: str | Path | None = None) -> Suit
     every = [*(head.variants or ()), *(name for group in groups for name in group.variants)]
     variants = tuple(dict.fromkeys(every))
     for index, name in enumerate(head.variants or ()):
-        if all(name not in choices(group.draw.own_goals) for group in groups):
-            _check_variant(name, groups[0].draw.own_goals, file, f"variants[{index}]")
-    _check_references(head.references, variants, file)
+        if all(name not in choices(group.sampler.individual_goals) for group in groups):
+            _check_variant(name, groups[0].sampler.individual_goals, file, f"variants[{index}]")
+    _check_references(references, variants, file)
     return Suite(
         suite=head.suite,
         about=head.about,
@@ -215,15 +247,15 @@ def parse_suite(data: Mapping[str, Any], file: str | Path | None = None) -> Suit
         seed=head.seed,
         backend=head.backend,
         variants=variants,
-        references=dict(head.references),
+        references=references,
         disturbances=dict(head.disturbances),
         worlds=groups,
     )
 
 
-def _check_variant(name: str, own_goals: bool, file: str | Path | None, key: str) -> None:
+def _check_variant(name: str, individual_goals: bool, file: str | Path | None, key: str) -> None:
     try:
-        check_variant(name, own_goals, key)
+        check_variant(name, individual_goals, key)
     except ScenarioError as error:
         raise error.at(file=file, key=key) from None
 
@@ -242,40 +274,40 @@ def _check_references(
 
 
 def _group(
-    said: dict[str, Any],
+    given: dict[str, Any],
     variants: tuple[str, ...] | None,
     file: str | Path | None,
     place: str,
 ) -> Group:
     head_keys = tuple(_GroupHead.model_fields)
     head: _GroupHead = _validated(
-        _GroupHead, {key: said[key] for key in head_keys if key in said}, file, place
+        _GroupHead, {key: given[key] for key in head_keys if key in given}, file, place
     )
-    kinds = draw_kinds()
-    kind = said.get("draw")
-    if "draw" not in said:
-        raise ScenarioError("missing", file=file, key=f"{place}.draw", choices=kinds)
+    kinds = sampler_kinds()
+    kind = given.get("sampler")
+    if "sampler" not in given:
+        raise ScenarioError("missing", file=file, key=f"{place}.sampler", choices=kinds)
     if not isinstance(kind, str) or kind not in kinds:
         hint = did_you_mean(str(kind), kinds)
         raise ScenarioError(
-            f"unknown value {short(kind)}{hint}", file=file, key=f"{place}.draw", choices=kinds
+            f"unknown value {short(kind)}{hint}", file=file, key=f"{place}.sampler", choices=kinds
         )
-    rest = {key: value for key, value in said.items() if key not in head_keys}
-    draw: Any = _validated(kinds[kind], rest, file, place)
-    own_goals = bool(draw.own_goals)
+    rest = {key: value for key, value in given.items() if key not in head_keys}
+    sampler: Any = _validated(kinds[kind], rest, file, place)
+    individual_goals = bool(sampler.individual_goals)
     for where, names in ((f"{place}.variants", head.variants), ("variants", variants)):
         if names is not None:
             for index, name in enumerate(names):
-                _check_variant(name, own_goals, file, f"{where}[{index}]")
-            return Group(head.name, head.seeds, draw, names)
-    return Group(head.name, head.seeds, draw, default(own_goals))
+                _check_variant(name, individual_goals, file, f"{where}[{index}]")
+            return Group(head.name, head.seeds, sampler, names)
+    return Group(head.name, head.seeds, sampler, default(individual_goals))
 
 
-def draw_kinds() -> dict[str, type[BaseModel]]:
-    """What a group's `draw` may say, and the section that goes with it."""
-    union = get_args(DrawSection)[0]
+def sampler_kinds() -> dict[str, type[BaseModel]]:
+    """What a group's `sampler` may say, and the section that goes with it."""
+    union = get_args(SamplerSection)[0]
     members = get_args(union) or (union,)
-    return {str(get_args(kind.model_fields["draw"].annotation)[0]): kind for kind in members}
+    return {str(get_args(kind.model_fields["sampler"].annotation)[0]): kind for kind in members}
 
 
 def _validated(

@@ -1,4 +1,4 @@
-"""One trial: which one it is, and the scenario that it runs."""
+"""One trial: which one it is, the scenario that it runs, and the line that is kept of it."""
 
 from __future__ import annotations
 
@@ -7,12 +7,28 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from cavalcade.campaign.draws import DataFolder, Draw, Drawn, unplanned
-from cavalcade.campaign.methods import planner_words
+from cavalcade.campaign.methods import planner_settings
+from cavalcade.campaign.samplers import EXPECTED, SOLVED, DataFolder, Instance, Sampler, unplanned
 from cavalcade.campaign.suite import UNDISTURBED, Backend, Disturbance, Suite
 from cavalcade.errors import InputError, ScenarioError
 from cavalcade.scenario import Scenario, parse_scenario
 from cavalcade.scenario.overrides import apply_overrides
+
+Line = dict[str, Any]
+"""What is kept of a finished trial: one JSON object in `trials.jsonl`."""
+
+CRASHED, REFUSED, OVERTIME = "crashed", "refused", "overtime"
+"""Outcomes beside those of `summary.json` and the checker's `collision` and `invalid`."""
+
+TIMES = (
+    "wall_time_s",
+    "planning_time_s",
+    "cycle_ms",
+    "real_time_factor",
+    "versions",
+    "single_time_ratio",
+)
+"""What differs in the summaries and measures of two runs of the same scenario."""
 
 
 @dataclass(frozen=True)
@@ -23,10 +39,10 @@ class Trial:
         id: Unique within the campaign.
         suite: The suite's name.
         group: The group's name; the line's `scenario`.
-        variant: Of the planner, or the method for goals of single robots.
+        variant: Of the planner, or the method for individual goals.
         disturbance: Its name, `none` where the suite names none.
         seed: Of the world, and of the run's noise.
-        draw: Where the world comes from.
+        sampler: Where the world comes from.
         disturbed: What the disturbance sets.
         backend: Who moves the robots; None leaves it to the world.
         overrides: `KEY=VALUE` texts over the scenario.
@@ -39,24 +55,24 @@ class Trial:
     variant: str
     disturbance: str
     seed: int
-    draw: Draw
+    sampler: Sampler
     disturbed: Disturbance
     backend: Backend | None
     overrides: tuple[str, ...]
     data: DataFolder
 
-    def drawn(self) -> Drawn:
+    def instance(self) -> Instance:
         """Its world, team and task."""
-        return self.draw.draw_world(self.seed, self.data)
+        return self.sampler.sample(self.seed, self.data)
 
-    def scenario(self, drawn: Drawn) -> Scenario:
-        """The scenario to run: the drawn one with variant, disturbance and overrides.
+    def scenario(self, instance: Instance) -> Scenario:
+        """The scenario to run: the instance's with variant, disturbance and overrides.
 
         Raises:
             ScenarioError: The overrides do not fit, or make it another trial than its line says.
         """
-        data: dict[str, Any] = copy.deepcopy(dict(drawn.scenario))
-        words = planner_words(self.variant, self.draw.own_goals)
+        data: dict[str, Any] = copy.deepcopy(dict(instance.scenario))
+        words = planner_settings(self.variant, self.sampler.individual_goals)
         data["planner"] = {**data.get("planner", {}), **words}
         data["execution"] = self.disturbed.over({"seed": self.seed, **data.get("execution", {})})
         if self.backend is not None:
@@ -89,7 +105,7 @@ def trials_of(suite: Suite, overrides: tuple[str, ...], data: DataFolder) -> Ite
                         variant=variant,
                         disturbance=name,
                         seed=seed,
-                        draw=group.draw,
+                        sampler=group.sampler,
                         disturbed=disturbance,
                         backend=suite.backend,
                         overrides=overrides,
@@ -98,30 +114,77 @@ def trials_of(suite: Suite, overrides: tuple[str, ...], data: DataFolder) -> Ite
 
 
 def check_worlds(suite: Suite, overrides: tuple[str, ...], data: DataFolder) -> None:
-    """See that worlds can be drawn and that the overrides fit them, before any trial is run.
+    """See that worlds can be sampled and that the overrides fit them, before any trial is run.
 
     The first world of each group is tried.
 
     Raises:
-        InputError: One cannot be drawn, or an override does not fit.
+        InputError: One cannot be sampled, or an override does not fit.
     """
     for index, group in enumerate(suite.worlds):
-        first = replace(suite, worlds=(replace(group, seeds=1, draw=unplanned(group.draw)),))
-        drawn: Drawn | None = None
+        first = replace(suite, worlds=(replace(group, seeds=1, sampler=unplanned(group.sampler)),))
+        instance: Instance | None = None
         for trial in trials_of(first, (), data):
             try:
-                drawn = drawn or trial.drawn()
-                trial.scenario(drawn)
+                instance = instance or trial.instance()
+                trial.scenario(instance)
             except InputError as error:
                 raise ScenarioError(str(error), key=f"worlds[{index}]") from None
             if overrides:
-                _check_overrides(replace(trial, overrides=overrides), drawn)
+                _check_overrides(replace(trial, overrides=overrides), instance)
 
 
-def _check_overrides(trial: Trial, drawn: Drawn) -> None:
+def _check_overrides(trial: Trial, instance: Instance) -> None:
     try:
-        trial.scenario(drawn)
+        trial.scenario(instance)
     except InputError as error:
         key = error.key or ""
         place = key if key.startswith("--set") else f"--set {key}".strip()
         raise ScenarioError(error.message, key=place, choices=error.choices) from None
+
+
+def failure_line(
+    trial: Trial,
+    outcome: str,
+    detail: str,
+    feasible: bool = True,
+    level: float | None = None,
+    expected: str = SOLVED,
+) -> Line:
+    """The line of a trial without a run.
+
+    Args:
+        trial: Which one.
+        outcome: Why.
+        detail: One line about it.
+        feasible: Whether its world is; a failure in an unknown world counts as one.
+        level: Of its world.
+        expected: Of its world, as in `Instance`.
+    """
+    return {
+        "trial": trial.id,
+        "suite": trial.suite,
+        "scenario": trial.group,
+        "variant": trial.variant,
+        "disturbance": trial.disturbance,
+        "seed": trial.seed,
+        "outcome": outcome,
+        "detail": " ".join(detail.split()),
+        "success": outcome in EXPECTED.get(expected, ()),
+        "feasible": feasible,
+        "expected": expected,
+        "level": level,
+        "level_name": trial.sampler.level_name,
+        "contacts": 0,
+        "avoidable": 0,
+        "violations": [],
+        "measured": {"time_ratio": None},
+        "summary": {},
+    }
+
+
+def without_times(line: Mapping[str, Any]) -> Line:
+    """The line without what differs when its trial is repeated."""
+    summary = {key: value for key, value in line["summary"].items() if key not in TIMES}
+    measured = {key: value for key, value in line["measured"].items() if key not in TIMES}
+    return {**line, "summary": summary, "measured": measured}

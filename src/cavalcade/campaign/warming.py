@@ -1,4 +1,4 @@
-"""The kernels of planners for goals of single robots, in a process before its trials are timed.
+"""The kernels of planners for individual goals, in a process before its trials are timed.
 
 Compiled ones are read from the disk when they are first used, which takes longer than many plans.
 """
@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from functools import cache
 from typing import Any
 
-from cavalcade.campaign.draws import unplanned
+from cavalcade.campaign.samplers import unplanned
 from cavalcade.campaign.trial import Trial
 from cavalcade.errors import InputError
 
@@ -22,15 +22,15 @@ def warmth_of(trials: Iterable[Trial]) -> tuple[Warmth, ...]:
     found: dict[tuple[str, str], Warmth] = {}
     for trial in trials:
         key = (trial.group, trial.variant)
-        if trial.draw.own_goals and key not in found:
+        if trial.sampler.individual_goals and key not in found:
             found[key] = (trial.variant, _uneven(trial))
     return tuple(dict.fromkeys(found.values()))
 
 
 def _uneven(trial: Trial) -> bool:
     try:
-        drawn = unplanned(trial.draw).draw_world(trial.seed, trial.data)
-        return trial.scenario(drawn).world.has_heights
+        instance = unplanned(trial.sampler).sample(trial.seed, trial.data)
+        return trial.scenario(instance).world.has_heights
     except InputError:  # the trial will say so
         return False
 
@@ -47,7 +47,7 @@ def warm_all(wanted: Sequence[Warmth]) -> None:
 @cache
 def warm(variant: str, uneven: bool) -> None:
     """Plan a small problem once in this process, and have it judged."""
-    from cavalcade.campaign.methods import planner_words
+    from cavalcade.campaign.methods import planner_settings
     from cavalcade.campaign.planned import judged_plan
     from cavalcade.jobs.planning import plan
     from cavalcade.scenario import parse_scenario
@@ -65,7 +65,7 @@ def warm(variant: str, uneven: bool) -> None:
             {"model": "spirit", "start": [5.0, 2.0, turned], "goal": [1.0, 2.0, turned]},
         ],
         "task": {"goals": "individual"},
-        "planner": {**planner_words(variant, True), "budget": {"iterations": 20_000}},
+        "planner": {**planner_settings(variant, True), "budget": {"iterations": 20_000}},
     }
     scenario = parse_scenario(said)
     judged_plan(plan(scenario))

@@ -13,7 +13,7 @@ from cavalcade.cli import options
 from cavalcade.cli.printing import print_json
 
 if TYPE_CHECKING:
-    from cavalcade.campaign.repeating import Repeated
+    from cavalcade.campaign.repeat import Repeated
 
 Data = Annotated[
     Path | None,
@@ -56,19 +56,19 @@ def campaign(
     as_json: options.Json = False,
 ) -> None:
     """Run a suite's trials, each judged by the checker; leave lines, table and report."""
+    from cavalcade.campaign.definition import check_definition, define_campaign
     from cavalcade.campaign.engines import make_engine
-    from cavalcade.campaign.plan import check_plan, make_plan
     from cavalcade.campaign.runner import CampaignInterrupted, run_campaign
 
     said = list(overrides or [])
     if backend is not None:
         said.append(f"execution.backend={backend}")
-    plan = make_plan(suite, overrides=said, seed=seed, seeds=seeds, data=data)
-    missing = plan.suite.missing(plan.data)
+    definition = define_campaign(suite, overrides=said, seed=seed, seeds=seeds, data=data)
+    missing = definition.suite.missing(definition.data)
     if missing is not None:
-        print(f"cavalcade: {plan.suite.name}: {missing}", file=sys.stderr)
+        print(f"cavalcade: {definition.suite.name}: {missing}", file=sys.stderr)
         raise typer.Exit(1)
-    check_plan(plan)
+    check_definition(definition)
     made = make_engine(engine, workers)
     command = ["cavalcade", "campaign", suite, "--out", str(out)]
     command += _said(seed=seed, seeds=seeds, data=data, backend=backend)
@@ -77,7 +77,7 @@ def campaign(
     where = _said(workers=workers, engine=None if engine == "local" else engine)
     try:
         result = run_campaign(
-            plan,
+            definition,
             out,
             made,
             resume=resume,
@@ -109,7 +109,7 @@ def trial(
     as_json: options.Json = False,
 ) -> None:
     """Repeat one trial of a campaign bit for bit, with recording, figures and replay."""
-    from cavalcade.campaign.repeating import repeat_trial
+    from cavalcade.campaign.repeat import repeat_trial
 
     done = repeat_trial(directory, trial_id, out, data=data, force=force, quiet=quiet or as_json)
     if done.same is False:

@@ -9,132 +9,128 @@ that edges can be driven from either tree.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
+from cavalcade.geometry.boxes import footprints_meet
 from cavalcade.kinodynamic.random import uniform
-from cavalcade.lattice.collision import bodies_meet, move_free, pose_free
-from cavalcade.lattice.dubins import MOST_MOVES, MOST_WORDS, connect
-from cavalcade.lattice.primitives import (
-    DURATION,
-    HALF_LENGTH,
-    HALF_WIDTH,
-    LENGTH,
-    ROUND,
-    TURN,
-    advanced,
-    sample_moves,
-)
+from cavalcade.lattice.collision import Grid, Margins, Others, Scene, moves_free, pose_free
+from cavalcade.lattice.dubins import MOST_MOVES, connect, no_words, take_cheapest
+from cavalcade.lattice.motion_limits import footprint_of, member
+from cavalcade.lattice.primitives import DURATION, sample_moves
 
 FOUND, SPENT = 0, 2
 _TRIES = 20
+"""Places tried for each robot of a sample."""
+
 _REACH = 4.0
 """Largest step of a robot in one extension, m."""
 
 
+class TeamScene(NamedTuple):
+    """A team on its ground: what stays the same for the whole of a search.
+
+    Attributes:
+        grid: The ground.
+        nobody: `Others` of whom there are none: within the team all is tested by itself.
+        team: `(N,)` the robots' limits, see `cavalcade.lattice.motion_limits.member`.
+        margins: From the ground and between the robots.
+        metre_cost: What a metre costs; a second costs 1.
+    """
+
+    grid: Grid
+    nobody: Others
+    team: NDArray[np.void]
+    margins: Margins
+    metre_cost: float
+
+
 @njit(cache=True)
-def word_between(grid, nobody, mover, a, b, price, margins, steps):
-    """The cheapest word from rest at `a` to rest at `b` on free ground, `(M, 6)`; whether any."""
-    words = np.empty((MOST_WORDS, MOST_MOVES, 6))
-    counts = np.zeros(MOST_WORDS, dtype=np.int64)
-    costs = np.empty(MOST_WORDS)
-    number = connect(a, 0.0, b, 0.0, mover, price, words, counts, costs)
+def word_between(team, k, a, b):
+    """The cheapest word of robot `k` from rest at `a` to rest at `b` on free ground; whether any.
+
+    Args:
+        team: `TeamScene`.
+        k: The robot.
+        a, b: `(3,)` poses.
+
+    Returns:
+        Moves `(M, 6)`, and whether there is such a word.
+    """
+    limits = member(team.team, k)
+    scene = Scene(team.grid, team.nobody, limits, team.margins, team.metre_cost)
+    words = no_words()
+    number = connect(a, 0.0, b, 0.0, limits, team.metre_cost, words)
     for _ in range(number):
-        pick = -1
-        for k in range(number):
-            if counts[k] >= 0 and (pick < 0 or costs[k] < costs[pick]):
-                pick = k
+        pick, count = take_cheapest(words, number)
         if pick < 0:
             break
-        count = counts[pick]
-        counts[pick] = -1
-        x, y, yaw = a[0], a[1], a[2]
-        good = True
-        for k in range(count):
-            row = words[pick, k]
-            if not move_free(grid, nobody, x, y, yaw, row, mover, 0.0, margins, steps, False):
-                good = False
-                break
-            x, y, yaw = advanced(x, y, yaw, row[LENGTH], row[TURN])
-        if good:
-            return words[pick, :count].copy(), True
-    return words[0, :0].copy(), False
+        word = words.moves[pick, :count]
+        if moves_free(scene, (a[0], a[1], a[2]), word, 0.0, False):
+            return word.copy(), True
+    return words.moves[0, :0].copy(), False
 
 
 @njit(cache=True)
-def edge_free(grid, nobody, movers, a, b, price, margins, steps):
+def edge_free(team, a, b):
     """Whether all robots get from poses `a` to `b` `(N, 3)` at once."""
-    n = len(movers)
+    n = len(team.team)
+    # Each alone first.
     longest = 0.0
-    count = 1
     moves = np.zeros((n, MOST_MOVES, 6))
     sizes = np.zeros(n, dtype=np.int64)
     for k in range(n):
-        rows, good = word_between(grid, nobody, movers[k], a[k], b[k], price, margins, steps)
+        rows, good = word_between(team, k, a[k], b[k])
         if not good:
             return False
         sizes[k] = len(rows)
         moves[k, : len(rows)] = rows
         longest = max(longest, rows[:, DURATION].sum())
-    count = int(math.ceil(longest / steps[2])) + 1
+    # Then all against all, at the same times.
+    step = team.margins.time_step
+    count = int(math.ceil(longest / step)) + 1
     times = np.empty(count)
     for i in range(count):
-        times[i] = min(i * steps[2], longest)
+        times[i] = min(i * step, longest)
     tracks = np.empty((n, count, 6))
     for k in range(n):
-        tracks[k] = sample_moves(a[k], moves[k, : sizes[k]], movers[k], times)
+        tracks[k] = sample_moves(a[k], moves[k, : sizes[k]], member(team.team, k), times)
     for i in range(count):
         for j in range(n):
+            one = footprint_of(member(team.team, j))
+            here = (tracks[j, i, 0], tracks[j, i, 1], tracks[j, i, 2])
             for k in range(j):
-                if bodies_meet(
-                    tracks[j, i, 0],
-                    tracks[j, i, 1],
-                    tracks[j, i, 2],
-                    movers[j, HALF_LENGTH],
-                    movers[j, HALF_WIDTH],
-                    movers[j, ROUND],
-                    tracks[k, i, 0],
-                    tracks[k, i, 1],
-                    tracks[k, i, 2],
-                    movers[k, HALF_LENGTH],
-                    movers[k, HALF_WIDTH],
-                    movers[k, ROUND],
-                    margins[1],
-                ):
+                other = footprint_of(member(team.team, k))
+                there = (tracks[k, i, 0], tracks[k, i, 1], tracks[k, i, 2])
+                if footprints_meet(one, here, other, there, team.margins.others):
                     return False
     return True
 
 
 @njit(cache=True)
-def _sample(grid, movers, rng, out):
+def _sample(team, rng, out):
     """One point of the joint space: free places, each later one away from the earlier ones."""
-    cell, solid, _ = grid
+    cell, solid, _ = team.grid
     height, width = solid.shape[0] * cell, solid.shape[1] * cell
-    for k in range(len(movers)):
+    for k in range(len(team.team)):
+        footprint = footprint_of(member(team.team, k))
         best = -1.0
         for _ in range(_TRIES):
             x, y = uniform(rng) * width, uniform(rng) * height
             yaw = (2.0 * uniform(rng) - 1.0) * math.pi
-            if not pose_free(
-                grid,
-                x,
-                y,
-                yaw,
-                movers[k, HALF_LENGTH],
-                movers[k, HALF_WIDTH],
-                movers[k, ROUND],
-                0.0,
-            ):
+            if not pose_free(team.grid, footprint, x, y, yaw, 0.0):
                 continue
             gap = math.inf
             for j in range(k):
-                near = math.sqrt((x - out[j, 0]) ** 2 + (y - out[j, 1]) ** 2)
-                gap = min(gap, near - movers[j, HALF_LENGTH] - movers[k, HALF_LENGTH])
+                away = math.sqrt((x - out[j, 0]) ** 2 + (y - out[j, 1]) ** 2)
+                gap = min(gap, away - team.team[j].half_length - footprint.half_length)
             if gap > best:
                 best = gap
                 out[k, 0], out[k, 1], out[k, 2] = x, y, yaw
-            if best > 2.0 * movers[k, HALF_LENGTH]:
+            if best > 2.0 * footprint.half_length:
                 break
         if best < 0.0:
             return False
@@ -143,6 +139,7 @@ def _sample(grid, movers, rng, out):
 
 @njit(cache=True)
 def _nearest(nodes, count, point):
+    """The node whose robots are nearest to those of a point, by the sum of their distances."""
     best, least = 0, math.inf
     for i in range(count):
         total = 0.0
@@ -157,7 +154,7 @@ def _nearest(nodes, count, point):
 
 @njit(cache=True)
 def _towards(node, point, share, forward, out):
-    """Poses on the way from a node to a point, headed along it (`forward`) or back along it."""
+    """Poses between a node and a point, headed towards it (`forward`) or away from it."""
     for k in range(len(node)):
         dx, dy = point[k, 0] - node[k, 0], point[k, 1] - node[k, 1]
         gap = math.sqrt(dx * dx + dy * dy)
@@ -167,22 +164,20 @@ def _towards(node, point, share, forward, out):
 
 
 @njit(cache=True)
-def search_joint(grid, nobody, movers, starts, goals, price, margins, steps, rng, most):
-    """Poses of all robots to stop at on the way from the starts to the goals.
+def search_joint(team, starts, goals, rng, most):
+    """Poses of all robots to stop at on their paths from the starts to the goals.
 
     Args:
-        grid: See `_moves_contact`; `nobody`: others, of whom there are none.
-        movers: `(N, 11)`.
+        team: `TeamScene`.
         starts, goals: `(N, 3)`.
-        price, margins, steps: As in the search in space and time.
         rng: State of the generator `(1,)`.
         most: Extensions.
 
     Returns:
         FOUND or SPENT; poses `(M, N, 3)`, starts and goals included; extensions.
     """
-    n = len(movers)
-    if edge_free(grid, nobody, movers, starts, goals, price, margins, steps):
+    n = len(team.team)
+    if edge_free(team, starts, goals):
         direct = np.empty((2, n, 3))
         direct[0], direct[1] = starts, goals
         return FOUND, direct, 1
@@ -193,41 +188,29 @@ def search_joint(grid, nobody, movers, starts, goals, price, margins, steps, rng
     point = np.empty((n, 3))
     fresh = np.empty((n, 3))
     tree = 0
+    # The trees take turns: one is extended towards a sample, then joined with the other.
     for iteration in range(most):
         mine, tree = tree, 1 - tree
         other = 1 - mine
-        if not _sample(grid, movers, rng, point):
+        if not _sample(team, rng, point):
             continue
         near = _nearest(nodes[mine], counts[mine], point)
-        grown = False
+        extended = False
         for share in (1.0, 0.5, 0.25):
             _towards(nodes[mine, near], point, share, mine == 0, fresh)
-            if mine == 0:
-                good = edge_free(
-                    grid, nobody, movers, nodes[mine, near], fresh, price, margins, steps
-                )
-            else:
-                good = edge_free(
-                    grid, nobody, movers, fresh, nodes[mine, near], price, margins, steps
-                )
-            if good:
-                grown = True
+            # Edges lead away from the first tree's root and towards the second one's.
+            a, b = (nodes[mine, near], fresh) if mine == 0 else (fresh, nodes[mine, near])
+            extended = edge_free(team, a, b)
+            if extended:
                 break
-        if not grown:
+        if not extended:
             continue
         at = counts[mine]
         nodes[mine, at], parents[mine, at] = fresh, near
         counts[mine] += 1
         there = _nearest(nodes[other], counts[other], fresh)
-        if mine == 0:
-            good = edge_free(
-                grid, nobody, movers, fresh, nodes[other, there], price, margins, steps
-            )
-        else:
-            good = edge_free(
-                grid, nobody, movers, nodes[other, there], fresh, price, margins, steps
-            )
-        if good:
+        a, b = (fresh, nodes[other, there]) if mine == 0 else (nodes[other, there], fresh)
+        if edge_free(team, a, b):
             first, last = (at, there) if mine == 0 else (there, at)
             return FOUND, _path(nodes, parents, first, last), iteration + 1
     return SPENT, np.empty((0, n, 3)), most
@@ -259,7 +242,7 @@ def _path(nodes, parents, first, last):
 
 
 @njit(cache=True)
-def shorten_joint(grid, nobody, movers, path, price, margins, steps):
+def shorten_joint(team, path):
     """The path with nodes left out, greedily from its start: edges to the farthest node."""
     kept = np.empty_like(path)
     kept[0] = path[0]
@@ -267,7 +250,7 @@ def shorten_joint(grid, nobody, movers, path, price, margins, steps):
     while i < len(path) - 1:
         j = len(path) - 1
         while j > i + 1:
-            if edge_free(grid, nobody, movers, kept[count - 1], path[j], price, margins, steps):
+            if edge_free(team, kept[count - 1], path[j]):
                 break
             j -= 1
         kept[count] = path[j]

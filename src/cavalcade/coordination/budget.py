@@ -30,12 +30,12 @@ class Budget:
 
     @property
     def elapsed(self) -> float:
-        """S since the call began."""
+        """Time since the call began, s."""
         return time.perf_counter() - self._begin
 
     @property
     def left(self) -> float | None:
-        """S of wall time; None without a limit."""
+        """Wall time that is left, s; None without a limit."""
         return None if self.seconds is None else max(self.seconds - self.elapsed, 0.0)
 
     @property

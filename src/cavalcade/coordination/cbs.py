@@ -1,8 +1,8 @@
-"""Conflict-based search for body trajectories (the paper's Algorithm 4).
+"""Conflict-based search (CBS) for body trajectories (the paper's Algorithm 4).
 
-A node of the tree holds a course for each robot and what each has to avoid. The cheapest node is
-taken; if two of its courses conflict, one child has the first robot avoid the second one's body
-while they were in conflict, the other child the reverse. Bounded-complete at best: courses come
+A node of the tree holds a path for each robot and what each has to avoid. The cheapest node is
+taken; if two of its paths conflict, one child has the first robot avoid the second one's body
+while they were in conflict, the other child the reverse. Bounded-complete at best: paths come
 from a search with steps, and constraints are bodies over time, as in Kottinger et al., IROS 2022.
 """
 
@@ -16,17 +16,16 @@ from itertools import count
 
 from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.conflicts import Conflict, conflicts_of
-from cavalcade.coordination.course import Course
-from cavalcade.coordination.found import Found
-from cavalcade.coordination.problem import PlanSettings, TeamProblem
-from cavalcade.coordination.single import RobotPlanner, Span
+from cavalcade.coordination.problem import PlanSettings
+from cavalcade.coordination.robot_planner import RobotPlanner, Span
+from cavalcade.coordination.solution import Paths, Solution
 from cavalcade.lattice.planner import TRACK_STEP
 
 _PAD = 0.5
 """A constraint holds this long before and after the conflict, s."""
 
 _LENIENT = 2
-"""So often two robots may conflict on a branch before one has to avoid the other's whole course."""
+"""So often two robots may conflict on a branch before one has to avoid the other's whole path."""
 
 _MERGE = 6
 """After so many conflicts of two robots on a branch they are planned as one."""
@@ -38,38 +37,36 @@ _PAIRS = 3
 """So many pairs in conflict are looked at to find the most telling conflict."""
 
 
-Merge = Callable[[tuple[int, int]], tuple[Course, ...] | None]
-"""Courses of two robots that avoid each other, or None."""
+Merge = Callable[[tuple[int, int]], Paths | None]
+"""Paths of two robots that avoid each other, or None."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Node:
-    courses: tuple[Course, ...]
+    paths: Paths
     avoid: tuple[tuple[Span, ...], ...]
     conflicts: list[Conflict]
     met: Mapping[tuple[int, int], int]
 
     @property
     def cost(self) -> float:
-        return sum(course.cost for course in self.courses)
+        return sum(path.cost for path in self.paths)
 
 
 def conflict_search(
-    problem: TeamProblem,
     planner: RobotPlanner,
     settings: PlanSettings,
-    root: tuple[Course, ...],
+    root: Paths,
     budget: Budget,
     most_nodes: int = 400,
     merge: Merge | None = None,
-) -> Found:
-    """Resolve the conflicts of courses that were planned regardless of each other.
+) -> Solution:
+    """Resolve the conflicts of paths that were planned regardless of each other.
 
     Args:
-        problem: The team's.
         planner: Of one robot.
         settings: `conflict` and `constraints`.
-        root: A course for each robot.
+        root: A path for each robot.
         budget: Of the call.
         most_nodes: Nodes of the tree at most.
         merge: Plans two robots that keep conflicting as one; None leaves them to constraints.
@@ -77,47 +74,47 @@ def conflict_search(
     order = count()
 
     def node(
-        courses: tuple[Course, ...],
+        paths: Paths,
         avoid: tuple[tuple[Span, ...], ...],
         met: Mapping[tuple[int, int], int],
     ) -> _Node:
-        tracks = [course.track for course in courses]
-        found = conflicts_of(tracks, problem.models, distance=settings.distance)
-        return _Node(courses, avoid, found, met)
+        tracks = [path.track for path in paths]
+        found = conflicts_of(tracks, planner.problem.models, distance=settings.distance)
+        return _Node(paths, avoid, found, met)
 
     def child(parent: _Node, conflict: Conflict, robot: int, other: int) -> _Node | None:
         pair = (conflict.i, conflict.j)
         met = {**parent.met, pair: parent.met.get(pair, 0) + 1}
         spans = _constraint(parent, conflict, other, settings, met[pair] > _LENIENT)
         avoid = (*parent.avoid[robot], *spans)
-        courses, avoids = list(parent.courses), list(parent.avoid)
-        course = planner.plan(robot, avoid, budget)
-        if course is None and conflict.begin < _EARLY:
-            # The other one's way leads over this one's start. Let this one leave past where the
+        paths, avoids = list(parent.paths), list(parent.avoid)
+        path = planner.plan(robot, avoid, budget)
+        if path is None and conflict.begin < _EARLY:
+            # The other one's path leads over this one's start. Let this one leave past where the
             # other one stands, and the other one avoid all of that.
             stay = Span(other, planner.standing(other), 0.0, _EARLY)
             avoid = (*parent.avoid[robot], stay)
-            course = planner.plan(robot, avoid, budget)
-            if course is not None:
-                avoids[other] = (*parent.avoid[other], Span(robot, course.track))
+            path = planner.plan(robot, avoid, budget)
+            if path is not None:
+                avoids[other] = (*parent.avoid[other], Span(robot, path.track))
                 giving_way = planner.plan(other, avoids[other], budget)
                 if giving_way is None:
                     return None
-                courses[other] = giving_way
-        if course is None:
+                paths[other] = giving_way
+        if path is None:
             return None
-        courses[robot], avoids[robot] = course, avoid
-        return node(tuple(courses), tuple(avoids), met)
+        paths[robot], avoids[robot] = path, avoid
+        return node(tuple(paths), tuple(avoids), met)
 
     def merged(parent: _Node, conflict: Conflict) -> list[_Node]:
         pair = (conflict.i, conflict.j)
         together = None if merge is None else merge(pair)
         if together is None:
             return []
-        courses, avoids = list(parent.courses), list(parent.avoid)
-        for robot, course in zip(pair, together, strict=True):
-            courses[robot], avoids[robot] = course, ()
-        return [node(tuple(courses), tuple(avoids), {**parent.met, pair: 0})]
+        paths, avoids = list(parent.paths), list(parent.avoid)
+        for robot, path in zip(pair, together, strict=True):
+            paths[robot], avoids[robot] = path, ()
+        return [node(tuple(paths), tuple(avoids), {**parent.met, pair: 0})]
 
     def children(parent: _Node) -> list[_Node]:
         best: list[_Node] = []
@@ -149,10 +146,10 @@ def conflict_search(
         _, _, _, last = heapq.heappop(queue)
         nodes += 1
         if not last.conflicts:
-            return Found(last.courses, True, "cbs", {"conflict_nodes": nodes})
+            return Solution(last.paths, True, "cbs", {"conflict_nodes": nodes})
         for made in children(last):
             heapq.heappush(queue, (made.cost, len(made.conflicts), next(order), made))
-    return Found(last.courses, False, "cbs", {"conflict_nodes": nodes})
+    return Solution(last.paths, False, "cbs", {"conflict_nodes": nodes})
 
 
 def _choice(conflicts: list[Conflict], rule: str) -> list[Conflict]:
@@ -171,7 +168,7 @@ def _constraint(
     node: _Node, conflict: Conflict, other: int, settings: PlanSettings, whole: bool
 ) -> list[Span]:
     """What the robot that gives way has to avoid."""
-    track = node.courses[other].track
+    track = node.paths[other].track
     if settings.constraints == "static":
         first = min(int(conflict.begin / TRACK_STEP), len(track) - 1)
         last = len(track) if conflict.end == math.inf else int(conflict.end / TRACK_STEP) + 1

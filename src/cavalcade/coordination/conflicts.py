@@ -9,6 +9,7 @@ import numpy as np
 
 from cavalcade.coordination._conflicts import find_conflicts
 from cavalcade.geometry import Array
+from cavalcade.lattice.motion_limits import footprint
 from cavalcade.lattice.planner import TRACK_STEP, stacked
 from cavalcade.robots import RobotModel
 
@@ -44,13 +45,13 @@ def conflicts_of(
         distance: Between centres, m: instead of the bodies (the paper's threshold d).
     """
     table = stacked(tracks)
-    shapes = np.array([[m.length / 2.0, m.width / 2.0, float(m.round)] for m in models])
+    shapes = np.array([footprint(model) for model in models], dtype=float)
     if distance is not None:
         shapes[:] = (distance - MARGIN) / 2.0, (distance - MARGIN) / 2.0, 1.0
     # Of the fastest point of any body.
     steps = np.abs(np.diff(table, axis=1)) if table.shape[1] > 1 else np.zeros((1, 1, 3))
-    ways = np.hypot(steps[..., 0], steps[..., 1]) + steps[..., 2] * shapes[:, :2].max()
-    speed = max(float(ways.max()) / TRACK_STEP, 1e-3)
+    moved = np.hypot(steps[..., 0], steps[..., 1]) + steps[..., 2] * shapes[:, :2].max()
+    speed = max(float(moved.max()) / TRACK_STEP, 1e-3)
     rows = find_conflicts(table, TRACK_STEP, shapes, MARGIN, speed, _LOOK, most)
     found = [Conflict(int(i), int(j), float(a), float(b)) for i, j, a, b in rows]
     return sorted(found, key=lambda conflict: (conflict.begin, conflict.i, conflict.j))

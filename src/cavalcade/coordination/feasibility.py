@@ -7,11 +7,11 @@ from itertools import combinations
 
 import numpy as np
 
-from cavalcade.coordination.problem import Pose, TeamProblem
-from cavalcade.geometry import Array
-from cavalcade.lattice.collision import bodies_meet, pose_free
-from cavalcade.lattice.planner import TimedPlanner
-from cavalcade.robots import RobotModel
+from cavalcade.coordination.problem import TeamProblem
+from cavalcade.geometry.boxes import footprints_meet
+from cavalcade.lattice.collision import pose_free
+from cavalcade.lattice.motion_limits import footprint
+from cavalcade.lattice.planner import SpaceTimePlanner
 
 _TOUCH = -1e-6
 """Bodies that only touch don't overlap, m."""
@@ -30,56 +30,22 @@ class Proof:
     robots: tuple[int, ...]
 
 
-def impossible(problem: TeamProblem, timed: TimedPlanner) -> Proof | None:
+def infeasible(problem: TeamProblem, lattice: SpaceTimePlanner) -> Proof | None:
     """A proof that there is no plan, if one is at hand.
 
     Args:
         problem: The team's.
-        timed: Its guides say what is connected.
+        lattice: Its cost-to-go says what is connected.
     """
+    footprints = [footprint(model) for model in problem.models]
     for name, poses in (("start", problem.starts), ("goal", problem.goals)):
         for k, pose in enumerate(poses):
-            if not _stands_free(timed, problem.models[k], pose):
+            if not pose_free(lattice.grid, footprints[k], *pose, _TOUCH):
                 return Proof(f"the {name} of robot {k} is off the map or in an obstacle", (k,))
         for i, j in combinations(range(len(poses)), 2):
-            if _overlap(problem.models[i], poses[i], problem.models[j], poses[j]):
+            if footprints_meet(footprints[i], poses[i], footprints[j], poses[j], _TOUCH):
                 return Proof(f"the {name}s of robots {i} and {j} overlap", (i, j))
     for k, (start, goal) in enumerate(zip(problem.starts, problem.goals, strict=True)):
-        guide, cell = timed.guide(np.array(goal), problem.models[k])
-        if guide.shape[0] and not np.isfinite(guide[_cell(guide, cell, start)]):
+        if not lattice.reachable(problem.models[k], np.array(start), np.array(goal)):
             return Proof(f"no way leads robot {k} to its goal, not even alone", (k,))
     return None
-
-
-def _stands_free(timed: TimedPlanner, model: RobotModel, pose: Pose) -> bool:
-    return bool(
-        pose_free(
-            timed.grid,
-            *pose,
-            model.length / 2.0,
-            model.width / 2.0,
-            float(model.round),
-            _TOUCH,
-        )
-    )
-
-
-def _overlap(one: RobotModel, at: Pose, other: RobotModel, there: Pose) -> bool:
-    return bool(
-        bodies_meet(
-            *at,
-            one.length / 2.0,
-            one.width / 2.0,
-            float(one.round),
-            *there,
-            other.length / 2.0,
-            other.width / 2.0,
-            float(other.round),
-            _TOUCH,
-        )
-    )
-
-
-def _cell(guide: Array, cell: float, pose: Pose) -> tuple[int, int]:
-    rows, cols = guide.shape
-    return min(int(pose[1] / cell), rows - 1), min(int(pose[0] / cell), cols - 1)

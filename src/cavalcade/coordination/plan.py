@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 
@@ -12,21 +11,19 @@ from cavalcade.coordination.auto import solve_auto
 from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.cbs import conflict_search
 from cavalcade.coordination.conflicts import conflicts_of
-from cavalcade.coordination.course import Course
-from cavalcade.coordination.feasibility import impossible
-from cavalcade.coordination.found import Found
+from cavalcade.coordination.feasibility import infeasible
+from cavalcade.coordination.inflation import plan_inflated
 from cavalcade.coordination.joint import solve_joint, solve_merged
-from cavalcade.coordination.prioritised import improved
+from cavalcade.coordination.prioritised import improved, solve_sequential
 from cavalcade.coordination.problem import PlanSettings, TeamProblem
 from cavalcade.coordination.published import DISTANCE, PublishedPlanner
 from cavalcade.coordination.result import TeamPlan
-from cavalcade.coordination.room import plan_with_room
-from cavalcade.coordination.sequential import solve_sequential
-from cavalcade.coordination.single import EFFORT, EvenPlanner, RobotPlanner
-from cavalcade.coordination.uneven import UnevenPlanner, walkable
+from cavalcade.coordination.robot_planner import EFFORT, FlatPlanner, RobotPlanner
+from cavalcade.coordination.solution import Paths, RobotPath, Solution, total_cost
+from cavalcade.coordination.terrain import TerrainPlanner, walkable
 from cavalcade.coordination.warm import warm_up
 from cavalcade.errors import InputError
-from cavalcade.lattice.planner import TimedPlanner
+from cavalcade.lattice.planner import SpaceTimePlanner
 
 METHODS = ("auto", "sequential", "joint", "cbs")
 
@@ -43,7 +40,7 @@ def plan_team(
         problem: Ground, robots, starts and goals.
         method: `auto`, `sequential`, `joint` or `cbs`.
         settings: Options and budget.
-        seed: Of everything that is drawn.
+        seed: Of all random numbers.
 
     Returns:
         A plan, or why there is none. Trajectories are in the map's frame.
@@ -63,7 +60,7 @@ def plan_team(
     def plan(problem: TeamProblem, settings: PlanSettings) -> TeamPlan:
         return _Call(problem, method, settings, seed).answer()
 
-    return plan_with_room(problem, settings, plan) if settings.margin else plan(problem, settings)
+    return plan_inflated(problem, settings, plan) if settings.margin else plan(problem, settings)
 
 
 class _Call:
@@ -85,14 +82,14 @@ class _Call:
             raise InputError(f"{where} is for robots with legs", key="robots")
         warm_up(method != "sequential", self.published or not problem.ground.flat)
         self.budget = Budget(settings.iterations, settings.seconds)
-        self.timed = TimedPlanner(problem.ground)
+        self.lattice = SpaceTimePlanner(problem.ground)
         self.planner = self._planner()
 
     def answer(self) -> TeamPlan:
         problem, budget = self.problem, self.budget
-        proof = impossible(problem, self.timed)
+        proof = infeasible(problem, self.lattice)
         robots = range(len(problem.models))
-        nothing: list[Course | None] = [None for _ in robots]
+        nothing: list[RobotPath | None] = [None for _ in robots]
         if proof is not None:
             return self._team_plan("infeasible", proof.text, proof.robots, nothing)
         if self.method == "joint":
@@ -101,8 +98,8 @@ class _Call:
             if together is None:
                 text = f"no plan found in the product space; {budget}"
                 return self._team_plan("budget", text, (), nothing)
-            found = self._checked(Found(together, True, "joint"))
-            return self._answered(found)
+            solution = self._checked(Solution(together, True, "joint"))
+            return self._answered(solution)
         refused = next(((k, why) for k in robots if (why := self.planner.refusal(k))), None)
         if refused is not None:
             text = f"robot {refused[0]}: {refused[1]}"
@@ -117,106 +114,90 @@ class _Call:
                     return self._team_plan("infeasible", f"robot {robot}: {why}", (robot,), alone)
             text = f"robot {lost[0]}: no way was found, not even alone; {budget}"
             return self._team_plan("budget", text, lost, alone)
-        courses = tuple(course for course in alone if course is not None)
-        found = self._checked(self._solve(courses))
-        if found.solved and self.settings.improve and not self.published:
-            found = self._improved(found, courses)
-        return self._answered(found)
+        paths = tuple(path for path in alone if path is not None)
+        solution = self._checked(self._solve(paths))
+        if solution.solved and self.settings.improve and not self.published:
+            solution = self._improved(solution, paths)
+        return self._answered(solution)
 
-    def _answered(self, found: Found) -> TeamPlan:
+    def _answered(self, solution: Solution) -> TeamPlan:
         return self._team_plan(
-            "solved" if found.solved else "budget",
-            "" if found.solved else f"no plan without conflicts was found; {self.budget}",
+            "solved" if solution.solved else "budget",
+            "" if solution.solved else f"no plan without conflicts was found; {self.budget}",
             (),
-            list(found.courses),
-            found,
+            list(solution.paths),
+            solution,
         )
 
     def _planner(self) -> RobotPlanner:
         if self.published:
             return PublishedPlanner(self.problem, self.settings, self.seed)
         if self.problem.ground.flat:
-            return EvenPlanner(self.problem, self.timed)
-        return UnevenPlanner(self.problem, self.settings, self.seed)
+            return FlatPlanner(self.problem, self.lattice)
+        return TerrainPlanner(self.problem, self.settings, self.seed)
 
-    def _joint(self) -> tuple[Course, ...] | None:
-        timed = self.timed
+    def _joint(self) -> Paths | None:
+        lattice = self.lattice
         if not self.problem.ground.flat:
             ground = self.problem.ground
             for model in sorted(set(self.problem.models), key=lambda model: model.name):
                 ground = walkable(ground, model)
-            timed = TimedPlanner(ground)
-        return solve_joint(self.problem, timed, self.budget, self.rng, not self.published)
+            lattice = SpaceTimePlanner(ground)
+        return solve_joint(self.problem, lattice, self.budget, self.rng, not self.published)
 
-    def _solve(self, alone: tuple[Course, ...]) -> Found:
-        problem, planner, settings, budget = (
-            self.problem,
-            self.planner,
-            self.settings,
-            self.budget,
-        )
+    def _solve(self, alone: Paths) -> Solution:
+        planner, settings, budget, rng = self.planner, self.settings, self.budget, self.rng
         if self.method == "auto":
-            together = partial(self._together, alone) if problem.ground.flat else None
-            return solve_auto(problem, planner, settings, alone, budget, self.rng, together)
+            flat = self.problem.ground.flat
+            together = partial(solve_merged, self.lattice, planner, alone, rng=rng)
+            return solve_auto(planner, settings, alone, budget, rng, together if flat else None)
         if self.method == "sequential":
-            return solve_sequential(problem, planner, settings, alone, budget)
+            return solve_sequential(planner, settings, alone, budget)
         merge = None if self.published else self._pair
-        return conflict_search(problem, planner, settings, alone, budget, merge=merge)
+        return conflict_search(planner, settings, alone, budget, merge=merge)
 
-    def _checked(self, found: Found) -> Found:
+    def _checked(self, solution: Solution) -> Solution:
         """What is called solved has no conflicts; if it has some after all, they are resolved."""
-        tracks = [course.track for course in found.courses]
+        tracks = [path.track for path in solution.paths]
         distance = self.settings.distance
-        if not found.solved or not conflicts_of(tracks, self.problem.models, 1, distance):
-            return found
-        return conflict_search(
-            self.problem, self.planner, self.settings, found.courses, self.budget
-        )
+        if not solution.solved or not conflicts_of(tracks, self.problem.models, 1, distance):
+            return solution
+        return conflict_search(self.planner, self.settings, solution.paths, self.budget)
 
-    def _together(self, alone: tuple[Course, ...], budget: Budget) -> tuple[Course, ...] | None:
-        """The robots in conflict as one, and the others past them."""
-        return solve_merged(self.problem, self.timed, self.planner, alone, budget, self.rng)
-
-    def _pair(self, pair: tuple[int, int]) -> tuple[Course, ...] | None:
+    def _pair(self, pair: tuple[int, int]) -> Paths | None:
         """Two robots as one, regardless of the others."""
         if not self.problem.ground.flat:
             return None
-        part = replace(
-            self.problem,
-            models=tuple(self.problem.models[k] for k in pair),
-            starts=tuple(self.problem.starts[k] for k in pair),
-            goals=tuple(self.problem.goals[k] for k in pair),
-        )
-        return solve_joint(part, self.timed, self.budget, self.rng)
+        return solve_joint(self.problem.part(pair), self.lattice, self.budget, self.rng)
 
-    def _improved(self, found: Found, alone: tuple[Course, ...]) -> Found:
+    def _improved(self, solution: Solution, alone: Paths) -> Solution:
         """Robot by robot anew among the others, more patiently, until nothing gets cheaper."""
         planner = self.planner
-        if isinstance(planner, EvenPlanner):
-            planner = EvenPlanner(self.problem, TimedPlanner(self.problem.ground, greed=1.0))
+        if isinstance(planner, FlatPlanner):
+            planner = FlatPlanner(self.problem, SpaceTimePlanner(self.problem.ground, weight=1.0))
         left = self.budget.left
         budget = Budget(self.settings.improve, None if left is None else max(left, 1e-3))
-        team, courses = dict(enumerate(alone)), dict(enumerate(found.courses))
-        history = [(self.budget.used, _total(courses))]
+        team, paths = dict(enumerate(alone)), dict(enumerate(solution.paths))
+        history = [(self.budget.used, total_cost(paths))]
         while not budget.spent:
-            better = improved(planner, courses, team, budget, rounds=1)
-            if _total(better) > _total(courses) - 1e-6:
+            better = improved(planner, paths, team, budget, rounds=1)
+            if total_cost(better) > total_cost(paths) - 1e-6:
                 break
-            courses = better
-            history.append((self.budget.used + budget.used, _total(courses)))
+            paths = better
+            history.append((self.budget.used + budget.used, total_cost(paths)))
         self.budget.spend(budget.used)
-        better_plan = tuple(courses[k] for k in range(len(alone)))
-        if conflicts_of([course.track for course in better_plan], self.problem.models, 1):
-            return found
-        return replace(found, courses=better_plan, history=tuple(history))
+        better_plan = tuple(paths[k] for k in range(len(alone)))
+        if conflicts_of([path.track for path in better_plan], self.problem.models, 1):
+            return solution
+        return replace(solution, paths=better_plan, history=tuple(history))
 
     def _team_plan(
         self,
         reason: str,
         detail: str,
         involved: tuple[int, ...],
-        courses: list[Course | None],
-        found: Found | None = None,
+        paths: list[RobotPath | None],
+        solution: Solution | None = None,
     ) -> TeamPlan:
         ground = self.problem.ground
         return TeamPlan(
@@ -224,16 +205,12 @@ class _Call:
             detail,
             involved,
             tuple(
-                None if course is None else self.problem.in_map(course.trajectory(ground))
-                for course in courses
+                None if path is None else self.problem.in_map(path.trajectory(ground))
+                for path in paths
             ),
-            self.method if found is None else found.method or self.method,
+            self.method if solution is None else solution.method or self.method,
             self.budget.used,
             self.budget.elapsed,
-            {} if found is None else found.counts,
-            () if found is None else found.history,
+            {} if solution is None else solution.counts,
+            () if solution is None else solution.history,
         )
-
-
-def _total(courses: Mapping[int, Course]) -> float:
-    return sum(course.cost for course in courses.values())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -12,11 +12,13 @@ from cavalcade.errors import InputError
 from cavalcade.geometry import inverse_transform_points, rotation, transform_points
 from cavalcade.geometry.trajectory import Trajectory
 from cavalcade.lattice.ground import Ground, make_ground
-from cavalcade.robots import RobotModel
-from cavalcade.scenario import Scenario, World
+from cavalcade.robots import RobotModel, robot_model
+from cavalcade.world import OccupancyMap, Terrain
+
+if TYPE_CHECKING:
+    from cavalcade.scenario import Scenario, World
 
 Pose = tuple[float, float, float]
-
 
 _CHOICES = {
     "variant": ("cavalcade", "published"),
@@ -38,7 +40,7 @@ class PlanSettings:
             `first` in the order of the robots, as in the paper.
         leaps: Whether legged robots may leap.
         improve: Iterations spent on a better plan once there is one.
-        margin: By which bodies are grown, m; by less, or not at all, where that leaves no plan.
+        margin: By which bodies are inflated, m; by less, or not at all, where that leaves no plan.
         distance: Between centres, m: what counts as a conflict instead of the bodies; of
             `published`.
         iterations: The budget: expansions of searches and trees.
@@ -62,8 +64,8 @@ class PlanSettings:
     def __post_init__(self) -> None:
         for name, choices in _CHOICES.items():
             if getattr(self, name) not in choices:
-                said = getattr(self, name)
-                raise InputError(f"unknown value {said!r}", key=f"planner.{name}", choices=choices)
+                value = getattr(self, name)
+                raise InputError(f"unknown value {value!r}", key=f"planner.{name}", choices=choices)
         if self.improve < 0:
             raise InputError("expected 0 or more", key="planner.improve")
         if not 0.0 <= self.margin <= 1.0:
@@ -83,6 +85,9 @@ class TeamProblem:
         models: Of each robot.
         starts, goals: Poses (x m, y m, yaw rad) in the ground's own frame.
         origin: Pose of the ground's frame in the map.
+
+    Raises:
+        InputError: Not a start and a goal for each robot.
     """
 
     ground: Ground
@@ -90,6 +95,54 @@ class TeamProblem:
     starts: tuple[Pose, ...]
     goals: tuple[Pose, ...]
     origin: Pose = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        for name in ("starts", "goals"):
+            poses = getattr(self, name)
+            if len(poses) != len(self.models):
+                raise InputError(f"expected {len(self.models)} poses, not {len(poses)}", key=name)
+            object.__setattr__(
+                self, name, tuple((float(x), float(y), float(a)) for x, y, a in poses)
+            )
+
+    @classmethod
+    def on_map(
+        cls,
+        map: OccupancyMap,
+        models: Sequence[RobotModel | str],
+        starts: Sequence[Pose],
+        goals: Sequence[Pose],
+        terrain: Terrain | None = None,
+    ) -> TeamProblem:
+        """The problem of a team on a map, all in the map's frame.
+
+        Args:
+            map: What is in the way.
+            models: Of each robot, or their names.
+            starts, goals: Poses (x m, y m, yaw rad) of each robot.
+            terrain: Heights on the map's grid; None for flat ground.
+
+        Raises:
+            InputError: An unknown model, or not a start and a goal for each robot.
+        """
+        team = tuple(robot_model(one) if isinstance(one, str) else one for one in models)
+
+        def local(poses: Sequence[Pose]) -> tuple[Pose, ...]:
+            table = np.array(poses, dtype=float).reshape(-1, 3)
+            table[:, :2] = inverse_transform_points(map.origin, table[:, :2])
+            table[:, 2] -= map.origin[2]
+            return tuple((x, y, yaw) for x, y, yaw in table.tolist())
+
+        return cls(make_ground(map, terrain), team, local(starts), local(goals), map.origin)
+
+    def part(self, robots: Sequence[int]) -> TeamProblem:
+        """The problem of these robots alone."""
+        return replace(
+            self,
+            models=tuple(self.models[k] for k in robots),
+            starts=tuple(self.starts[k] for k in robots),
+            goals=tuple(self.goals[k] for k in robots),
+        )
 
     def in_map(self, trajectory: Trajectory) -> Trajectory:
         """A trajectory of the ground's frame, seen in the map's."""
@@ -109,18 +162,6 @@ def problem_of(scenario: Scenario, world: World) -> TeamProblem:
         scenario: With a goal for each robot.
         world: Its ground.
     """
-    origin = world.map.origin
-
-    def local(poses: Sequence[Pose]) -> tuple[Pose, ...]:
-        table = np.array(poses, dtype=float)
-        table[:, :2] = inverse_transform_points(origin, table[:, :2])
-        table[:, 2] -= origin[2]
-        return tuple((float(x), float(y), float(yaw)) for x, y, yaw in table)
-
-    return TeamProblem(
-        make_ground(world.map, world.terrain),
-        scenario.models,
-        local(scenario.starts),
-        local(scenario.goals),
-        origin,
+    return TeamProblem.on_map(
+        world.map, scenario.models, scenario.starts, scenario.goals, world.terrain
     )

@@ -1,6 +1,6 @@
 """The paper's low level: a robot's tree search with others as discs that are always there.
 
-Others' positions become static discs of the threshold d (its section III-D). Of a whole course
+Others' positions become static discs of the threshold d (its section III-D). Of a whole path
 that is avoided, positions count only if the other robot is there about when this one could be:
 the time window of section III-B, with the distance from the start standing for time.
 """
@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from cavalcade.coordination.budget import Budget
-from cavalcade.coordination.course import Course
-from cavalcade.coordination.problem import PlanSettings, TeamProblem
-from cavalcade.coordination.single import EFFORT, Span
+from cavalcade.coordination.problem import PlanSettings
+from cavalcade.coordination.robot_planner import EFFORT, RobotPlanner, Span
+from cavalcade.coordination.solution import RobotPath
 from cavalcade.geometry import Array
 from cavalcade.kinodynamic.planner import plan_body
 from cavalcade.kinodynamic.settings import BodySettings
@@ -32,23 +32,21 @@ _SPACING = 4
 
 
 @dataclass(frozen=True, eq=False)
-class PublishedPlanner:
-    """See `RobotPlanner`.
+class PublishedPlanner(RobotPlanner):
+    """Robots with legs by the paper's trees, with others as discs.
 
     Attributes:
-        problem: The team's; robots with legs.
         settings: Whether to leap.
         seed: Of the trees.
     """
 
-    problem: TeamProblem
     settings: PlanSettings
     seed: int
 
     def plan(
         self, robot: int, spans: Sequence[Span], budget: Budget, effort: int = EFFORT
-    ) -> Course | None:
-        """See `RobotPlanner`; the course's cost is its length, as in the paper."""
+    ) -> RobotPath | None:
+        """See `RobotPlanner`; the path's cost is its length, as in the paper."""
         problem = self.problem
         discs = [self._discs(robot, span) for span in spans]
         answer = plan_body(
@@ -69,21 +67,13 @@ class PublishedPlanner:
         budget.spend(answer.iterations)
         if answer.trajectory is None:
             return None
-        return Course(answer.trajectory, answer.trajectory.length)
+        return RobotPath(answer.trajectory, answer.trajectory.length)
 
     def delayed(
         self, robot: int, spans: Sequence[Span], delay: float, budget: Budget
-    ) -> Course | None:
+    ) -> RobotPath | None:
         """The paper's robots don't wait."""
         return None
-
-    def standing(self, robot: int) -> Array:
-        """See `RobotPlanner`."""
-        return np.array(self.problem.starts[robot], dtype=float)[None]
-
-    def refusal(self, robot: int) -> str:
-        """See `RobotPlanner`."""
-        return ""
 
     def _discs(self, robot: int, span: Span) -> Array:
         track = span.track[::_SPACING]
@@ -91,9 +81,9 @@ class PublishedPlanner:
         if len(span.track) > 1 and span.end == np.inf:
             legs = self.problem.models[robot].legs
             speed = 0.5 if legs is None else legs.v_nom
-            way = np.hypot(*(track[:, :2] - self.problem.starts[robot][:2]).T)
+            away = np.hypot(*(track[:, :2] - self.problem.starts[robot][:2]).T)
             there = np.arange(len(track)) * _SPACING * TRACK_STEP
-            keep = np.abs(there - way / speed) <= _WINDOW
+            keep = np.abs(there - away / speed) <= _WINDOW
             track, keep = np.concatenate([track, span.track[-1:]]), np.append(keep, True)
         rows = track[keep, :2]
         return np.column_stack([rows, np.full(len(rows), DISTANCE)])

@@ -17,7 +17,7 @@ class TeamPlan:
             was found before the budget was spent.
         detail: One line, empty where there is nothing to add.
         involved: The robots that `detail` is about.
-        trajectories: One per robot in the map frame. Of an unsolved problem what is known: ways
+        trajectories: One per robot in the map frame. Of an unsolved problem what is known: paths
             to the goals that meet somewhere, or None.
         method: Which coordinator found it; of `auto` the one that it fell back on.
         iterations: Expansions of searches and trees, what the iteration budget counts.
@@ -25,7 +25,7 @@ class TeamPlan:
         history: Iterations and summed cost of the first plan and of each better one, where
             improvement was asked for.
         counts: Further figures of the method, such as nodes of the conflict tree.
-        margins: By how much each robot's body was grown, m; empty where none was.
+        margins: By how much each robot's body was inflated, m; empty where none was.
     """
 
     reason: str

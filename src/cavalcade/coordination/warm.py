@@ -4,68 +4,59 @@ from __future__ import annotations
 
 import numpy as np
 
-from cavalcade.coordination import _joint, _meeting
+from cavalcade import lattice
+from cavalcade.coordination._conflicts import find_conflicts, first_conflict
+from cavalcade.coordination._joint import search_joint
 from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.conflicts import conflicts_of
+from cavalcade.coordination.feasibility import infeasible
 from cavalcade.coordination.joint import solve_joint
 from cavalcade.coordination.problem import PlanSettings, TeamProblem
-from cavalcade.coordination.single import EvenPlanner, spans_of
-from cavalcade.coordination.uneven import UnevenPlanner
+from cavalcade.coordination.robot_planner import spans_of
+from cavalcade.coordination.terrain import TerrainPlanner
 from cavalcade.kinodynamic import warming
-from cavalcade.lattice.ground import make_ground, read_only
-from cavalcade.lattice.planner import TimedPlanner
-from cavalcade.lattice.shortening import shorten
+from cavalcade.lattice.collision import place_free
+from cavalcade.lattice.ground import read_only
+from cavalcade.lattice.motion_limits import footprint
+from cavalcade.lattice.planner import NOBODY, SpaceTimePlanner
 from cavalcade.lattice.surface import surface_along
 from cavalcade.robots import robot_model
 from cavalcade.world import OccupancyMap
 
+_STARTS = ((0.6, 1.5, 0.0), (3.4, 1.5, np.pi))
 
-def warm_up(joint: bool, uneven: bool) -> None:
+
+def warm_up(joint: bool, terrain: bool) -> None:
     """Use every kernel once on problems of a moment, unless this process has done so already.
 
     Args:
         joint: Those of the product space, too.
-        uneven: Those of uneven ground, too.
+        terrain: Those of uneven ground, too.
     """
-    if not shorten.signatures:
-        _even()
-    if joint and not _joint.search_joint.signatures:
-        problem = _head_on()
-        solve_joint(problem, TimedPlanner(problem.ground), Budget(10_000), np.random.default_rng(0))
-    if uneven:
+    problem = TeamProblem.on_map(
+        OccupancyMap.empty((4.0, 3.0)), ("spirit", "spirit"), _STARTS, _STARTS[::-1]
+    )
+    planner = SpaceTimePlanner(problem.ground)
+    if not find_conflicts.signatures:
+        shape, track = footprint(problem.models[0]), np.array([_STARTS[0]])
+        lattice.warm_up()
+        infeasible(problem, planner)
+        place_free(NOBODY, shape, _STARTS[0], 0.0, 0.0)
+        conflicts_of([track, track], problem.models)
+    if joint and not search_joint.signatures:
+        solve_joint(problem, planner, Budget(10_000), np.random.default_rng(0))
+    if terrain:
         warming.warm_up()
-        if not _meeting.first_meeting.signatures:
-            _uneven()
+        if not first_conflict.signatures:
+            _over_a_trench()
 
 
-def _even() -> None:
-    problem = _head_on()
-    planner = EvenPlanner(problem, TimedPlanner(problem.ground))
-    budget = Budget(10_000)
-    first = planner.plan(0, (), budget)
-    if first is None:
-        return
-    second = planner.plan(1, spans_of([(0, first)]), budget)
-    courses = [course for course in (first, second) if course is not None]
-    conflicts_of([course.track for course in courses], problem.models[: len(courses)])
-    for course in courses:
-        course.trajectory(problem.ground)
-
-
-def _uneven() -> None:
+def _over_a_trench() -> None:
     """Two robots, one after the other, over a trench that asks for a leap."""
     ground, model = warming.trench(), robot_model("spirit")
     starts, goals = ((1.0, 1.0, 0.0), (0.5, 2.0, 0.0)), ((3.5, 1.0, 0.0), (3.5, 2.0, 0.0))
-    problem = TeamProblem(ground, (model, model), starts, goals)
-    planner = UnevenPlanner(problem, PlanSettings(), 0)
+    planner = TerrainPlanner(TeamProblem(ground, (model, model), starts, goals), PlanSettings(), 0)
     first = planner.plan(0, (), Budget(10_000))
     if first is not None:
         planner.plan(1, spans_of([(0, first)]), Budget(10_000))
-    surface_along(read_only(ground), np.zeros((1, 2)))
-
-
-def _head_on() -> TeamProblem:
-    model = robot_model("spirit")
-    starts, goals = ((0.6, 1.5, 0.0), (3.4, 1.5, np.pi)), ((3.4, 1.5, 0.0), (0.6, 1.5, np.pi))
-    ground = make_ground(OccupancyMap.empty((4.0, 3.0)))
-    return TeamProblem(ground, (model, model), starts, goals)
+    surface_along(read_only(ground), np.zeros((2, 6))[:, :2])  # not contiguous

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -79,25 +80,42 @@ def without_collinear(ring: Array) -> Array:
 def simplified(line: Array, tolerance: float) -> Array:
     """The open line `(K, 2)` with the fewest of its points that stay within `tolerance` m.
 
-    Douglas and Peucker's rule; the first and the last point are always kept.
+    The first and the last point are always kept.
     """
     if len(line) < 3:
         return line
-    keep = np.zeros(len(line), dtype=bool)
-    keep[[0, -1]] = True
-    spans = [(0, len(line) - 1)]
+
+    def errors(first: int, last: int) -> Array:
+        chord = line[last] - line[first]
+        between = line[first + 1 : last] - line[first]
+        along = between @ chord / max(float(np.hypot(*chord)) ** 2, 1e-24)
+        return np.asarray(np.hypot(*(between - np.clip(along, 0.0, 1.0)[:, None] * chord).T))
+
+    return np.asarray(line[fewest_points([0, len(line) - 1], errors, tolerance)])
+
+
+def fewest_points(
+    fixed: Sequence[int], errors: Callable[[int, int], Array], tolerance: float
+) -> NDArray[np.int64]:
+    """Which points of a line to keep so that none left out is further off than `tolerance`.
+
+    Douglas and Peucker's rule.
+
+    Args:
+        fixed: Points to keep in any case, ascending; the first and the last one among them.
+        errors: How far the points strictly between two kept ones are from what joins those.
+        tolerance: In the unit of the errors.
+    """
+    kept = set(fixed)
+    spans = list(pairwise(fixed))
     while spans:
         first, last = spans.pop()
         if last - first < 2:
             continue
-        chord = line[last] - line[first]
-        between = line[first + 1 : last] - line[first]
-        length = float(np.hypot(*chord))
-        along = between @ chord / max(length**2, 1e-24)
-        away = np.hypot(*(between - np.clip(along, 0.0, 1.0)[:, None] * chord).T)
+        away = errors(first, last)
         worst = int(np.argmax(away))
         if away[worst] > tolerance:
             middle = first + 1 + worst
-            keep[middle] = True
+            kept.add(middle)
             spans += [(first, middle), (middle, last)]
-    return line[keep]
+    return np.array(sorted(kept), dtype=np.int64)

@@ -41,6 +41,20 @@ ROBOTS = (
     "#004B49",
 )
 
+ROBOTS_ON_DARK = (
+    "#4aa8e8",
+    "#f2b632",
+    "#2cc492",
+    "#e79ac4",
+    "#f07b3f",
+    "#9ad7fa",
+    "#b792d8",
+    "#c9a84c",
+    "#b4b8bd",
+    "#4db6ac",
+)
+"""The same hues for a dark page."""
+
 _RC: dict[str, Any] = {
     "font.family": "STIXGeneral",
     "mathtext.fontset": "stix",

@@ -1,4 +1,4 @@
-"""Seeds of a march, interpolation in its result and the way back: compiled.
+"""Seeds of a march, interpolation in its result and the path back: compiled.
 
 Points are given in cell units: u to the right and v up, with the centre of cell [row, col] at
 u = col, v = row. Padded indices as in `_march`.
@@ -11,16 +11,20 @@ import math
 import numpy as np
 from numba import njit
 
-from cavalcade.eikonal._march import march
+from cavalcade.eikonal._march import Stop, march
+
+STEP = 0.5
+"""Cells: step length of a walk down a field; at most 0.5."""
 
 
 @njit(cache=True)
-def line_time(u0, v0, u1, v1, delay, stride):
+def line_time(u0, v0, u1, v1, grid):
     """Time in s along the straight segment, or inf if it touches a blocked cell.
 
     Exact for delays that are constant within each cell. A segment through the very corner of four
     cells touches all of them. Both ends lie inside the grid.
     """
+    delay, stride = grid.delay, grid.stride
     du, dv = u1 - u0, v1 - v0
     length = math.hypot(du, dv)
     col, row = int(math.floor(u0 + 0.5)), int(math.floor(v0 + 0.5))
@@ -53,7 +57,7 @@ def line_time(u0, v0, u1, v1, delay, stride):
 
 
 @njit(cache=True)
-def seed_point(u, v, radius, delay, rows, cols, stride, times, visited, count):
+def seed_point(u, v, radius, grid, times, visited, count):
     """Start a march at a point that need not be a cell's centre.
 
     Cells within `radius` cells that are in straight sight get the time along that straight line,
@@ -62,10 +66,11 @@ def seed_point(u, v, radius, delay, rows, cols, stride, times, visited, count):
     Returns:
         Number of cells in `visited`; unchanged if the point lies in a blocked cell.
     """
+    rows, cols, stride = grid.rows, grid.cols, grid.stride
     row, col = int(math.floor(v + 0.5)), int(math.floor(u + 0.5))
     if row < 0 or row >= rows or col < 0 or col >= cols:
         return count
-    if delay[(row + 1) * stride + col + 1] == np.inf:
+    if grid.delay[(row + 1) * stride + col + 1] == np.inf:
         return count
     reach = int(math.ceil(radius))
     for r in range(max(row - reach, 0), min(row + reach, rows - 1) + 1):
@@ -73,7 +78,7 @@ def seed_point(u, v, radius, delay, rows, cols, stride, times, visited, count):
             if math.hypot(r - v, c - u) > max(radius, 1.0):
                 continue
             n = (r + 1) * stride + c + 1
-            time = line_time(u, v, float(c), float(r), delay, stride)
+            time = line_time(u, v, float(c), float(r), grid)
             if time < times[n]:
                 if times[n] == np.inf:
                     visited[count] = n
@@ -104,20 +109,20 @@ def time_at(u, v, times, stride):
 
 
 @njit(cache=True)
-def straight_goal(u, v, reach, goals, delay, stride):
+def straight_goal(u, v, reach, goals, grid):
     """Index of the goal soonest reached along a straight line of at most `reach`, -1 if none."""
     found = -1
     soonest = np.inf
     for k in range(goals.shape[0]):
         if math.hypot(goals[k, 0] - u, goals[k, 1] - v) <= reach:
-            time = line_time(u, v, goals[k, 0], goals[k, 1], delay, stride)
+            time = line_time(u, v, goals[k, 0], goals[k, 1], grid)
             if time < soonest:
                 soonest, found = time, k
     return found
 
 
 @njit(cache=True)
-def descend(u, v, goals, times, delay, stride, step, points, stamps):
+def descend(u, v, goals, times, grid, points, stamps):
     """Walk down the arrival times from (u, v) to the goal below it.
 
     Gradient steps on the bilinear interpolant. Where it is not defined, would leave the free
@@ -127,20 +132,22 @@ def descend(u, v, goals, times, delay, stride, step, points, stamps):
     Args:
         u, v: Start, in a reached cell.
         goals: `(G, 2)` where the march began.
-        step: Step length in cells, at most 0.5.
-        points, stamps: `(K, 2)` and `(K,)`, filled with the way and its times.
+        times: Padded arrival times, s.
+        grid: What was marched over.
+        points, stamps: `(K, 2)` and `(K,)`, filled with the path and its remaining times.
 
     Returns:
         Number of points, and whether the goal was reached.
     """
+    delay, stride = grid.delay, grid.stride
     size = points.shape[0]
-    count = 0
     best = time_at(u, v, times, stride)
     points[0, 0], points[0, 1], stamps[0] = u, v, best
     count = 1
     gridwise = False
     while count < size:
-        goal = straight_goal(u, v, 1.5, goals, delay, stride)
+        # Near a goal the walk ends with the straight line to it.
+        goal = straight_goal(u, v, 1.5, goals, grid)
         if goal >= 0:
             points[count, 0], points[count, 1] = goals[goal, 0], goals[goal, 1]
             stamps[count] = 0.0
@@ -148,6 +155,8 @@ def descend(u, v, goals, times, delay, stride, step, points, stamps):
         row, col = int(math.floor(v + 0.5)), int(math.floor(u + 0.5))
         here = (row + 1) * stride + col + 1
         if not gridwise:
+            # A step against the gradient of the bilinear interpolant; taken if it stays in
+            # free cells, cuts no corner and descends.
             fu, fv = math.floor(u), math.floor(v)
             au, av = u - fu, v - fv
             n = int(fv + 1.0) * stride + int(fu + 1.0)
@@ -158,7 +167,7 @@ def descend(u, v, goals, times, delay, stride, step, points, stamps):
             norm = math.hypot(gu, gv)
             gridwise = True
             if 0.0 < norm < np.inf:
-                nu, nv = u - step * gu / norm, v - step * gv / norm
+                nu, nv = u - STEP * gu / norm, v - STEP * gv / norm
                 nrow, ncol = int(math.floor(nv + 0.5)), int(math.floor(nu + 0.5))
                 there = (nrow + 1) * stride + ncol + 1
                 free = times[there] < np.inf
@@ -174,6 +183,7 @@ def descend(u, v, goals, times, delay, stride, step, points, stamps):
                         u, v = nu, nv
                         gridwise = False
         if gridwise:
+            # Otherwise to the lowest of the neighbouring cells' centres.
             lowest, target = times[here], here
             for k in range(9):
                 dr, dc = k // 3 - 1, k % 3 - 1
@@ -185,7 +195,7 @@ def descend(u, v, goals, times, delay, stride, step, points, stamps):
             if target == here:
                 if u == float(col) and v == float(row):
                     # Lowest of its neighbours: a seed in straight sight of a goal.
-                    goal = straight_goal(u, v, np.inf, goals, delay, stride)
+                    goal = straight_goal(u, v, np.inf, goals, grid)
                     if goal < 0:
                         return count, False
                     points[count, 0], points[count, 1] = goals[goal, 0], goals[goal, 1]
@@ -204,8 +214,12 @@ def descend(u, v, goals, times, delay, stride, step, points, stamps):
 
 
 @njit(cache=True)
-def nearest_reached(u, v, values, rows, cols, stride, reach):
-    """Padded index of the finite cell of `values` nearest to (u, v), -1 if none within `reach`."""
+def nearest_reached(u, v, values, rows, cols, reach):
+    """Padded index of the finite cell of `values` nearest to (u, v), -1 if none within `reach`.
+
+    Rings of cells around the point are searched from the inside out.
+    """
+    stride = cols + 2
     row, col = int(math.floor(v + 0.5)), int(math.floor(u + 0.5))
     found = -1
     closest = np.inf
@@ -227,45 +241,50 @@ def nearest_reached(u, v, values, rows, cols, stride, reach):
 
 
 @njit(cache=True)
-def local_path(start, goal, guess, delay, rows, cols, stride, times, visited, work, width, least,
-               step, points, stamps):  # fmt: skip
+def local_path(start, goal, guess, grid, times, work, points, stamps):
     """March from the goal until the start is settled and walk back; leaves `times` at inf.
 
-    The march leaves out cells that cannot lie on a way as good as the straight one, if the
-    straight one is free, or as `guess`. If the way turns out longer than guessed, it is marched
+    The march leaves out cells that cannot lie on a path as good as the straight one, if the
+    straight one is free, or as `guess`. If the path turns out longer than guessed, it is marched
     for again without the guess, so that the result does not depend on it.
+
+    Args:
+        start, goal: Points (u, v) in free cells.
+        guess: Time that the path will hardly exceed, s.
+        grid: What to march over.
+        times: Padded, all inf.
+        work: Of the march.
+        points, stamps: `(K, 2)` and `(K,)`, filled with the path and its remaining times.
 
     Returns:
         Number of points, whether they reach the goal, and the time from the start, inf if there
-        is no way. `points` is too short if there is a way but they do not reach the goal.
+        is no path. `points` is too short if there is one but the points do not reach the goal.
     """
     start_u, start_v = start
     goal_u, goal_v = goal
     row, col = int(math.floor(start_v + 0.5)), int(math.floor(start_u + 0.5))
-    first = (row + 1) * stride + col + 1
+    first = (row + 1) * grid.stride + col + 1
     none = np.int64(0)  # a literal would be compiled a second time
-    straight = line_time(start_u, start_v, goal_u, goal_v, delay, stride)
-    slack = 4.0 * delay[first]
+    straight = line_time(start_u, start_v, goal_u, goal_v, grid)
+    slack = 4.0 * grid.delay[first]
     sure = 1.1 * straight + slack
     bound = min(sure, guess + slack)
-    focus = np.array([start_v + 1.0, start_u + 1.0, least])
     targets = np.array([first])
     while True:
-        count = seed_point(goal_u, goal_v, 3.0, delay, rows, cols, stride, times, visited, none)
-        count = march(delay, stride, times, visited, count, work, width, targets, bound, focus)
+        count = seed_point(goal_u, goal_v, 3.0, grid, times, work.visited, none)
+        stop = Stop(targets, bound, start_v + 1.0, start_u + 1.0)
+        count = march(grid, times, count, work, stop)
         if bound == sure or times[first] + slack <= bound:
             break
         for k in range(count):
-            times[visited[k]] = np.inf
+            times[work.visited[k]] = np.inf
         bound = sure
     length, reached, eta = 0, False, np.inf
     if times[first] < np.inf:
-        eta = time_at(start_u, start_v, times, stride)
+        eta = time_at(start_u, start_v, times, grid.stride)
         goals = np.empty((1, 2))
         goals[0, 0], goals[0, 1] = goal_u, goal_v
-        length, reached = descend(
-            start_u, start_v, goals, times, delay, stride, step, points, stamps
-        )
+        length, reached = descend(start_u, start_v, goals, times, grid, points, stamps)
     for k in range(count):
-        times[visited[k]] = np.inf
+        times[work.visited[k]] = np.inf
     return length, reached, eta

@@ -14,6 +14,7 @@ the time on maps that are larger than the processor's cache.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit, uint32, uintp
@@ -28,21 +29,74 @@ NONE = uint32(0xFFFFFFFF)
 _COLUMNS_AHEAD, _ROWS_AHEAD = 6, 4  # how far from the front memory is asked for
 
 
-def work_space(size: int, nodes: int = 0) -> tuple[np.ndarray, ...]:
-    """What a march over `size` padded cells needs besides its grids; may be used again.
+class PaddedGrid(NamedTuple):
+    """A speed map as a march reads it.
+
+    Attributes:
+        delay: Padded `(P,)` seconds per cell, inf where blocked.
+        rows, cols: Of the map, without the padding.
+        stride: Padded row length.
+        least: Least seconds per cell anywhere; inf if all is blocked.
+        width: Height of a bucket, s.
+    """
+
+    delay: np.ndarray
+    rows: int
+    cols: int
+    stride: int
+    least: float
+    width: float
+
+
+class WorkSpace(NamedTuple):
+    """What a march needs besides its grids; may be used again.
+
+    Attributes:
+        heads: `(BUCKETS,)` first node of each bucket's list.
+        cells, links: `(Q,)` cell of each queue node, and the next node of its list.
+        spares: `(Q,)` nodes that are in no list.
+        later: `(P,)` cells for later rounds of buckets.
+        visited: `(P,)` cells that have a time.
+    """
+
+    heads: np.ndarray
+    cells: np.ndarray
+    links: np.ndarray
+    spares: np.ndarray
+    later: np.ndarray
+    visited: np.ndarray
+
+
+class Stop(NamedTuple):
+    """When a march may end, and what it may leave out.
+
+    Attributes:
+        targets: Padded indices of cells to settle, with the cells around them that are no more
+            than one and a half of their own delays later; empty means all that can be reached.
+        bound: Cells are left out from which the focus cannot be reached by this time, s; inf
+            switches that off.
+        row, col: Padded row and column of the focus.
+    """
+
+    targets: np.ndarray
+    bound: float
+    row: float
+    col: float
+
+
+def work_space(size: int, nodes: int = 0) -> WorkSpace:
+    """Work space for a march over `size` padded cells.
 
     Args:
         size: Number of padded cells.
-        nodes: Number of queue nodes. By default one for each cell, which a front hardly ever
-            comes near to.
-
-    Returns:
-        Heads of the buckets' lists, the nodes' cells, the nodes' links, spare nodes, and cells
-        for later rounds.
+        nodes: Number of queue nodes. At least one for each cell, which a front hardly ever comes
+            near to.
     """
     heads = np.full(BUCKETS, NONE, np.uint32)
     cells, links, spares = (np.empty(max(nodes, size), np.uint32) for _ in range(3))
-    return heads, cells, links, spares, np.empty(size, np.uint32)
+    return WorkSpace(
+        heads, cells, links, spares, np.empty(size, np.uint32), np.empty(size, np.uint32)
+    )
 
 
 @njit(cache=True, error_model="numpy")
@@ -69,19 +123,19 @@ def pad_delays(speed, cell, delay):
 
 
 @njit(cache=True, fastmath={"nnan", "nsz", "contract"}, error_model="numpy")
-def least_rest(cells, count, row_length, focus, rest):
-    """Lower bounds `rest` in s of the ways from cells to the place `focus` (row, col, delay)."""
-    per_row = 1.0 / row_length
+def least_rest(cells, count, grid, stop, rest):
+    """Lower bounds `rest` in s of the times from cells on to the focus of `stop`."""
+    per_row = 1.0 / grid.stride
     for k in range(count):
         n = float(cells[k])
         row = math.floor((n + 0.5) * per_row)
-        down, across = row - focus[0], n - row * row_length - focus[1]
+        down, across = row - stop.row, n - row * grid.stride - stop.col
         away = math.sqrt(down * down + across * across)
-        rest[k] = max(away - 1.5, 0.0) * focus[2]
+        rest[k] = max(away - 1.5, 0.0) * grid.least
 
 
 @njit(cache=True, fastmath={"nnan", "nsz", "contract"})
-def march(delay, row_length, times, visited, seeds, work, width, targets, bound, focus):
+def march(grid, times, seeds, work, stop):
     """Propagate arrival times from seeded cells.
 
     Label-correcting march over buckets of time: the neighbours of the lowest bucket's cells are
@@ -89,34 +143,29 @@ def march(delay, row_length, times, visited, seeds, work, width, targets, bound,
     the fixed point of the first-order upwind scheme, whatever the order.
 
     Args:
-        delay: Padded `(P,)` seconds per cell, inf where blocked.
-        row_length: Padded row length.
-        times: Padded `(P,)`, inf but for the seeds; filled in place.
-        visited: `(P,)` uint32; the seeds stand in front; lists every cell with a time on return.
-        seeds: Number of seeds.
+        grid: A `PaddedGrid` of P cells.
+        times: Padded `(P,)` s, inf but for the seeds; filled in place.
+        seeds: Number of seeds, which stand in front in `work.visited`; on return it lists every
+            cell with a time.
         work: From `work_space(P)`.
-        width: Height of a bucket, s.
-        targets: Padded indices of cells to settle, with the cells around them that are no more
-            than one and a half of their own delays later; empty means all that can be reached.
-        bound: Cells are left out from which the focus cannot be reached by this time, s; inf
-            switches that off.
-        focus: `(3,)` padded row and column of the focus, least seconds per cell.
+        stop: When to end.
 
     Returns:
-        Number of cells in `visited`.
+        Number of cells in `work.visited`.
 
     Raises:
         MemoryError: There are too few queue nodes; times and work space are spoilt.
     """
-    heads, cells, links, spares, far = work
-    none, one, stride = uintp(0), uintp(1), uintp(row_length)
-    columns_ahead, rows_ahead = uintp(_COLUMNS_AHEAD), uintp(_ROWS_AHEAD * row_length)
+    delay, visited, targets, bound = grid.delay, work.visited, stop.targets, stop.bound
+    heads, cells, links, spares, far = work.heads, work.cells, work.links, work.spares, work.later
+    none, one, stride = uintp(0), uintp(1), uintp(grid.stride)
+    columns_ahead, rows_ahead = uintp(_COLUMNS_AHEAD), uintp(_ROWS_AHEAD * grid.stride)
     changed = np.empty(4 * BATCH, np.uint32)  # cells that may get a new time
     ahead = np.empty(4 * BATCH, np.uint32)  # where the front goes from there
     queued = np.empty(4 * BATCH, np.uint32)  # cells to queue, and the buckets they go to
     into = np.empty(4 * BATCH, np.uint32)
     rest = np.zeros(4 * BATCH)  # s from there to the focus, at least
-    per_second = 1.0 / width
+    per_second = 1.0 / grid.width
     guided = bound < np.inf
     base = -np.inf
     count = uintp(seeds)
@@ -141,6 +190,7 @@ def march(delay, row_length, times, visited, seeds, work, width, targets, bound,
             return count
         base = lowest
         far_count = none
+        # Hang the cells of this round into their buckets' lists.
         for k in range(kept):
             n = far[k]
             place = (times[uintp(n)] - base) * per_second
@@ -159,7 +209,9 @@ def march(delay, row_length, times, visited, seeds, work, width, targets, bound,
                 heads[uintp(place)] = node
         for bucket in range(BUCKETS):
             b = uintp(bucket)
+            # A bucket is served until it stays empty: its cells may lower one another.
             while heads[b] != NONE:
+                # Take a batch of cells off the list and collect their free, later neighbours.
                 node = heads[b]
                 todo = none
                 room = BATCH
@@ -189,6 +241,7 @@ def march(delay, row_length, times, visited, seeds, work, width, targets, bound,
                     ahead[todo] = n + rows_ahead
                     todo += uintp((times[n] > t) & (delay[n] < np.inf))
                 heads[b] = node
+                # Each of them may be queued: see that there are as many nodes to hand.
                 while spare < todo:
                     if uintp(made) >= pool:
                         raise MemoryError("work space of the march exhausted")
@@ -196,7 +249,8 @@ def march(delay, row_length, times, visited, seeds, work, width, targets, bound,
                     made += uint32(1)
                     spare += one
                 if guided:
-                    least_rest(changed, todo, row_length, focus, rest)
+                    least_rest(changed, todo, grid, stop, rest)
+                # Solve the upwind scheme for them; note which are to be queued, and where.
                 fresh = none
                 for k in range(todo):
                     n = uintp(changed[uintp(k)])
@@ -229,13 +283,14 @@ def march(delay, row_length, times, visited, seeds, work, width, targets, bound,
                     queued[fresh] = n
                     into[fresh] = nb
                     fresh += uintp(push)
-                for k in range(fresh):
+                for k in range(fresh):  # queue them
                     spare -= one
                     node = spares[spare]
                     nb = uintp(into[uintp(k)])
                     cells[uintp(node)] = queued[uintp(k)]
                     links[uintp(node)] = heads[nb]
                     heads[nb] = node
+            # Targets are settled once no later bucket can change the cells around them.
             if targets.size > 0:
                 settled = True
                 for k in range(targets.size):

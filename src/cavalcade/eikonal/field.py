@@ -14,7 +14,6 @@ from cavalcade.errors import InputError
 from cavalcade.geometry import Array
 
 _ALL: NDArray[np.int64] = np.empty(0, np.int64)
-_STEP = 0.5  # of a cell: step length of a walk down a field
 _FARTHEST = 1e12  # cells
 _SEED_RADIUS = 12.0  # cells around a source that get straight-line times
 
@@ -67,26 +66,29 @@ class TravelGrid:
         self.rows, self.cols = speed.shape
         self._stride = self.cols + 2
         size = (self.rows + 2) * self._stride
-        self._delay = np.empty(size)
+        delay = np.empty(size)
         top = float(speed.max())
-        positive = _march.pad_delays(np.ascontiguousarray(speed), self.cell, self._delay)
+        positive = _march.pad_delays(np.ascontiguousarray(speed), self.cell, delay)
         if not (np.isfinite(top) and positive):
             raise InputError("expected finite speeds of at least 0", key="speed")
-        self._least = self.cell / top if top > 0.0 else np.inf
-        self._visited: NDArray[np.uint32]
-        self._work: tuple[NDArray[np.uint32], ...]
+        least = self.cell / top if top > 0.0 else np.inf
+        width = 0.7 * least if np.isfinite(least) else 1.0
+        self._delay = delay
+        self._padded = _march.PaddedGrid(delay, self.rows, self.cols, self._stride, least, width)
+        self._work: _march.WorkSpace
         if beside is not None and beside._delay.size == size:
-            self._visited, self._work = beside._visited, beside._work
+            self._work = beside._work
         else:
-            self._visited = np.empty(size, np.uint32)
             self._work = _march.work_space(size)
         self._scratch: Array | None = None  # kept at inf between local paths
         self._points: Array = np.empty((0, 2))
         self._stamps: Array = np.empty(0)
 
     @property
-    def _width(self) -> float:
-        return 0.7 * self._least if np.isfinite(self._least) else 1.0
+    def speed(self) -> Array:
+        """Speeds `(rows, cols)`, m/s, as they were given but for rounding."""
+        delay = self._delay.reshape(self.rows + 2, self._stride)[1:-1, 1:-1]
+        return np.asarray(self.cell / delay)
 
     def cell_of(self, point: ArrayLike) -> tuple[int, int]:
         """The [row, col] in which a point `(2,)` lies; it may be outside the grid."""
@@ -142,21 +144,18 @@ class TravelGrid:
             stops = (cells[:, 0] + 1) * self._stride + cells[:, 1] + 1
             stops = stops[self._delay[stops] < np.inf]
         idle = targets is not None and len(stops) == 0
+        stop = _march.Stop(stops, np.inf, 0.0, 0.0)
         while True:
             times = np.full(self._delay.size, np.inf)
             count = 0
             for u, v in places:
                 count = _descent.seed_point(
-                    u, v, radius, self._delay, self.rows, self.cols, self._stride, times,
-                    self._visited, count,
-                )  # fmt: skip
+                    u, v, radius, self._padded, times, self._work.visited, count
+                )
             if count == 0 or idle:
                 return times
             try:
-                _march.march(
-                    self._delay, self._stride, times, self._visited, count, self._work,
-                    self._width, stops, np.inf, np.zeros(3),
-                )  # fmt: skip
+                _march.march(self._padded, times, count, self._work, stop)
             except MemoryError:
                 self._grow()
             else:
@@ -164,7 +163,7 @@ class TravelGrid:
 
     def _grow(self) -> None:
         """More work space, for the rare march whose front is longer than the grid has cells."""
-        self._work = _march.work_space(self._delay.size, 4 * self._work[1].size)
+        self._work = _march.work_space(self._delay.size, 4 * self._work.cells.size)
 
     def _cells(self, cells: ArrayLike, key: str) -> NDArray[np.int64]:
         """[row, col] cells as an array `(N, 2)`."""
@@ -188,11 +187,11 @@ class TravelGrid:
     def local_path(
         self, start: ArrayLike, goal: ArrayLike, guess: float = np.inf
     ) -> tuple[Array, float]:
-        """The fastest way between two points, marching no farther than it must.
+        """The fastest path between two points, marching no farther than it must.
 
         Args:
             start, goal: `(2,)` m.
-            guess: A time that the way will hardly exceed, s. It saves work and never changes the
+            guess: A time that the path will hardly exceed, s. It saves work and never changes the
                 result.
 
         Returns:
@@ -208,8 +207,7 @@ class TravelGrid:
                 self._scratch = np.full(self._delay.size, np.inf)
             try:
                 count, reached, eta = _descent.local_path(
-                    begin, end, float(guess), self._delay, self.rows, self.cols, self._stride,
-                    self._scratch, self._visited, self._work, self._width, self._least, _STEP,
+                    begin, end, float(guess), self._padded, self._scratch, self._work,
                     self._points, self._stamps,
                 )  # fmt: skip
             except MemoryError:
@@ -261,7 +259,7 @@ class TravelGrid:
     def _nearest(self, point: ArrayLike, values: Array, reach: float) -> Array | None:
         u, v = self._place(point)
         rings = int(min(reach / self.cell, self.rows + self.cols)) + 1
-        found = _descent.nearest_reached(u, v, values, self.rows, self.cols, self._stride, rings)
+        found = _descent.nearest_reached(u, v, values, self.rows, self.cols, rings)
         if found < 0:
             return None
         row, col = divmod(found, self._stride)
@@ -271,7 +269,7 @@ class TravelGrid:
 
 
 class ArrivalField:
-    """Arrival times around sources, and the ways down to them. Made by `TravelGrid.field`.
+    """Arrival times around sources, and the paths down to them. Made by `TravelGrid.field`.
 
     Attributes:
         grid: The speed map that was marched over.
@@ -325,9 +323,8 @@ class ArrivalField:
         grid._buffers(16 * (grid.rows + grid.cols))
         while True:
             count, reached = _descent.descend(
-                u, v, self._goals, self._times, grid._delay, grid._stride, _STEP, grid._points,
-                grid._stamps,
-            )  # fmt: skip
+                u, v, self._goals, self._times, grid._padded, grid._points, grid._stamps
+            )
             if reached or not grid._more_points():
                 break
         points = (grid._points[:count] + 0.5) * grid.cell

@@ -8,7 +8,9 @@ from numpy.typing import NDArray
 from cavalcade.eikonal._distance import saturated, square_distance
 from cavalcade.geometry import Array
 
-_LEAST_ROOM = 1e-3  # m; the same for every safe distance, so that all maps block the same cells
+_LEAST_CLEARANCE = (
+    1e-3  # m; the same for every safe distance, so that all maps block the same cells
+)
 
 
 def surface_distance(occupied: NDArray[np.bool_], cell: float, border: bool = True) -> Array:
@@ -41,6 +43,6 @@ def velocity_map(distance: Array, radius: float, safe_distance: float) -> Array:
 
     Returns:
         `(rows, cols)`; 0 in the inflated obstacles and less than a millimetre beside them, where
-        a cell would take longer than any way around it.
+        a cell would take longer than any path around it.
     """
-    return saturated(np.ascontiguousarray(distance), radius, safe_distance, _LEAST_ROOM)
+    return saturated(np.ascontiguousarray(distance), radius, safe_distance, _LEAST_CLEARANCE)

@@ -1,4 +1,4 @@
-"""Who goes first where two bodies' ways come near each other, compiled. Metres, s, radians.
+"""Who goes first where two bodies' paths come near each other, compiled. Metres, s, radians.
 
 A cell (a, b) of a pair (i, j) stands for i at the plan time `a dt` and j at `b dt`, each give or
 take half of `dt`. Only cells with a < b are looked at, where i is to pass first; those of the
@@ -8,11 +8,14 @@ pair (j, i) are the others.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
-from cavalcade.geometry.distances import body_corners, body_gap
+from cavalcade.geometry import Array
+from cavalcade.geometry.boxes import boxes_gap
 
 NEVER = 1 << 30
 """A cell's number where there is none."""
@@ -21,15 +24,53 @@ CONCESSION = 0.01
 """Out of step, bodies may come this much closer than the plan brings them at that time, m."""
 
 
-@njit(cache=True)
-def pose_gap(one, other, first, second, a, b):
-    """Gap of two bodies `(3,)` (length, width, grown) at poses `(3,)`; `a`, `b` `(4, 2)` are used.
+class Order(NamedTuple):
+    """The first blocked cells of all pairs (i, j) and rows a, see `first_cells`.
 
-    Bodies whose centres are farther apart than their radii have that distance at least.
+    Attributes:
+        near: `(N, N, K)` within the band.
+        ahead: `(N, N, K)` the same including rows after each.
+        far: `(N, N, K)` beyond the band.
+        dt: Side of the cells, s.
+        slack: Of this many cells two may be out of step where the plan keeps them close.
     """
-    body_corners(one[0], one[1], one[2], first[0], first[1], a)
-    body_corners(other[0], other[1], other[2], second[0], second[1], b)
-    return body_gap(a, b, first[2] + second[2])
+
+    near: NDArray[np.int64]
+    ahead: NDArray[np.int64]
+    far: NDArray[np.int64]
+    dt: float
+    slack: int
+
+
+class Progress(NamedTuple):
+    """How far the robots have come along their trajectories.
+
+    Attributes:
+        reference: `(N,)` plan times of the references, s.
+        sure: `(N,)` plan times that the bodies have reached, at most `reference`.
+        caps: `(N,)` plan times that the robots may not go beyond for reasons of their own, s.
+        lowest: `(N,)` rates below which robots cannot come within this cycle.
+    """
+
+    reference: Array
+    sure: Array
+    caps: Array
+    lowest: Array
+
+
+class Braking(NamedTuple):
+    """How robots stop.
+
+    Attributes:
+        period: Of a cycle, s.
+        deceleration: Change of a rate per s.
+        trust: Whether robots in step, as the plan has them, count on each other to brake no
+            harder than they do; otherwise any may stop dead.
+    """
+
+    period: float
+    deceleration: float
+    trust: bool
 
 
 @njit(cache=True)
@@ -44,11 +85,11 @@ def first_cells(poses, spread, rests, bodies, margin, band):
     that the plan itself does not.
 
     Args:
-        poses: `(N, K, 3)` every `dt`.
+        poses: `(N, K, 3)` at the centres of the cells.
         spread: `(N, K)` m, how far any point of a body is at most from where it is at the sample,
             within the sample's cell.
         rests: `(N, K)` the last sample up to which the body stands as it does at this one.
-        bodies: `(N, 3)` length, width, grown.
+        bodies: `(N, 3)` length, width, inflation, m.
         margin: m.
         band: Cells.
 
@@ -60,16 +101,18 @@ def first_cells(poses, spread, rests, bodies, margin, band):
     near = np.full((robots, robots, count), NEVER, dtype=np.int64)
     far = np.full((robots, robots, count), NEVER, dtype=np.int64)
     p, q = np.empty((4, 2)), np.empty((4, 2))
+    # How far each robot gets, and what it may move, within any one cell at most.
     strides = np.zeros(robots)
     widest = np.zeros(robots)
     for i in range(robots):
         for k in range(count):
             widest[i] = max(widest[i], spread[i, k])
             if k:
-                way = math.hypot(
+                step = math.hypot(
                     poses[i, k, 0] - poses[i, k - 1, 0], poses[i, k, 1] - poses[i, k - 1, 1]
                 )
-                strides[i] = max(strides[i], way)
+                strides[i] = max(strides[i], step)
+    # `own` are gaps that the plan itself has at a moment, computed when first asked for.
     own = np.empty(count)
     for i in range(robots):
         for j in range(robots):
@@ -80,6 +123,7 @@ def first_cells(poses, spread, rests, bodies, margin, band):
             reach += 0.5 * math.hypot(bodies[j, 0], bodies[j, 1])
             for k in range(count):
                 own[k] = -1.0
+            # From the last row up, so that `soonest` holds for a row and all after it.
             soonest = NEVER
             for a in range(count - 1, -1, -1):
                 least = math.inf
@@ -96,6 +140,7 @@ def first_cells(poses, spread, rests, bodies, margin, band):
                         poses[i, a, 0] - poses[j, b, 0], poses[i, a, 1] - poses[j, b, 1]
                     )
                     if away > reach:
+                        # So many cells ahead nothing can be blocked.
                         b += (
                             max(1, int((away - reach) / max(strides[j], 1e-9)))
                             if strides[j] > 1e-9
@@ -103,17 +148,18 @@ def first_cells(poses, spread, rests, bodies, margin, band):
                         )
                         continue
                     loose = spread[i, a] + spread[j, b]
+                    # Near the diagonal no more is asked for than the plan keeps until then.
                     wanted = margin + loose
                     if inside:
                         while known <= b:
                             if own[known] < 0.0:
-                                own[known] = pose_gap(
+                                own[known] = boxes_gap(
                                     poses[i, known], poses[j, known], bodies[i], bodies[j], p, q
                                 )
                             least = min(least, own[known])
                             known += 1
                         wanted = max(min(wanted, least - CONCESSION), loose)
-                    if pose_gap(poses[i, a], poses[j, b], bodies[i], bodies[j], p, q) < wanted:
+                    if boxes_gap(poses[i, a], poses[j, b], bodies[i], bodies[j], p, q) < wanted:
                         if inside:
                             near[i, j, a] = b
                             b = a + band + 1
@@ -132,105 +178,92 @@ def cell_of(moment, dt, count):
 
 
 @njit(cache=True)
-def pair_bound(near, ahead, far, dt, sure, coming, lead, slack):
+def pair_bound(order, i, j, sure, coming, lead):
     """The plan time that j may not go beyond because of i.
 
     Args:
-        near: `(K,)` of the pair, see `first_cells`.
-        ahead: `(K,)` the same including rows after it.
-        far: `(K,)` of the pair.
-        dt: s.
+        order: `Order`.
+        i, j: The robots.
         sure: Where i is now, s.
         coming: Where i will be if it brakes at once, s.
         lead: How far j is, or will be, ahead of i at most until both stand, s.
-        slack: Of this many cells two may be out of step where the plan keeps them close.
     """
+    near, dt = order.near[i, j], order.dt
     count = near.shape[0]
     now, then = cell_of(sure, dt, count), cell_of(coming, dt, count)
-    bound = min(far[now], ahead[then])
+    bound = min(order.far[i, j, now], order.ahead[i, j, then])
     for a in range(now, then):
         # i will have left the cell by the time j gets there, if j is not too far ahead.
-        if near[a] < bound and (near[a] - a - 1 + slack) * dt < lead - 1e-9:
+        if near[a] < bound and (near[a] - a - 1 + order.slack) * dt < lead - 1e-9:
             bound = near[a]
     return (bound - 0.5) * dt if bound < NEVER else math.inf
 
 
 @njit(cache=True)
-def strict_bounds(ahead, far, dt, sure):
+def strict_bounds(order, sure):
     """`(N,)` the plan times that robots may not go beyond before others have moved on.
 
     Args:
-        ahead, far: `(N, N, K)`, see `pair_bound`.
-        dt: s.
+        order: `Order`.
         sure: `(N,)` where the robots are, s.
     """
+    ahead, far = order.ahead, order.far
     robots, count = ahead.shape[0], ahead.shape[2]
     bounds = np.full(robots, math.inf)
     for i in range(robots):
-        a = cell_of(sure[i], dt, count)
+        a = cell_of(sure[i], order.dt, count)
         for j in range(robots):
             first = min(far[i, j, a], ahead[i, j, a])
             if first < NEVER:
-                bounds[j] = min(bounds[j], (first - 0.5) * dt)
+                bounds[j] = min(bounds[j], (first - 0.5) * order.dt)
     return bounds
 
 
 @njit(cache=True)
-def stopping(rate, period, brake):
+def stopping(rate, braking):
     """Plan time that passes at least, if braking begins after the next cycle, s."""
-    return rate * period + 0.5 * rate * rate / brake
+    return rate * braking.period + 0.5 * rate * rate / braking.deceleration
 
 
 @njit(cache=True)
-def allowed_rates(tables, dt, progress, sure, caps, wanted, lowest, period, brake, trust, slack):
+def allowed_rates(order, progress, wanted, braking):
     """The largest rates with which all can still stop before they are where it is not their turn.
 
     Rates only come down from those wanted, until no pair objects.
 
     Args:
-        tables: near, ahead, far, each `(N, N, K)`, see `pair_bound`.
-        dt: Of their cells, s.
-        progress: `(N,)` plan times of the references, s.
-        sure: `(N,)` plan times that the bodies have reached, at most `progress`.
-        caps: `(N,)` plan times that the robots may not go beyond for reasons of their own, s.
+        order: `Order`.
+        progress: `Progress`.
         wanted: `(N,)` rates in [0, 1].
-        lowest: `(N,)` rates below which robots cannot come within this cycle.
-        period: Of a cycle, s.
-        brake: Change of a rate per s when braking.
-        trust: Whether robots in step, as the plan has them, count on each other to brake no
-            harder than they do; otherwise any may stop dead.
-        slack: See `pair_bound`.
+        braking: `Braking`.
 
     Returns:
         `(N,)` rates.
     """
-    near, ahead, far = tables
-    robots = progress.shape[0]
+    reference, sure, caps, lowest = progress
+    robots = reference.shape[0]
+    period, deceleration = braking.period, braking.deceleration
     rates = wanted.copy()
     for _ in range(50):
         changed = False
         for j in range(robots):
             if rates[j] <= lowest[j]:
                 continue
-            after = progress[j] + stopping(rates[j], period, brake)
+            after = reference[j] + stopping(rates[j], braking)
             bound = caps[j]
             for i in range(robots):
                 if i == j:
                     continue
                 coming = sure[i]
-                if trust:
-                    coming += stopping(rates[i], period, brake)
-                lead = max(progress[j] - sure[i], after - coming)
-                bound = min(
-                    bound,
-                    pair_bound(
-                        near[i, j], ahead[i, j], far[i, j], dt, sure[i], coming, lead, slack
-                    ),
-                )
+                if braking.trust:
+                    coming += stopping(rates[i], braking)
+                lead = max(reference[j] - sure[i], after - coming)
+                bound = min(bound, pair_bound(order, i, j, sure[i], coming, lead))
             if after <= bound + 1e-9:
                 continue
-            room = max(bound - progress[j], 0.0)
-            rate = brake * (math.sqrt(period * period + 2.0 * room / brake) - period)
+            # The rate whose stopping distance is what is left.
+            left = max(bound - reference[j], 0.0)
+            rate = deceleration * (math.sqrt(period * period + 2.0 * left / deceleration) - period)
             rate = max(min(rate, rates[j] - 1e-6), lowest[j], 0.0)
             if rate < rates[j]:
                 rates[j] = rate

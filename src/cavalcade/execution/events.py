@@ -12,7 +12,7 @@ from cavalcade.execution.control import ControlLoop
 from cavalcade.execution.formation_policy import formation_of
 from cavalcade.execution.policy import Reconfigurable
 from cavalcade.fleet import Fleet
-from cavalcade.formation import MovingObstacle
+from cavalcade.formation import DynamicObstacle
 from cavalcade.recording.frames import ObstacleTrack
 from cavalcade.scenario import Event, ObstacleSpan, Scenario, World
 from cavalcade.world import OccupancyMap, shape_from_mapping
@@ -99,7 +99,7 @@ class EventRunner:
                 self._maps.append(changed)
                 self._map_time = time
         if self._team is not None and self._obstacles.motion_changed:
-            self._team.set_moving_obstacles(self._obstacles.movers(time))
+            self._team.set_dynamic_obstacles(self._obstacles.movers(time))
         return happened
 
     def tracks(self, end: float) -> tuple[ObstacleTrack, ...]:
@@ -180,7 +180,7 @@ class _Obstacles:
     def movers(self, time: float) -> list[Any]:
         """What moves now, as the planner takes it."""
         return [
-            MovingObstacle(
+            DynamicObstacle(
                 self._shapes[k].moved(self.spans[k].offset_at(time)),
                 self.spans[k].velocity_at(time),
             )

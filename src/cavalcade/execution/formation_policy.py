@@ -75,11 +75,11 @@ def expected_of(scenario: Scenario) -> Imperfections:
     said, execution = scenario.planner.expect, scenario.execution
     noise = execution.noise if said.noise is None else said.noise
     delay = execution.delay if said.delay is None else said.delay
-    stray = said.stray
-    if stray is None:
+    error = said.tracking_error
+    if error is None:
         legs = execution.backend == "mujoco"
-        stray = max(model.tracking_error for model in scenario.models) if legs else 0.0
-    return Imperfections(noise.position, noise.heading, delay.mean, delay.jitter, delay.drop, stray)
+        error = max(model.tracking_error for model in scenario.models) if legs else 0.0
+    return Imperfections(noise.position, noise.heading, delay.mean, delay.jitter, delay.drop, error)
 
 
 def formation_of(section: FormationSection, robots: int, planner: PlannerSection) -> Formation:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from cavalcade.errors import InputError, ScenarioError
 from cavalcade.fleet import CommandDelay, LocalisationNoise
-from cavalcade.fleet.physics import PhysicsGround, PhysicsSettings
-from cavalcade.fleet.physics.fleet import MujocoFleet
-from cavalcade.fleet.physics.ground import movable_spans
-from cavalcade.fleet.physics.own_robot import own_robot
-from cavalcade.fleet.physics.sensing import SensingErrors
+from cavalcade.fleet.mujoco import PhysicsGround, PhysicsSettings
+from cavalcade.fleet.mujoco.fleet import MujocoFleet
+from cavalcade.fleet.mujoco.ground import movable_spans
+from cavalcade.fleet.mujoco.own_robot import own_robot
+from cavalcade.fleet.mujoco.sensing import SensingErrors
 from cavalcade.lattice.ground import make_ground
 from cavalcade.locomotion.settings import GaitSettings
 from cavalcade.scenario import Scenario, World

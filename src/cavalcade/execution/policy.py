@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
 
-from cavalcade.formation import Formation, MovingObstacle
+from cavalcade.formation import DynamicObstacle, Formation
 from cavalcade.geometry import Array
 from cavalcade.recording.status import PlannerStatus
 from cavalcade.world import OccupancyMap
@@ -51,5 +51,5 @@ class Reconfigurable(Policy, Protocol):
     def update_map(self, map: OccupancyMap) -> None:
         """Replace the map."""
 
-    def set_moving_obstacles(self, obstacles: Sequence[MovingObstacle]) -> None:
+    def set_dynamic_obstacles(self, obstacles: Sequence[DynamicObstacle]) -> None:
         """Say what moves and how fast."""

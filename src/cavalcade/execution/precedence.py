@@ -1,4 +1,4 @@
-"""The order in which robots pass where their ways meet, as a plan has it."""
+"""The order in which robots pass where their paths meet, as a plan has it."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Precedence:
     Let s_k be the plan time up to which robot k has come. The plan itself is the diagonal of the
     square of all (s_i, s_j); cells of it are blocked in which the bodies would come within
     `margin` of each other. Where (a, b) with a < b is blocked, i passes first in the plan: j
-    must stay before b until i has passed a. The ways (s_i, s_j) that keep to this for all cells
+    must stay before b until i has passed a. The paths (s_i, s_j) that keep to this for all cells
     go round each blocked region on the side of the diagonal (Čáp, Gregoire, Frazzoli 2016;
     the same order between events as in Hönig et al. 2019), so no robot enters a shared region
     before its turn, and none meets another however late any of them is.
@@ -76,16 +76,16 @@ class Precedence:
             poses, _spread(poses, models), _rests(poses), bodies, margin, self.band
         )
         backwards = np.minimum.accumulate(self.near[..., ::-1], axis=-1)
-        self.ahead: NDArray[np.int64] = np.ascontiguousarray(backwards[..., ::-1])
+        self._order = _precedence.Order(
+            self.near, np.ascontiguousarray(backwards[..., ::-1]), self.far, step, SLACK
+        )
 
     def bounds(self, progress: Array) -> Array:
         """`(N,)` plan times beyond which nobody may go while the others are at `progress` `(N,)`.
 
         inf for who need not wait.
         """
-        return np.asarray(
-            _precedence.strict_bounds(self.ahead, self.far, self.step, np.asarray(progress, float))
-        )
+        return np.asarray(_precedence.strict_bounds(self._order, np.asarray(progress, float)))
 
     def rates(
         self,
@@ -99,21 +99,9 @@ class Precedence:
         trust: bool,
     ) -> Array:
         """`(N,)` rates of progress for the next cycle; see `_precedence.allowed_rates`."""
-        return np.asarray(
-            _precedence.allowed_rates(
-                (self.near, self.ahead, self.far),
-                self.step,
-                progress,
-                sure,
-                caps,
-                wanted,
-                lowest,
-                period,
-                brake,
-                trust,
-                SLACK,
-            )
-        )
+        state = _precedence.Progress(progress, sure, caps, lowest)
+        braking = _precedence.Braking(period, brake, trust)
+        return np.asarray(_precedence.allowed_rates(self._order, state, wanted, braking))
 
 
 def reach_of(model: RobotModel) -> float:

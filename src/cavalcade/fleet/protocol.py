@@ -84,7 +84,7 @@ class SampledFleet(FallingFleet, Protocol):
     """A fleet in physics, which keeps bodies, joints, forces and contacts over time."""
 
     def samples(self) -> Any:
-        """What was kept so far, see `cavalcade.fleet.physics.sampling.Samples`."""
+        """What was kept so far, see `cavalcade.fleet.mujoco.sampling.Samples`."""
 
 
 @dataclass(frozen=True)

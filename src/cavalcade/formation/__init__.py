@@ -1,8 +1,9 @@
-"""Formation planning: shapes, roles, goals, springs, avoidance, limits and the last filter."""
+"""Formation planning: shapes, roles, goals, springs, avoidance, limits and the safety filter."""
 
+from cavalcade.formation.dynamic_obstacles import DynamicObstacle
 from cavalcade.formation.estimation import Imperfections
-from cavalcade.formation.obstacles import MovingObstacle
 from cavalcade.formation.planner import FormationPlanner
+from cavalcade.formation.safety_filter import SafetyFilter, SafetyInputs
 from cavalcade.formation.settings import (
     IMPROVED,
     LABORATORY,
@@ -27,12 +28,14 @@ __all__ = [
     "SIMULATION_SPRINGS",
     "VARIANTS",
     "Connection",
+    "DynamicObstacle",
     "Formation",
     "FormationPlanner",
     "FormationSettings",
     "Imperfections",
-    "MovingObstacle",
     "PlannerStatus",
+    "SafetyFilter",
+    "SafetyInputs",
     "SpringLaw",
     "Springs",
     "Variant",

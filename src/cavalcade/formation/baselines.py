@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.formation.goals import GoalPlan, descend_from
-from cavalcade.formation.ground import Ground
+from cavalcade.formation.planning_maps import PlanningMaps
 from cavalcade.formation.settings import FormationSettings
 from cavalcade.formation.shapes import Formation
 from cavalcade.formation.team import Team
@@ -17,10 +17,10 @@ _LEASH = 0.5  # m: a virtual structure waits for robots this far behind their pl
 _SPACE = 1.0  # m: neighbours nearer than this are pushed off by the behaviour-based method
 
 
-def rigid_ground(ground: Ground, formation: Formation) -> Ground:
-    """The ground as one rigid body of the whole shape sees it, whatever its heading."""
+def rigid_maps(maps: PlanningMaps, formation: Formation) -> PlanningMaps:
+    """The maps as one rigid body of the whole shape sees it, whatever its heading."""
     extent = float(np.hypot(formation.slots[:, 0], formation.slots[:, 1]).max())
-    return ground.tightened(ground.settings.r_max + extent)
+    return maps.tightened(maps.settings.r_max + extent)
 
 
 def behave(
@@ -50,15 +50,15 @@ def _virtual_structure(
     active = team.active
     middle = team.formation.slots.mean(axis=0)
     centre = points[active].mean(axis=0)
-    way = descend_from(plan.field, centre)
-    if not np.isfinite(way.eta):
+    path = descend_from(plan.field, centre)
+    if not np.isfinite(path.eta):
         paths = (np.empty((0, 2)),) * len(points)
         return np.zeros_like(points), points.copy(), paths, False
-    final = way.eta < settings.lookahead
+    final = path.eta < settings.lookahead
     if final:
         heading, ahead = float(plan.pose[2]), plan.pose[:2]
     else:
-        ahead, heading = way.ahead(0.5)
+        ahead, heading = path.ahead(0.5)
     slots = team.formation.slots if final else team.formation.slots - middle
     places = slots @ rotation(heading).T + (ahead if final else centre)
     targets = np.vstack([places, [np.nan, np.nan]])[roles]
@@ -69,7 +69,7 @@ def _virtual_structure(
     length = float(np.hypot(*course))
     course = course / length if length > 1e-9 else course
     velocity = 1.5 * error + (0.0 if final else pace) * course
-    paths = tuple(way.points if k == active[0] else np.empty((0, 2)) for k in range(len(points)))
+    paths = tuple(path.points if k == active[0] else np.empty((0, 2)) for k in range(len(points)))
     return velocity, targets, paths, final
 
 
@@ -90,14 +90,13 @@ def _behaviours(
     error = np.nan_to_num(targets - points)
     away = np.hypot(error[:, 0], error[:, 1])
     velocity = top * error / np.maximum(away, 1e-9)[:, None]
-    ground = plan.ground
     for k in team.active:
         for j in range(len(points)):
             offset = points[k] - points[j]
             gap = float(np.hypot(*offset))
             if 1e-9 < gap < _SPACE:
                 velocity[k] += top * (_SPACE - gap) / _SPACE * offset / gap
-        slope = _slope(ground, points[k])
+        slope = _slope(plan.maps, points[k])
         velocity[k] += top * slope
     final = bool(away[team.active].max() < settings.lookahead * top)
     paths = tuple(
@@ -107,12 +106,12 @@ def _behaviours(
     return velocity, targets, paths, final
 
 
-def _slope(ground: Ground, point: Array) -> Array:
+def _slope(maps: PlanningMaps, point: Array) -> Array:
     """A push off near obstacles, 1 at the inflated ones and 0 from d_safe_b on."""
-    step = np.array([[ground.cell, 0.0], [0.0, ground.cell]])
-    w = float(ground.speed_at(point[None])[0])
+    step = np.array([[maps.cell, 0.0], [0.0, maps.cell]])
+    w = float(maps.speed_at(point[None])[0])
     if w >= 1.0:
         return np.zeros(2)
-    rise = ground.clearance(point + step) - ground.clearance(point - step)
+    rise = maps.clearance(point + step) - maps.clearance(point - step)
     length = float(np.hypot(*rise))
     return (1.0 - w) * rise / length if length > 1e-9 else np.zeros(2)

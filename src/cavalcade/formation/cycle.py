@@ -51,7 +51,7 @@ class Cycle:
         away: `(N,)` distances to the final slots, m; inf unless `final`.
         final: Robots drive to their final slots.
         roles, paths, targets: As reported.
-        detours: Places `(2,)` where wedged robots go to turn, by robot, m.
+        detours: Places `(2,)` where stuck robots go to turn, by robot, m.
         facing: `(N,)` headings that robots are to take up or keep, rad; nan for as usual.
     """
 
@@ -146,7 +146,7 @@ def direction(path: Array, reach: float = _FIRST) -> Array:
 
 
 def path_heading(path: Array) -> float | None:
-    """Direction of the way ahead in rad, None without one."""
+    """Direction of the path ahead in rad, None without one."""
     course = direction(path, _AHEAD)
     return float(np.arctan2(course[1], course[0])) if course.any() else None
 

@@ -39,7 +39,7 @@ class Imperfections:
         delay, jitter: Mean and standard deviation of the time from a command's being sent to its
             taking effect, s.
         drop: Fraction of the messages that are lost.
-        stray: How far a robot may stray from the motion that its model foresees, m.
+        tracking_error: How far a robot may be from where its motion model foresees it, m.
     """
 
     position: float = 0.0
@@ -47,7 +47,7 @@ class Imperfections:
     delay: float = 0.0
     jitter: float = 0.0
     drop: float = 0.0
-    stray: float = 0.0
+    tracking_error: float = 0.0
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -66,7 +66,7 @@ class Imperfections:
         """How far a point of a robot, `reach` from its centre, may be from where it is taken, m."""
         place = self.position * math.sqrt(_gain(self.position, period))
         turn = self.heading * math.sqrt(_gain(self.heading, period))
-        return _SIGMAS * math.hypot(place, reach * turn) + self.stray
+        return _SIGMAS * math.hypot(place, reach * turn) + self.tracking_error
 
     def held(self, period: float) -> int:
         """Cycles that a command may stay in effect before the next one arrives, at least 1.

@@ -8,40 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.eikonal import ArrivalField
-from cavalcade.formation.ground import Ground
+from cavalcade.formation._clearance import Footprint
+from cavalcade.formation.planning_maps import PlanningMaps
 from cavalcade.geometry import Array, rotation, transform_points
 
 _SHIFT_REACH = 3.0  # m: how far a goal whose slots do not fit is moved at most
 _ESCAPE = 1.5  # m: how far free ground is looked for from within the inflated zone
 _W_ESCAPE = 0.1  # velocity-map value assumed on the way out of it
-_ROOM = (0.06, 0.02)  # m around the bodies in their slots
+_INFLATIONS = (0.06, 0.02)  # m around the bodies in their slots
 _SHIFT_STEP = 0.05  # m: step in which partial goals are moved to free ground
 
 
-@dataclass(frozen=True)
-class BodyCover:
-    """Discs that cover a robot's footprint.
-
-    Attributes:
-        offsets: `(K, 2)` their centres in the body's frame, m.
-        radius: m.
-    """
-
-    offsets: Array
-    radius: float
-
-    @classmethod
-    def of(cls, length: float, width: float, columns: int = 4, rows: int = 1) -> BodyCover:
-        """The least discs of one size, in rows along the body, that cover a rectangle."""
-        step, lane = length / columns, width / rows
-        x = (np.arange(columns) - (columns - 1) / 2.0) * step
-        y = (np.arange(rows) - (rows - 1) / 2.0) * lane
-        offsets = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-        return cls(offsets, float(np.hypot(step / 2.0, lane / 2.0)))
-
-
 class GoalPlan:
-    """What is known of one goal on one ground; in the grid's frame.
+    """What is known of one goal on one state of the maps; in the grid's frame.
 
     Attributes:
         pose: `(3,)` the formation's centre, moved where its slots did not fit.
@@ -52,25 +31,26 @@ class GoalPlan:
     """
 
     def __init__(
-        self, ground: Ground, goal: Array, slots: Array, points: Array, cover: BodyCover
+        self, maps: PlanningMaps, goal: Array, slots: Array, points: Array, footprint: Footprint
     ) -> None:
         """Plan for robots at `points` `(S, 2)`, the ones that take part."""
-        self.ground = ground
+        self.maps = maps
         self.moved = 0.0
         self.cut_off: NDArray[np.int64] = np.empty(0, np.int64)
-        regions = np.array([ground.component(point) for point in points])
+        regions = np.array([maps.component(point) for point in points])
         names, counts = np.unique(regions[regions > 0], return_counts=True)
         wanted = transform_points(goal, slots)
         shift = None
         if len(names) > 0:
             common = int(names[np.argmax(counts)])
-            body = cover.offsets @ rotation(goal[2]).T
-            for room in _ROOM:  # with room to turn there if it can be had
-                shift = ground.placement(wanted, common, _SHIFT_REACH, body, cover.radius + room)
+            body = footprint.discs @ rotation(goal[2]).T
+            for inflation in _INFLATIONS:  # with space to turn there if it can be had
+                needed = footprint.radius + inflation
+                shift = maps.placement(wanted, common, _SHIFT_REACH, body, needed)
                 if shift is not None:
                     break
-                if ground.placement(wanted, None, 0.0, body, cover.radius + room) is not None:
-                    break  # the slots fit where they are, but there is no way to them
+                if maps.placement(wanted, None, 0.0, body, needed) is not None:
+                    break  # the slots fit where they are, but no path leads there
             self.cut_off = np.nonzero(regions != common)[0]
         if shift is None:
             self.cut_off = np.arange(len(points))
@@ -78,7 +58,7 @@ class GoalPlan:
         self.moved = float(np.hypot(*shift))
         self.pose = goal + np.append(shift, 0.0)
         self.places = wanted + shift
-        self.field = self._centre_field(ground)
+        self.field = self._centre_field(maps)
         self._slot_fields: dict[int, ArrivalField] = {}
         self._whole: set[int] = set()  # slots whose fields hold all that can be reached
         self._entered: tuple[bytes, list[tuple[int, int]]] = (b"", [])
@@ -98,7 +78,7 @@ class GoalPlan:
         cells = self._entries(points)
         if known is not None and known.reaches(cells):
             return known
-        field = self.ground.follower.field(self.places[slot], targets=cells or None)
+        field = self.maps.follower.field(self.places[slot], targets=cells or None)
         self._slot_fields[slot] = field
         if not cells or not field.reaches(cells):
             self._whole.add(slot)  # the march ended because there was nowhere left to go
@@ -108,7 +88,7 @@ class GoalPlan:
         """The free [row, col] cells that points stand in or next to, where there are any."""
         key = points.tobytes()
         if self._entered[0] != key:  # every robot of a team asks for the same points
-            grid = self.ground.follower
+            grid = self.maps.follower
             near = [
                 point if grid.is_free(point) else grid.nearest_free(point, reach=_ESCAPE)
                 for point in points
@@ -116,29 +96,29 @@ class GoalPlan:
             self._entered = (key, [grid.cell_of(point) for point in near if point is not None])
         return self._entered[1]
 
-    def _centre_field(self, ground: Ground) -> ArrivalField:
+    def _centre_field(self, maps: PlanningMaps) -> ArrivalField:
         centre = self.pose[:2]
-        if not ground.leader.is_free(centre):
+        if not maps.leader.is_free(centre):
             # A shape around an obstacle: head for the free ground nearest to its centre.
-            near = ground.leader.nearest_free(centre)
+            near = maps.leader.nearest_free(centre)
             centre = self.places[0] if near is None else near
-        return ground.leader.field(centre)
+        return maps.leader.field(centre)
 
 
 @dataclass(frozen=True)
 class Descent:
-    """A robot's way down a field: points `(K, 2)` m and remaining times `(K,)` s."""
+    """A robot's path down a field: points `(K, 2)` m and remaining times `(K,)` s."""
 
     points: Array
     times: Array
 
     @property
     def eta(self) -> float:
-        """Seconds to the source; inf where there is no way."""
+        """Seconds to the source; inf where there is no path."""
         return float(self.times[0]) if len(self.times) else np.inf
 
     def ahead(self, time: float) -> tuple[Array, float]:
-        """The point `time` seconds along the way, and the way's direction there in rad."""
+        """The point `time` seconds along the path, and its direction there in rad."""
         k = int(np.searchsorted(-self.times, -(self.times[0] - time)))
         k = min(max(k, 1), len(self.points) - 1)
         span = self.times[k - 1] - self.times[k]
@@ -152,7 +132,7 @@ class Descent:
 
 
 def descend_from(field: ArrivalField, point: Array) -> Descent:
-    """The way from any point; one in the inflated zone first makes for free ground.
+    """The path from any point; one in the inflated zone first makes for free ground.
 
     Args:
         field: Where to.
@@ -172,12 +152,12 @@ def descend_from(field: ArrivalField, point: Array) -> Descent:
 
 
 def partial_goals(
-    ground: Ground, anchor: Array, heading: float, slots: Array, w_min: float
+    maps: PlanningMaps, anchor: Array, heading: float, slots: Array, w_min: float
 ) -> Array:
     """Partial goals of all slots (Norén et al., eq. 2), moved to free ground where needed.
 
     Args:
-        ground: The map.
+        maps: The map.
         anchor: `(2,)` the leader's partial goal p_1, m.
         heading: Direction of the leader's path there, rad.
         slots: `(S, 2)` the leader's first.
@@ -187,7 +167,7 @@ def partial_goals(
         `(S, 2)` m.
     """
     goals = (slots - slots[0]) @ rotation(heading).T + anchor
-    pending = np.nonzero(ground.speed_at(goals) < w_min)[0]
+    pending = np.nonzero(maps.speed_at(goals) < w_min)[0]
     pending = pending[pending > 0]
     if len(pending) == 0:
         return goals
@@ -196,7 +176,7 @@ def partial_goals(
     steps = np.arange(1, int(np.ceil(length.max() / _SHIFT_STEP)) + 1) * _SHIFT_STEP
     share = np.minimum(steps[None] / np.maximum(length, 1e-9)[:, None], 1.0)
     tried = goals[pending][:, None] + share[..., None] * offset[:, None]
-    speed = ground.speed_at(tried.reshape(-1, 2)).reshape(share.shape)
+    speed = maps.speed_at(tried.reshape(-1, 2)).reshape(share.shape)
     good = (speed >= w_min) | (share >= 1.0)
     first = np.argmax(good, axis=1)
     goals[pending] = tried[np.arange(len(pending)), first]
@@ -204,7 +184,7 @@ def partial_goals(
 
 
 def eta_from(field: ArrivalField, point: Array) -> float:
-    """Arrival time from any point, s; from the inflated zone by its nearest free ground."""
+    """Arrival time from any point, s; from the inflated zone by its nearest free maps."""
     eta = field.eta(point)
     if np.isfinite(eta):
         return eta
@@ -214,20 +194,20 @@ def eta_from(field: ArrivalField, point: Array) -> float:
     return field.eta(near) + float(np.hypot(*(near - point))) / _W_ESCAPE
 
 
-def local_way(
-    ground: Ground, start: Array, goal: Array, guess: float = np.inf
+def local_path(
+    maps: PlanningMaps, start: Array, goal: Array, guess: float = np.inf
 ) -> tuple[Array, float]:
     """The local path on W_B; from the inflated zone first to the nearest free ground.
 
     Args:
-        ground: The map.
+        maps: The map.
         start, goal: `(2,)` m.
-        guess: A time that the way will hardly exceed, s; it only saves work.
+        guess: A time that the path will hardly exceed, s; it only saves work.
 
     Returns:
-        Points `(K, 2)`, empty where there is no way, and the time, inf where there is none.
+        Points `(K, 2)`, empty where there is no path, and the time, inf where there is none.
     """
-    grid = ground.follower
+    grid = maps.follower
     path, eta = grid.local_path(start, goal, guess)
     if len(path) or grid.is_free(start):
         return path, eta

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.formation.baselines import behave, rigid_ground
+from cavalcade.formation._clearance import Footprint, ObstacleBoxes, Surroundings
+from cavalcade.formation.baselines import behave, rigid_maps
 from cavalcade.formation.cycle import (
     EMPTY_PATH,
     Cycle,
@@ -18,29 +19,28 @@ from cavalcade.formation.cycle import (
     named,
     order_of,
 )
-from cavalcade.formation.evasion import Evasion
+from cavalcade.formation.deadlock import DeadlockMonitor
+from cavalcade.formation.dynamic_avoidance import DynamicAvoidance
 from cavalcade.formation.goals import (
-    BodyCover,
     GoalPlan,
     descend_from,
     eta_from,
-    local_way,
+    local_path,
     partial_goals,
 )
-from cavalcade.formation.ground import Ground
+from cavalcade.formation.planning_maps import PlanningMaps
 from cavalcade.formation.roles import assign_followers, assign_goals, choose_leader
 from cavalcade.formation.settings import FormationSettings
 from cavalcade.formation.shaping import Shaper
-from cavalcade.formation.standoff import StandoffWatch
+from cavalcade.formation.stuck_recovery import StuckRecovery
 from cavalcade.formation.team import Team
 from cavalcade.formation.variants import Variant
-from cavalcade.formation.wedging import WedgeWatch
 from cavalcade.geometry import Array
 from cavalcade.robots import RobotModel
 
-_LONGER, _LATER = 1.1, 0.3  # how much longer than last cycle's, in share and s, a way may get
+_LONGER, _LATER = 1.1, 0.3  # how much longer than last cycle's, in share and s, a path may get
 _PASSED = 0.25  # m from all slots at which a waypoint counts as reached
-_TIGHTER = (0.25, 0.21)  # m: inflation radii tried where r_max leaves no way
+_TIGHTER = (0.25, 0.21)  # m: inflation radii tried where r_max leaves no path
 
 
 class Navigator:
@@ -58,10 +58,10 @@ class Navigator:
         self._variant = variant
         self._settings = settings
         self._shaper = Shaper(variant, settings, model, period)
-        self._cover = BodyCover.of(model.length, model.width)
-        self._watch = StandoffWatch(settings.lookahead, rng)
-        self._wedges = WedgeWatch(model)
-        self._evasion = Evasion(model, self._shaper.top, error)
+        self._footprint = Footprint.of(model.length, model.width)
+        self._deadlock = DeadlockMonitor(settings.lookahead, rng)
+        self._recovery = StuckRecovery(model)
+        self._avoidance = DynamicAvoidance(model, self._shaper.top, error)
         self._evading: list[int] = []
         self.goals: Array = np.empty((0, 3))
         self.radius = settings.r_max
@@ -72,8 +72,8 @@ class Navigator:
         """Replace the goals `(G, 3)`; `keep` says that they are the same ones, seen anew."""
         self.goals = goals
         if keep:
-            self._wedges.restart()  # what they remember is in the old frame
-            self._evasion.forget()
+            self._recovery.restart()  # what they remember is in the old frame
+            self._avoidance.forget()
         else:
             self._waypoint = 0
             self.restart()
@@ -87,22 +87,22 @@ class Navigator:
         self._times: dict[int, float] = {}
         self._view = View(state=self._state)
         self._shaper.reset()
-        self._watch.restart()
-        self._wedges.restart()
+        self._deadlock.restart()
+        self._recovery.restart()
         self.refresh()
 
     def refresh(self) -> None:
-        """The ground has changed: plan anew, keep state and roles."""
+        """The maps have changed: plan anew, keep state and roles."""
         self._plan: GoalPlan | None = None
-        self._planned: Ground | None = None
-        self._watch.refresh()
+        self._planned: PlanningMaps | None = None
+        self._deadlock.refresh()
         if self._state in ("stuck", "infeasible"):
             self._state = "partial"
 
     def go_on(self) -> None:
         """Time has passed without cycles."""
         self._shaper.forget_springs()
-        self._wedges.go_on()
+        self._recovery.go_on()
         self.refresh()
 
     def rank(self, robots: int) -> NDArray[np.int64]:
@@ -114,7 +114,7 @@ class Navigator:
         return np.argsort([*self._evading, *late])
 
     def evading(self, robots: int) -> NDArray[np.bool_]:
-        """`(N,)` which robots get out of the way of what moves."""
+        """`(N,)` which robots get out of the way of dynamic obstacles."""
         evading = np.zeros(robots, np.bool_)
         evading[self._evading] = True
         return evading
@@ -133,13 +133,12 @@ class Navigator:
 
     def step(
         self,
-        ground: Ground,
+        maps: PlanningMaps,
         team: Team,
         poses: Array,
         velocities: Array,
         time: float,
-        movers: Array,
-        mover_speeds: Array,
+        boxes: ObstacleBoxes,
     ) -> Array:
         """Wanted velocities `(N, 3)`: m/s, m/s, rad/s; the limits of eq. 7 hold for them."""
         self._evading = []
@@ -149,16 +148,16 @@ class Navigator:
             self._view = View()
             return wanted
         points = np.ascontiguousarray(poses[:, :2])
-        plan = self._planned_for(ground, team, points, active)
+        plan = self._planned_for(maps, team, points, active)
         cycle = Cycle(plan, team, poses, points, active, time)
         if self._state == "infeasible":
-            self._state = "partial"  # for the way may be free again
+            self._state = "partial"  # for a path may be free again
         message = ""
         involved: tuple[int, ...] = ()
         if len(plan.cut_off) > 0:
             self._state = "infeasible"
             involved = tuple(int(active[k]) for k in plan.cut_off)
-            message = f"no way to the goal for {named(involved)}"
+            message = f"no path to the goal for {named(involved)}"
         elif self._state == "stuck":
             message, involved = self._view.message, self._view.involved
             cycle.roles = self._roles if len(self._roles) else cycle.roles
@@ -169,35 +168,36 @@ class Navigator:
         if cycle.velocity is not None:
             wanted[:, :2] = cycle.velocity
             wanted[:, 2] = self._shaper.yaw_rates(cycle)
-        if self._variant.improved and len(movers):
-            self._evading = self._evasion.apply(
-                wanted, poses, velocities, active, movers, mover_speeds, ground, self.radius
+        if self._variant.improved and len(boxes.poses):
+            around = Surroundings(maps.distance, maps.cell, *boxes)
+            self._evading = self._avoidance.apply(
+                wanted, poses, velocities, active, around, self.radius
             )
         self._view = cycle.view(self._state, self._leader, self._waypoint, message, involved)
         self._advance_waypoint(cycle)
         return wanted
 
     def _planned_for(
-        self, ground: Ground, team: Team, points: Array, active: NDArray[np.int64]
+        self, maps: PlanningMaps, team: Team, points: Array, active: NDArray[np.int64]
     ) -> GoalPlan:
-        if self._plan is not None and self._planned is ground:
+        if self._plan is not None and self._planned is maps:
             return self._plan
         goal, slots = self.goals[self._waypoint], team.formation.slots
-        used = rigid_ground(ground, team.formation) if self._variant.rigid else ground
-        plan = GoalPlan(used, goal, slots, points[active], self._cover)
+        used = rigid_maps(maps, team.formation) if self._variant.rigid else maps
+        plan = GoalPlan(used, goal, slots, points[active], self._footprint)
         for radius in _TIGHTER if self._variant.improved else ():
             if len(plan.cut_off) == 0 or radius >= self._settings.r_max:
                 break
-            tighter = ground.tightened(radius)
-            other = GoalPlan(tighter, goal, slots, points[active], self._cover)
+            tighter = maps.tightened(radius)
+            other = GoalPlan(tighter, goal, slots, points[active], self._footprint)
             if len(other.cut_off) == 0:
                 plan = other
-        self.radius = min(plan.ground.radius, self._settings.r_max)
-        self._plan, self._planned = plan, ground
+        self.radius = min(plan.maps.radius, self._settings.r_max)
+        self._plan, self._planned = plan, maps
         return plan
 
     def _follow_plan(self, cycle: Cycle) -> tuple[str, tuple[int, ...]]:
-        """The paper's two states, and ours for stand-offs. Returns message and robots involved."""
+        """The paper's two states, and ours for deadlocks. Returns message and robots involved."""
         for k in cycle.active:
             cycle.eta[k] = eta_from(cycle.plan.field, cycle.points[k])
         self._rank = order_of(cycle.eta)
@@ -206,13 +206,13 @@ class Navigator:
                 self._leader = choose_leader(cycle.eta, self._leader, self._settings.d_switch)
             if self._leader >= 0 and cycle.eta[self._leader] < self._settings.lookahead:
                 self._state = "final"
-                self._watch.refresh()
-        if self._variant.standoffs:
-            self._state = self._watch.next_state(self._state, cycle, self._roles)
+                self._deadlock.refresh()
+        if self._variant.recovery:
+            self._state = self._deadlock.next_state(self._state, cycle, self._roles)
         if self._state == "stuck":
             cycle.roles = self._roles if len(self._roles) else cycle.roles
-            late = self._watch.late
-            return f"stand-off of {named(late)}", late
+            late = self._deadlock.late
+            return f"deadlock of {named(late)}", late
         if self._state == "resolving":
             self._resolve(cycle)
         elif self._state == "final":
@@ -224,20 +224,20 @@ class Navigator:
     def _partial(self, cycle: Cycle) -> None:
         """Steps 3 to 8: the leader follows its path, the others their partial goals."""
         plan, points, slots = cycle.plan, cycle.points, cycle.team.formation.slots
-        way = descend_from(plan.field, points[self._leader])
-        if len(way.points) == 0:
+        path = descend_from(plan.field, points[self._leader])
+        if len(path.points) == 0:
             cycle.roles = self._roles if len(self._roles) else cycle.roles
             return  # no free ground within reach: the team stands
-        course = direction(way.points)
+        course = direction(path.points)
         heading = float(np.arctan2(course[1], course[0]))
         if self._variant.adaptive_roles or len(self._roles) == 0:
             self._roles = assign_followers(points, self._leader, heading, slots, cycle.active)
         anchor = points[self._leader]
         if self._variant.lookahead:
-            anchor, heading = way.ahead(self._settings.lookahead)
-        goals = partial_goals(plan.ground, anchor, heading, slots, self._settings.w_min_partial)
+            anchor, heading = path.ahead(self._settings.lookahead)
+        goals = partial_goals(plan.maps, anchor, heading, slots, self._settings.w_min_partial)
         cycle.targets = by_robot(goals, self._roles)
-        self._drive(cycle, {self._leader: way.points})
+        self._drive(cycle, {self._leader: path.points})
 
     def _final(self, cycle: Cycle) -> None:
         """Step 7: everyone to the nearest slots at the goal."""
@@ -247,23 +247,23 @@ class Navigator:
         cycle.targets = by_robot(cycle.plan.places, self._roles)
         cycle.away = distances(cycle.points, cycle.targets)
         cycle.roles = self._roles
-        if self._variant.standoffs and self._wedges.update(cycle):
-            self._watch.refresh()
+        if self._variant.recovery and self._recovery.update(cycle):
+            self._deadlock.refresh()
         self._drive(cycle, {})
 
     def _resolve(self, cycle: Cycle) -> None:
         """One by one along each robot's own field."""
-        single = self._watch.single_file(cycle)
+        single = self._deadlock.single_file(cycle)
         self._roles, self._rank = single.roles, single.rank
         cycle.final = True
         cycle.roles = self._roles
         cycle.targets = by_robot(cycle.plan.places, self._roles)
         cycle.away = distances(cycle.points, cycle.targets)
-        if self._wedges.update(cycle, single.paths):
-            self._watch.refresh()
+        if self._recovery.update(cycle, single.paths):
+            self._deadlock.refresh()
         paths, courses = list(single.paths), single.courses
         for k, place in cycle.detours.items():
-            paths[k], _ = local_way(cycle.plan.ground, cycle.points[k], place)
+            paths[k], _ = local_path(cycle.plan.maps, cycle.points[k], place)
             courses[k] = direction(paths[k])
         cycle.paths = tuple(paths)
         desired = courses * self._shaper.top
@@ -271,7 +271,7 @@ class Navigator:
 
     def _drive(self, cycle: Cycle, known: dict[int, Array]) -> None:
         """Desired velocities along paths (local ones but for `known`), then steps 9 to 11."""
-        ground, points, targets = cycle.plan.ground, cycle.points, cycle.targets
+        maps, points, targets = cycle.plan.maps, cycle.points, cycle.targets
         if targets is None:
             return
         cycle.roles = self._roles
@@ -280,13 +280,13 @@ class Navigator:
         for k in cycle.active:
             path = known.get(int(k))
             if int(k) in cycle.detours:
-                path, _ = local_way(ground, points[k], cycle.detours[int(k)])
+                path, _ = local_path(maps, points[k], cycle.detours[int(k)])
             elif path is None and cycle.final:
                 field = cycle.plan.slot_field(int(self._roles[k]), points[cycle.active])
                 path = descend_from(field, points[k]).points
             elif path is None:
-                path, self._times[int(k)] = local_way(
-                    ground,
+                path, self._times[int(k)] = local_path(
+                    maps,
                     points[k],
                     targets[k],
                     _LONGER * self._times.get(int(k), np.inf) + _LATER,

@@ -1,7 +1,7 @@
 """The formation planner: poses in, velocity commands out, once per cycle.
 
 Norén et al., "Role-Adaptive Collaborative Formation Planning for Team of Quadruped Robots in
-Cluttered Environments", with stand-off resolution and a last filter of our own on top.
+Cluttered Environments", with deadlock resolution and a safety filter of our own on top.
 """
 
 from __future__ import annotations
@@ -13,10 +13,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.errors import InputError
 from cavalcade.formation import modes
+from cavalcade.formation._clearance import ObstacleBoxes, Surroundings
+from cavalcade.formation._least_change import TeamState
+from cavalcade.formation.dynamic_obstacles import DynamicObstacle, obstacle_boxes
 from cavalcade.formation.estimation import Imperfections, StateEstimator
-from cavalcade.formation.ground import Ground
-from cavalcade.formation.obstacles import MovingObstacle, mover_arrays
-from cavalcade.formation.safety import SafetyFilter
+from cavalcade.formation.planning_maps import PlanningMaps
+from cavalcade.formation.safety_filter import SafetyFilter, SafetyInputs
 from cavalcade.formation.settings import PRESETS, FormationSettings
 from cavalcade.formation.shapes import Formation
 from cavalcade.formation.team import Team
@@ -48,10 +50,10 @@ class FormationPlanner:
         settings: The paper's parameters, or the name of a preset; None for the variant's own.
         variant: One of `cavalcade.formation.VARIANTS`.
         rate: Cycles per second.
-        seed: Of the choices that break a repeated stand-off.
+        seed: Of the choices that break a repeated deadlock.
         lookahead: Over the settings' look-ahead, s.
         expected: How well the robots are located and reached; None for perfectly. Variants
-            with the last filter plan for the moment when their commands arrive, and keep wider
+            with the safety filter plan for the moment when their commands arrive, and keep wider
             gaps.
 
     Raises:
@@ -89,7 +91,7 @@ class FormationPlanner:
         self.variant = variant_named(variant)
         self.rate = float(rate)
         self._map = map
-        self._ground = Ground(map.occupied, map.resolution, self.settings)
+        self._maps = PlanningMaps(map.occupied, map.resolution, self.settings)
         self._team = Team(robots, formation)
         period = 1.0 / self.rate
         self._expected = expected or Imperfections()
@@ -97,13 +99,13 @@ class FormationPlanner:
         if self.variant.filter and not self._expected.none:
             self._tracker = StateEstimator(self.model, period, self._expected)
         self._filter = SafetyFilter(self.model, period, self._expected)
-        self._movers: tuple[MovingObstacle, ...] = ()
+        self._obstacles: tuple[DynamicObstacle, ...] = ()
         self._mode = modes.Navigator(
             self.variant, self.settings, self.model, period, np.random.default_rng(seed),
             self._expected.error(period, self.model.length / 2.0),
         )  # fmt: skip
         self._paused = False
-        self._bodies: tuple[Ground, Array, Ground] | None = None
+        self._bodies: tuple[PlanningMaps, Array, PlanningMaps] | None = None
         self._status = self._make_status(np.zeros((robots, 3)))
 
     @property
@@ -171,11 +173,11 @@ class FormationPlanner:
             and tuple(map.origin) == tuple(self._map.origin)
         )
         if same:
-            self._ground = self._ground.changed(map.occupied)
+            self._maps = self._maps.changed(map.occupied)
         else:
             goals = self._mode.goals
             old, new = np.asarray(self._map.origin), np.asarray(map.origin)
-            self._ground = Ground(map.occupied, map.resolution, self.settings)
+            self._maps = PlanningMaps(map.occupied, map.resolution, self.settings)
             if len(goals):
                 there = transform_points(old, goals[:, :2])
                 yaw = goals[:, 2] + old[2] - new[2]
@@ -185,9 +187,9 @@ class FormationPlanner:
         self._map = map
         self._mode.refresh()
 
-    def set_moving_obstacles(self, obstacles: Sequence[MovingObstacle]) -> None:
+    def set_dynamic_obstacles(self, obstacles: Sequence[DynamicObstacle]) -> None:
         """Say what moves now and how fast; an empty list when nothing moves any more."""
-        self._movers = tuple(obstacles)
+        self._obstacles = tuple(obstacles)
 
     def step(self, poses: ArrayLike, time: float, stamps: ArrayLike | None = None) -> Array:
         """One cycle.
@@ -224,15 +226,15 @@ class FormationPlanner:
             )
         if origin[2]:
             velocities[:, :2] = velocities[:, :2] @ rotation(origin[2])
-        movers, speeds = mover_arrays(self._movers, origin)
-        movers[:, :2] += late * speeds
+        boxes = obstacle_boxes(self._obstacles, origin)
+        boxes.poses[:, :2] += late * boxes.velocities
         if self._paused:
             wanted = np.zeros_like(local)
         else:
             wanted = self._mode.step(
-                self._routes(local), self._team, local, velocities, float(time), movers, speeds
+                self._routes(local), self._team, local, velocities, float(time), boxes
             )
-        commands = self._commands(local, velocities, wanted, movers, speeds)
+        commands = self._commands(local, velocities, wanted, boxes)
         self._tracker.commanded(commands)
         self._status = self._make_status(poses)
         return commands
@@ -245,30 +247,31 @@ class FormationPlanner:
             return poses, self._tracker.update(poses, time), 0.0
         return *self._tracker.update(poses, time, stamps), self._expected.delay
 
-    def _routes(self, local: Array) -> Ground:
-        """The ground to find ways on: lost robots are obstacles there."""
+    def _routes(self, local: Array) -> PlanningMaps:
+        """The maps to find paths on: lost robots are obstacles there."""
         bodies = local[~self._team.present]
         if len(bodies) == 0:
-            return self._ground
+            return self._maps
         known = self._bodies
-        same = known is not None and known[0] is self._ground and len(known[1]) == len(bodies)
+        same = known is not None and known[0] is self._maps and len(known[1]) == len(bodies)
         if known is None or not same or _departed(known[1], bodies):
-            ground = self._ground.with_bodies(bodies, self.model.length, self.model.width)
-            self._bodies = known = (self._ground, bodies.copy(), ground)
+            maps = self._maps.with_bodies(bodies, self.model.length, self.model.width)
+            self._bodies = known = (self._maps, bodies.copy(), maps)
         return known[2]
 
     def _commands(
-        self, local: Array, velocities: Array, wanted: Array, movers: Array, speeds: Array
+        self, local: Array, velocities: Array, wanted: Array, boxes: ObstacleBoxes
     ) -> Array:
         frozen = ~self._team.present
         if self.variant.filter:
-            flees = self._mode.evading(self._team.size)
+            count = self._team.size
+            evading = self._mode.evading(count)
             # In an emergency it is footprints that are kept off obstacles, not circles.
-            clearances = np.where(flees, 0.0, self._mode.radius)
-            commands, _ = self._filter.apply(
-                local, velocities, wanted, self._mode.rank(self._team.size), frozen, flees,
-                self._ground.distance, self._ground.cell, clearances, movers, speeds,
-            )  # fmt: skip
+            clearances = np.where(evading, 0.0, self._mode.radius)
+            rank = self._mode.rank(count)
+            around = Surroundings(self._maps.distance, self._maps.cell, *boxes)
+            team = TeamState(local, velocities, wanted, rank, frozen, evading, clearances)
+            commands, _ = self._filter.apply(SafetyInputs(team, around))
         else:
             commands = self._filter.in_body(local, wanted)
             commands[frozen] = 0.0
@@ -306,7 +309,7 @@ class FormationPlanner:
         )
 
 
-_SETTLED = 0.05  # m and rad that a lost robot may move before ways are planned anew
+_SETTLED = 0.05  # m and rad that a lost robot may move before paths are planned anew
 _NO_PAIRS: NDArray[np.int64] = np.empty((0, 2), np.int64)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -84,18 +85,24 @@ def assign_followers(
     offset = points - points[leader]
     away = np.hypot(offset[:, 0], offset[:, 1])
     behind = wrap_angle(np.arctan2(offset[:, 1], offset[:, 0]) - heading - np.pi)
-    slot_offset = slots - slots[0]
-    slot_behind = wrap_angle(np.arctan2(slot_offset[:, 1], slot_offset[:, 0]) - np.pi)
     rest = active[active != leader]
     rest = rest[np.argsort(away[rest], kind="stable")]
     taken = 0
-    for ring in follower_rings(slots):
-        group = rest[taken : taken + len(ring)]
-        taken += len(ring)
-        robots = group[np.argsort(behind[group], kind="stable")]
-        places = ring[np.argsort(slot_behind[ring], kind="stable")]
-        roles[robots] = places
+    for places in _ordered_rings(np.asarray(slots, dtype=float).tobytes()):
+        group = rest[taken : taken + len(places)]
+        taken += len(places)
+        roles[group[np.argsort(behind[group], kind="stable")]] = places
     return roles
+
+
+@lru_cache(maxsize=64)
+def _ordered_rings(slots: bytes) -> tuple[NDArray[np.int64], ...]:
+    """Each ring's slots in their angular order; shapes change far less often than cycles go by."""
+    places = np.frombuffer(slots).reshape(-1, 2)
+    offset = places - places[0]
+    behind = wrap_angle(np.arctan2(offset[:, 1], offset[:, 0]) - np.pi)
+    rings = follower_rings(places)
+    return tuple(ring[np.argsort(behind[ring], kind="stable")] for ring in rings)
 
 
 def assign_goals(points: Array, goals: Array, active: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -101,7 +101,7 @@ class FormationSettings:
 
 
 IMPROVED = FormationSettings(d_safe_a=0.80, v_min=0.35)
-"""Defaults of the variant `cavalcade`: shorter ways and more pace, as its last filter allows."""
+"""Defaults of the variant `cavalcade`: shorter paths and more pace, as its safety filter allows."""
 
 SIMULATION = FormationSettings(lookahead=5.0, v_min=0.50)
 LABORATORY = FormationSettings(lookahead=2.5, v_min=0.50)

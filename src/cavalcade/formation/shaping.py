@@ -5,7 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.formation import _kernels
+from cavalcade.formation._shaping import (
+    add_springs,
+    avoid_obstacles,
+    limit_speeds,
+)
 from cavalcade.formation.cycle import Cycle, path_heading
 from cavalcade.formation.settings import FormationSettings
 from cavalcade.formation.variants import Variant
@@ -14,12 +18,12 @@ from cavalcade.robots import RobotModel
 
 _TURN_GAIN = 2.5  # rad/s of yaw rate per rad of heading error
 _NEAR = 0.30  # m from its slot at which a robot turns to the goal's heading
-_NARROW = 0.30  # W_B below which a robot trusts its path and turns to the way ahead
+_NARROW = 0.30  # W_B below which a robot trusts its path and turns to the path ahead
 _BRISK = 0.6  # of d_slowdown: where our variant slows down before its slots
 _DOCKING = 0.60  # m from its final slot at which a robot goes straight for it
 _REST = (0.015, 0.085)  # m: a robot this near to its slot rests, and until it is this far off
 _REST_TURN = (0.03, 0.12)  # rad: the same for the goal's heading
-_HELD_BACK = 0.5  # of the top speed: what springs may take from a robot on its way
+_HELD_BACK = 0.5  # of the top speed: what springs may take from a robot on its path
 
 
 class Shaper:
@@ -41,7 +45,8 @@ class Shaper:
         self.top = min(settings.v_max_x, model.max_speed_x)
         slowdown = settings.d_slowdown * (_BRISK if variant.improved else 1.0)
         across = min(settings.v_max_y, model.max_speed_y)
-        self._limits = np.array([self.top, across, settings.v_min, slowdown])
+        # Whole numbers would make the kernels compile once more.
+        self._limits = (float(self.top), float(across), float(settings.v_min), float(slowdown))
         self.turn = model.max_yaw_rate
         self.reset()
 
@@ -64,10 +69,10 @@ class Shaper:
             desired: `(N, 2)` desired velocities, m/s.
             springs: Whether springs act, if the variant has any.
         """
-        settings, ground, points = self._settings, cycle.plan.ground, cycle.points
+        settings, maps, points = self._settings, cycle.plan.maps, cycle.points
         velocity = desired.copy()
-        room = ground.speed_at(points)
-        if springs and self._variant.springs and len(cycle.team.rest):
+        w = maps.speed_at(points)
+        if springs and self._variant.springs and len(cycle.team.ends):
             self._add_springs(cycle, velocity)
             if self._variant.improved:
                 _spare_pace(velocity, desired, _HELD_BACK * self.top)
@@ -77,17 +82,17 @@ class Shaper:
             # The paper filters the whole velocity, also what leads along the path into a narrow
             # place or to a slot beside an obstacle. There our variant trusts the path and
             # filters only what springs add to it.
-            alone = not springs or len(cycle.team.rest) == 0
-            trusted = (room < _NARROW) | (cycle.away < _DOCKING) | alone
+            alone = not springs or len(cycle.team.ends) == 0
+            trusted = (w < _NARROW) | (cycle.away < _DOCKING) | alone
             kept = np.where(trusted[:, None] & self._variant.improved, desired, 0.0)
             velocity -= kept
-            _kernels.avoid_obstacles(
-                velocity, points, ground.speed_b, ground.cell, settings.d_safe_b,
+            avoid_obstacles(
+                velocity, points, maps.speed_b, maps.cell, settings.d_safe_b,
                 settings.w_min_avoid,
             )  # fmt: skip
             velocity += kept
         yaw = np.ascontiguousarray(cycle.poses[:, 2])
-        _kernels.limit_speeds(velocity, yaw, room, cycle.away, self._limits)
+        limit_speeds(velocity, yaw, w, cycle.away, self._limits)
         velocity[~cycle.team.present] = 0.0
         if self._variant.improved:
             # Noise on the poses must not keep a robot in its slot busy.
@@ -98,13 +103,13 @@ class Shaper:
     def yaw_rates(self, cycle: Cycle) -> Array:
         """Turn `(N,)` rad/s to the direction of motion; near a final slot, to the goal's heading.
 
-        In narrow ground our variant turns to the way ahead instead: what springs and avoidance
+        In narrow ground our variant turns to the path ahead instead: what springs and avoidance
         make of the velocity would turn a body across it.
         """
         aim = cycle.headings()
         if self._variant.improved:
-            room = cycle.plan.ground.speed_at(cycle.points)
-            for k in cycle.active[room[cycle.active] < _NARROW]:
+            w = cycle.plan.maps.speed_at(cycle.points)
+            for k in cycle.active[w[cycle.active] < _NARROW]:
                 ahead = path_heading(cycle.paths[k])
                 if ahead is not None:
                     aim[k] = ahead
@@ -129,8 +134,8 @@ class Shaper:
             previous = np.full(len(pairs), np.nan)
         elif (pairs != self._joined).any():
             previous = np.where((pairs == self._joined).all(axis=1), previous, np.nan)
-        self._lengths = _kernels.add_springs(
-            velocity, cycle.points, pairs, team.rest, team.laws, previous, self._period
+        self._lengths = add_springs(
+            velocity, cycle.points, pairs, team.springs, previous, self._period
         )
         self._joined = pairs
 
@@ -145,7 +150,7 @@ def _held(
 
 
 def _spare_pace(velocity: Array, desired: Array, most: float) -> None:
-    """Let springs slow a robot on its way by `most` m/s at the utmost; what turns it stays."""
+    """Let springs slow a robot on its path by `most` m/s at the utmost; what turns it stays."""
     pace = np.hypot(desired[:, 0], desired[:, 1])
     course = desired / np.maximum(pace, 1e-9)[:, None]
     back = -((velocity - desired) * course).sum(axis=1)

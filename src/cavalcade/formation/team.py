@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import astuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.errors import InputError
+from cavalcade.formation._shaping import SPRING
 from cavalcade.formation.shapes import Formation
-from cavalcade.geometry import Array
 
 
 class Team:
@@ -78,10 +80,8 @@ class Team:
         self.formation = formation
         joints = formation.connections
         self.ends = np.array([(c.a, c.b) for c in joints], dtype=np.int64).reshape(-1, 2)
-        self.rest: Array = np.array([c.rest_length for c in joints])
-        self.laws: Array = np.array(
-            [(c.law.k_rep, c.law.k_att, c.law.dv_max_att, c.law.b_att, c.law.b_rep) for c in joints]
-        ).reshape(-1, 5)
+        laws = [(c.rest_length, *astuple(c.law)) for c in joints]
+        self.springs = np.array(laws, dtype=SPRING)
 
     def _check(self, robot: int) -> None:
         if not 0 <= robot < self.size:

@@ -20,9 +20,9 @@ class Variant:
         avoidance: The obstacle avoidance layer acts (eq. 6).
         common_plan: There is a plan for the team; else each robot follows weighted behaviours.
         rigid: The shape is planned through the map as one rigid body.
-        improved: Our additions: pacing, tighter ways where the usual ones are barred, evasion.
-        standoffs: Stand-offs are found and resolved.
-        filter: The last filter keeps footprints apart.
+        improved: Our additions: pacing, less inflation where paths are barred, dynamic avoidance.
+        recovery: Deadlocks are detected and resolved; stuck robots turn where there is room.
+        filter: The safety filter keeps footprints apart.
     """
 
     name: str
@@ -33,11 +33,11 @@ class Variant:
     common_plan: bool = True
     rigid: bool = False
     improved: bool = False
-    standoffs: bool = False
+    recovery: bool = False
     filter: bool = False
 
 
-_OURS = Variant("cavalcade", improved=True, standoffs=True, filter=True)
+_OURS = Variant("cavalcade", improved=True, recovery=True, filter=True)
 
 VARIANTS: dict[str, Variant] = {
     variant.name: variant
@@ -47,7 +47,7 @@ VARIANTS: dict[str, Variant] = {
         replace(_OURS, name="cavalcade-no-lookahead", lookahead=False),
         replace(_OURS, name="cavalcade-no-springs", springs=False),
         replace(_OURS, name="cavalcade-no-avoidance", avoidance=False),
-        replace(_OURS, name="cavalcade-no-standoffs", standoffs=False),
+        replace(_OURS, name="cavalcade-no-recovery", recovery=False),
         replace(_OURS, name="cavalcade-no-filter", filter=False),
         Variant("published"),
         Variant("fixed-roles", adaptive_roles=False),

@@ -1,121 +1,76 @@
-"""Distances between oriented rectangles and obstacles, compiled. Metres and radians.
+"""Clearances of boxes that move among obstacles, compiled. Metres and radians.
 
-All functions that look at many poses keep running minima in `best` `(2,)`: the smallest distance
-from a centre to a surface, and the smallest gap between a body and a surface. Exact distances are
-computed only where a bound says that they can lower a minimum or be a contact.
-
-A body is a rectangle that is grown by `grown` m all around: with no extent a disc, with none grown
-the rectangle itself.
+All functions look at many poses and keep running minima in `best` `(2,)`: the smallest distance
+from a centre to a surface, and the smallest gap between a box and a surface. `contact` `(M,)`
+becomes True where the box touches something. Exact distances are computed only where a bound says
+that they can lower a minimum or be a contact.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
-TOUCHING = 1e-9
-"""Surfaces closer than this touch, m."""
-
-
-@njit(cache=True)
-def point_segment(px, py, ax, ay, bx, by):
-    """Distance of a point to a segment."""
-    dx, dy = bx - ax, by - ay
-    square = dx * dx + dy * dy
-    along = 0.0
-    if square > 0.0:
-        along = min(max(((px - ax) * dx + (py - ay) * dy) / square, 0.0), 1.0)
-    return math.hypot(px - ax - along * dx, py - ay - along * dy)
+from cavalcade.geometry.boxes import (
+    box_corners,
+    box_polygon_gap,
+    boxes_gap,
+    point_box,
+    point_polygon,
+)
+from cavalcade.geometry.planar import Array
 
 
-@njit(cache=True)
-def inside_polygon(px, py, vertices):
-    """Whether a point lies in a simple polygon `(V, 2)`, by the parity of crossed edges."""
-    inside = False
-    count = vertices.shape[0]
-    for i in range(count):
-        ax, ay = vertices[i - 1, 0], vertices[i - 1, 1]
-        bx, by = vertices[i, 0], vertices[i, 1]
-        if (ay > py) != (by > py) and px < ax + (py - ay) * (bx - ax) / (by - ay):
-            inside = not inside
-    return inside
+class Box(NamedTuple):
+    """An inflated rectangle, see `cavalcade.geometry.boxes`; all in m."""
+
+    length: float
+    width: float
+    inflation: float
 
 
-@njit(cache=True)
-def point_polygon(px, py, vertices):
-    """Distance of a point to a simple polygon, 0 inside."""
-    if inside_polygon(px, py, vertices):
-        return 0.0
-    nearest = math.inf
-    for i in range(vertices.shape[0]):
-        distance = point_segment(
-            px, py, vertices[i - 1, 0], vertices[i - 1, 1], vertices[i, 0], vertices[i, 1]
-        )
-        nearest = min(nearest, distance)
-    return nearest
+class Polygons(NamedTuple):
+    """Simple polygons in one table.
 
-
-@njit(cache=True)
-def _side(ax, ay, bx, by, px, py):
-    return (bx - ax) * (py - ay) - (by - ay) * (px - ax)
-
-
-@njit(cache=True)
-def polygons_gap(one, other):
-    """Distance between two simple polygons, 0 where they meet or one holds the other."""
-    if inside_polygon(one[0, 0], one[0, 1], other) or inside_polygon(other[0, 0], other[0, 1], one):
-        return 0.0
-    nearest = math.inf
-    for i in range(one.shape[0]):
-        ax, ay, bx, by = one[i - 1, 0], one[i - 1, 1], one[i, 0], one[i, 1]
-        for j in range(other.shape[0]):
-            cx, cy, dx, dy = other[j - 1, 0], other[j - 1, 1], other[j, 0], other[j, 1]
-            apart = _side(ax, ay, bx, by, cx, cy) * _side(ax, ay, bx, by, dx, dy)
-            astride = _side(cx, cy, dx, dy, ax, ay) * _side(cx, cy, dx, dy, bx, by)
-            if apart < 0.0 and astride < 0.0:
-                return 0.0
-            nearest = min(nearest, point_segment(ax, ay, cx, cy, dx, dy))
-            nearest = min(nearest, point_segment(cx, cy, ax, ay, bx, by))
-    # Edges that lie on each other come out as some 1e-17 m apart.
-    return nearest if nearest > TOUCHING else 0.0
-
-
-@njit(cache=True)
-def body_gap(corners, polygon, grown):
-    """Distance between a body of these corners and a polygon, 0 where they meet."""
-    gap = polygons_gap(corners, polygon) - grown
-    return gap if gap > TOUCHING else 0.0
-
-
-@njit(cache=True)
-def body_corners(x, y, yaw, length, width, out):
-    """Corners of a body, counter-clockwise, into `out` `(4, 2)`."""
-    c, s = math.cos(yaw), math.sin(yaw)
-    for i in range(4):
-        u = 0.5 * length if i == 0 or i == 3 else -0.5 * length
-        v = 0.5 * width if i < 2 else -0.5 * width
-        out[i, 0] = x + c * u - s * v
-        out[i, 1] = y + s * u + c * v
-
-
-@njit(cache=True)
-def point_body(px, py, x, y, yaw, length, width):
-    """Distance of a point to a body, 0 inside."""
-    c, s = math.cos(yaw), math.sin(yaw)
-    u = abs(c * (px - x) + s * (py - y)) - 0.5 * length
-    v = abs(c * (py - y) - s * (px - x)) - 0.5 * width
-    return math.hypot(max(u, 0.0), max(v, 0.0))
-
-
-@njit(cache=True)
-def circles_clearance(poses, length, width, grown, circles, best, contact):
-    """Judge poses `(M, 3)` of one body against discs `(K, 3)` x, y, radius.
-
-    `contact` `(M,)` becomes True where the body touches one.
+    Attributes:
+        vertices: `(V, 2)` m, one polygon after the other.
+        starts: `(K + 1,)` where each begins; the last entry is `V`.
+        rings: `(K, 3)` discs x, y, radius that hold them.
     """
-    reach = 0.5 * math.hypot(length, width) + grown
+
+    vertices: Array
+    starts: NDArray[np.int64]
+    rings: Array
+
+
+class Cells(NamedTuple):
+    """Occupied cells of a grid, as squares.
+
+    Attributes:
+        occupied: `(rows, cols)`.
+        bound: `(rows, cols)` m, at most the distance from anywhere in a cell to an occupied one.
+        cell: Side of a cell, m.
+    """
+
+    occupied: NDArray[np.bool_]
+    bound: Array
+    cell: float
+
+
+@njit(cache=True)
+def box_radius(box):
+    """Distance of a box's farthest point from its centre, m."""
+    return 0.5 * math.hypot(box.length, box.width) + box.inflation
+
+
+@njit(cache=True)
+def circles_clearance(poses, box, circles, best, contact):
+    """Judge poses `(M, 3)` of a box against discs `(K, 3)` x, y, radius."""
+    reach = box_radius(box)
     for m in range(poses.shape[0]):
         x, y, yaw = poses[m, 0], poses[m, 1], poses[m, 2]
         for k in range(circles.shape[0]):
@@ -123,19 +78,16 @@ def circles_clearance(poses, length, width, grown, circles, best, contact):
             centre = max(math.hypot(x - cx, y - cy) - radius, 0.0)
             best[0] = min(best[0], centre)
             if centre - reach < best[1] or centre <= reach:
-                gap = point_body(cx, cy, x, y, yaw, length, width) - radius - grown
+                gap = point_box(cx, cy, x, y, yaw, box.length, box.width) - radius - box.inflation
                 best[1] = min(best[1], max(gap, 0.0))
                 contact[m] |= gap <= 0.0
 
 
 @njit(cache=True)
-def polygons_clearance(poses, length, width, grown, vertices, starts, rings, best, contact):
-    """Judge poses `(M, 3)` of one body against polygons.
-
-    Polygon k has the vertices from `starts[k]` to `starts[k + 1]` of `vertices` `(V, 2)` and lies
-    within the disc `rings[k]` = x, y, radius.
-    """
-    reach = 0.5 * math.hypot(length, width) + grown
+def polygons_clearance(poses, box, polygons, best, contact):
+    """Judge poses `(M, 3)` of a box against `Polygons`."""
+    reach = box_radius(box)
+    vertices, starts, rings = polygons
     corners = np.empty((4, 2))
     for m in range(poses.shape[0]):
         x, y, yaw = poses[m, 0], poses[m, 1], poses[m, 2]
@@ -147,23 +99,23 @@ def polygons_clearance(poses, length, width, grown, vertices, starts, rings, bes
             centre = point_polygon(x, y, polygon)
             best[0] = min(best[0], centre)
             if centre - reach < best[1] or centre <= reach:
-                body_corners(x, y, yaw, length, width, corners)
-                gap = body_gap(corners, polygon, grown)
+                box_corners(x, y, yaw, box.length, box.width, corners)
+                gap = box_polygon_gap(corners, polygon, box.inflation)
                 best[1] = min(best[1], gap)
                 contact[m] |= gap <= 0.0
 
 
 @njit(cache=True)
-def cells_clearance(poses, order, length, width, grown, occupied, bound, cell, best, contact):
-    """Judge poses `(M, 3)`, given in the grid's own frame, against its occupied cells as squares.
+def cells_clearance(poses, order, box, cells, best, contact):
+    """Judge poses `(M, 3)` of a box, given in the grid's own frame, against `Cells`.
 
     Args:
-        order: Indices `(M,)` in which to look at them; the nearest first is fastest.
-        occupied: `(rows, cols)`.
-        bound: `(rows, cols)` m, at most the distance from anywhere in a cell to an occupied one.
-        cell: m.
+        poses, box, best, contact: As everywhere here.
+        order: Indices `(M,)` in which to look at the poses; the nearest first is fastest.
+        cells: What is occupied.
     """
-    reach = 0.5 * math.hypot(length, width) + grown
+    reach = box_radius(box)
+    occupied, bound, cell = cells
     rows, cols = occupied.shape
     corners = np.empty((4, 2))
     square = np.empty((4, 2))
@@ -174,7 +126,7 @@ def cells_clearance(poses, order, length, width, grown, occupied, bound, cell, b
         low = bound[row, col]
         if low >= best[0] and low - reach >= best[1] and low > reach:
             continue
-        body_corners(x, y, yaw, length, width, corners)
+        box_corners(x, y, yaw, box.length, box.width, corners)
         # Squares farther away than this matter to neither minimum nor contact; `low` falls short
         # of the nearest square by less than three cells.
         far = min(max(best[0], best[1] + reach), max(low, 0.0) + 3.0 * cell + reach)
@@ -190,33 +142,33 @@ def cells_clearance(poses, order, length, width, grown, occupied, bound, cell, b
                 best[0] = min(best[0], centre)
                 if centre - reach >= best[1] and centre > reach:
                     continue
-                at_least = point_body(mx, my, x, y, yaw, length, width) - 0.7072 * cell - grown
+                # A disc around the square falls short of it; where even that may count, exactly.
+                at_least = point_box(mx, my, x, y, yaw, box.length, box.width)
+                at_least = at_least - 0.7072 * cell - box.inflation
                 if at_least < best[1] or (at_least <= 0.0 and not contact[m]):
-                    body_corners(mx, my, 0.0, cell, cell, square)
-                    gap = body_gap(corners, square, grown)
+                    box_corners(mx, my, 0.0, cell, cell, square)
+                    gap = box_polygon_gap(corners, square, box.inflation)
                     best[1] = min(best[1], gap)
                     contact[m] |= gap <= 0.0
 
 
 @njit(cache=True)
-def bodies_clearance(one, other, sizes, best, contact):
-    """Judge two bodies that move at the same time: poses `(M, 3)` each.
+def boxes_clearance(one, other, sizes, best, contact):
+    """Judge two boxes that move at the same time: poses `(M, 3)` each.
 
     Args:
-        sizes: `(2, 3)` length, width and `grown` of each.
+        one, other: Their poses.
+        sizes: `(2, 3)` length, width and inflation of each, m.
         best: `(2,)` smallest distance of the centres and smallest gap.
         contact: `(M,)` becomes True where they touch.
     """
-    grown = sizes[0, 2] + sizes[1, 2]
     reach = 0.5 * (math.hypot(sizes[0, 0], sizes[0, 1]) + math.hypot(sizes[1, 0], sizes[1, 1]))
-    reach += grown
+    reach += sizes[0, 2] + sizes[1, 2]
     first, second = np.empty((4, 2)), np.empty((4, 2))
     for m in range(one.shape[0]):
         centre = math.hypot(one[m, 0] - other[m, 0], one[m, 1] - other[m, 1])
         best[0] = min(best[0], centre)
         if centre - reach < best[1] or centre <= reach:
-            body_corners(one[m, 0], one[m, 1], one[m, 2], sizes[0, 0], sizes[0, 1], first)
-            body_corners(other[m, 0], other[m, 1], other[m, 2], sizes[1, 0], sizes[1, 1], second)
-            gap = body_gap(first, second, grown)
+            gap = boxes_gap(one[m], other[m], sizes[0], sizes[1], first, second)
             best[1] = min(best[1], gap)
             contact[m] |= gap <= 0.0

@@ -1,4 +1,4 @@
-"""Ways over a grid, pulled taut; compiled. Points are x, y in the grid's own frame, m.
+"""Paths over a grid and string pulling; compiled. Points are x, y in the grid's own frame, m.
 
 Coordinates are copied one by one: numba takes seconds to compile `there[k] = here[n]`.
 """
@@ -74,70 +74,73 @@ def descend(times: Array, row: int, col: int) -> NDArray[np.int64]:
 
 
 @njit(cache=True)
-def _shortcut(free: Mask, cell: float, way: Array) -> Array:
-    """The way with every point left out that the one before can do without seeing."""
-    kept = np.empty_like(way)
-    kept[0, 0], kept[0, 1] = way[0, 0], way[0, 1]
+def _shortcut(free: Mask, cell: float, path: Array) -> Array:
+    """The path with every point left out that the one before can do without seeing."""
+    kept = np.empty_like(path)
+    kept[0, 0], kept[0, 1] = path[0, 0], path[0, 1]
     count = 1
     anchor = 0
-    for k in range(1, way.shape[0] - 1):
+    for k in range(1, path.shape[0] - 1):
         if not line_is_free(
-            free, cell, way[anchor, 0], way[anchor, 1], way[k + 1, 0], way[k + 1, 1]
+            free, cell, path[anchor, 0], path[anchor, 1], path[k + 1, 0], path[k + 1, 1]
         ):
-            kept[count, 0], kept[count, 1] = way[k, 0], way[k, 1]
+            kept[count, 0], kept[count, 1] = path[k, 0], path[k, 1]
             count += 1
             anchor = k
-    kept[count, 0], kept[count, 1] = way[-1, 0], way[-1, 1]
+    kept[count, 0], kept[count, 1] = path[-1, 0], path[-1, 1]
     return kept[: count + 1]
 
 
 @njit(cache=True)
-def _dense(way: Array, spacing: float) -> Array:
+def _dense(path: Array, spacing: float) -> Array:
+    """The path with points in between, at most `spacing` m apart."""
     total = 1
-    for k in range(way.shape[0] - 1):
-        gap = math.hypot(way[k + 1, 0] - way[k, 0], way[k + 1, 1] - way[k, 1])
+    for k in range(path.shape[0] - 1):
+        gap = math.hypot(path[k + 1, 0] - path[k, 0], path[k + 1, 1] - path[k, 1])
         total += max(int(math.ceil(gap / spacing)), 1)
     dense = np.empty((total, 2))
     count = 0
-    for k in range(way.shape[0] - 1):
-        gap = math.hypot(way[k + 1, 0] - way[k, 0], way[k + 1, 1] - way[k, 1])
+    for k in range(path.shape[0] - 1):
+        gap = math.hypot(path[k + 1, 0] - path[k, 0], path[k + 1, 1] - path[k, 1])
         parts = max(int(math.ceil(gap / spacing)), 1)
         for part in range(parts):
             along = part / parts
-            dense[count, 0] = way[k, 0] + (way[k + 1, 0] - way[k, 0]) * along
-            dense[count, 1] = way[k, 1] + (way[k + 1, 1] - way[k, 1]) * along
+            dense[count, 0] = path[k, 0] + (path[k + 1, 0] - path[k, 0]) * along
+            dense[count, 1] = path[k, 1] + (path[k + 1, 1] - path[k, 1]) * along
             count += 1
-    dense[count, 0], dense[count, 1] = way[-1, 0], way[-1, 1]
+    dense[count, 0], dense[count, 1] = path[-1, 0], path[-1, 1]
     return dense
 
 
 @njit(cache=True)
-def _length(way: Array) -> float:
+def _length(path: Array) -> float:
+    """Summed over the segments, m."""
     total = 0.0
-    for k in range(way.shape[0] - 1):
-        total += math.hypot(way[k + 1, 0] - way[k, 0], way[k + 1, 1] - way[k, 1])
+    for k in range(path.shape[0] - 1):
+        total += math.hypot(path[k + 1, 0] - path[k, 0], path[k + 1, 1] - path[k, 1])
     return total
 
 
 @njit(cache=True)
-def _reversed(way: Array) -> Array:
-    turned = np.empty_like(way)
-    for k in range(way.shape[0]):
-        turned[k, 0], turned[k, 1] = way[-1 - k, 0], way[-1 - k, 1]
+def _reversed(path: Array) -> Array:
+    """The same from the other end."""
+    turned = np.empty_like(path)
+    for k in range(path.shape[0]):
+        turned[k, 0], turned[k, 1] = path[-1 - k, 0], path[-1 - k, 1]
     return turned
 
 
 @njit(cache=True)
-def pull_taut(free: Mask, cell: float, way: Array) -> float:
-    """Length of a way `(K, 2)` after shortening it, from both ends in turn, while that helps."""
-    length = _length(way)
+def string_pulled_length(free: Mask, cell: float, path: Array) -> float:
+    """Length of a path `(K, 2)` after string pulling, from both ends in turn, while that helps."""
+    length = _length(path)
     for _ in range(60):
-        way = _reversed(_shortcut(free, cell, _dense(way, 0.5 * cell)))
-        shorter = _length(way)
+        path = _reversed(_shortcut(free, cell, _dense(path, 0.5 * cell)))
+        shorter = _length(path)
         # Two rounds, one from each end, without a gain of a tenth of a millimetre: done.
         if length - shorter < 1e-4:
-            way = _reversed(_shortcut(free, cell, _dense(way, 0.25 * cell)))
-            shorter = _length(way)
+            path = _reversed(_shortcut(free, cell, _dense(path, 0.25 * cell)))
+            shorter = _length(path)
             if length - shorter < 1e-4:
                 return min(length, shorter)
         length = shorter

@@ -45,7 +45,7 @@ class Trajectory:
 
     @property
     def length(self) -> float:
-        """Of the way of the body's centre in space, m."""
+        """Of the path of the body's centre in space, m."""
         steps = np.diff(self.position, axis=0)
         return float(np.sqrt((steps * steps).sum(axis=1)).sum())
 

@@ -123,10 +123,12 @@ class IndividualTask(Task):
         if self.planned is None:
             super().write_replay(recording, policy, summary, path)
             return
-        from cavalcade.drawing.replay.plan import write_plan_replay
+        from cavalcade.drawing.replay.page import write_replay
 
-        shown = self._as_driven(recording, policy, summary)
-        write_plan_replay(self.scenario, self.world, shown, path)
+        plan = self._as_driven(recording, policy, summary)
+        write_replay(
+            path, self.scenario, self.world, recording=recording, plan=plan, summary=summary
+        )
 
     @property
     def _made(self) -> PlanResult:

@@ -67,9 +67,10 @@ def plan(
                 reporter.say("Drawing the figures ...")
                 make_plan_figures(resolved, world, made, folder.stage / FIGURES)
             if replay:
-                from cavalcade.drawing.replay.plan import write_plan_replay
+                from cavalcade.drawing.replay.page import write_replay
 
-                write_plan_replay(resolved, world, made, folder.stage / REPLAY)
+                path = folder.stage / REPLAY
+                write_replay(path, resolved, world, plan=made, summary=made.summary)
             files = folder.commit(resolved, made.summary.to_dict())
         reporter.finish(made.summary, files)
     directory = None if folder is None else folder.path

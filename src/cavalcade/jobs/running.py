@@ -70,7 +70,7 @@ def run(
     loaded = load_for_running(scenario, seed, overrides, backend)
     if loaded.execution.backend == "mujoco" and fleet is None:
         from cavalcade.execution.physics_fleet import with_own_robots
-        from cavalcade.fleet.physics.engine import load_mujoco
+        from cavalcade.fleet.mujoco.engine import load_mujoco
 
         load_mujoco()
         loaded = with_own_robots(loaded)
@@ -167,8 +167,4 @@ def _write(
         task.draw(recording, policy, summary, stage / FIGURES)
         add_figures(task.scenario, recording, stage / FIGURES)
     if replay:
-        from cavalcade.drawing.physics.drawing import replay_in_physics
-
-        path = stage / REPLAY
-        if not replay_in_physics(task.scenario, task.world, recording, summary, path):
-            task.write_replay(recording, policy, summary, path)
+        task.write_replay(recording, policy, summary, stage / REPLAY)

@@ -110,6 +110,6 @@ class Task:
         self, recording: Recording, policy: Policy, summary: Summary, path: Path
     ) -> None:
         """Its replay."""
-        from cavalcade.drawing.replay.formation import write_replay
+        from cavalcade.drawing.replay.page import write_replay
 
-        write_replay(self.scenario, self.world, recording, summary, path)
+        write_replay(path, self.scenario, self.world, recording=recording, summary=summary)

@@ -10,9 +10,10 @@ import math
 
 from numba import njit
 
+from cavalcade.geometry.boxes import Footprint
 from cavalcade.geometry.trajectory import FLIGHT, TAKE_OFF, WALK
 from cavalcade.kinodynamic.parameters import GROUND, MOTION, OK, SOLID
-from cavalcade.lattice.collision import pose_free
+from cavalcade.lattice.collision import Grid, pose_free
 from cavalcade.lattice.surface import blend, corner
 
 LEAST_TRAVERSABILITY = 0.3
@@ -105,8 +106,14 @@ def solid_free(space, x, y, cos, sin):
         return False
     if covered_slack(space, x, y, cos, sin) > 0.0:
         return True
-    grid, yaw = (cell, ground.solid, ground.clearance), math.atan2(sin, cos)
-    return pose_free(grid, x, y, yaw, body.half_length, body.half_width, 0.0, body.margin)
+    return pose_free(
+        Grid(cell, ground.solid, ground.clearance),
+        Footprint(body.half_length, body.half_width, False),
+        x,
+        y,
+        math.atan2(sin, cos),
+        body.margin,
+    )
 
 
 @njit(cache=True)

@@ -1,2 +1,11 @@
+from .collision import Margins as Margins
+from .collision import Others as Others
 from .ground import Ground as Ground
 from .ground import make_ground as make_ground
+from .motion_limits import MotionLimits as MotionLimits
+from .motion_limits import motion_limits as motion_limits
+from .planner import SpaceTimePlanner as SpaceTimePlanner
+from .planner import TimedPath as TimedPath
+from .planner import others_of as others_of
+from .planner import trajectory_of as trajectory_of
+from .planner import warm_up as warm_up

@@ -55,16 +55,8 @@ def slot_of(table, key):
 
 
 @njit(cache=True)
-def grown(array):
-    """A copy with room for twice as many rows."""
-    larger = np.empty((2 * array.shape[0], array.shape[1]), dtype=array.dtype)
-    larger[: array.shape[0]] = array
-    return larger
-
-
-@njit(cache=True)
-def grown_line(array):
-    """The same for one dimension."""
-    larger = np.empty(2 * array.shape[0], dtype=array.dtype)
+def doubled(array):
+    """A copy with space for twice as many rows, of one dimension or two."""
+    larger = np.empty((2 * array.shape[0], *array.shape[1:]), dtype=array.dtype)
     larger[: array.shape[0]] = array
     return larger

@@ -1,39 +1,37 @@
-"""Kernel of the search in space and time: A* over moves, with a shot at the goal from each node.
+"""Kernel of space-time A*: moves as edges, with analytic expansions to the goal.
 
 States are continuous; of those that fall into one bin of place, heading, walking or standing, and
-time, only the first is expanded (as in hybrid A*, Dolgov et al., IJRR 29(5), 2010). Time is part
-of the bin for as long as somebody else moves.
+time, only the first is expanded (as in hybrid A*, Dolgov et al., IJRR 29(5), 2010, who call words
+that are tried from a node to the goal analytic expansions). Time is part of the bin for as long as
+somebody else moves.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
-from cavalcade.lattice._queue import grown, grown_line, pop, push, slot_of
-from cavalcade.lattice.collision import free_from, move_free
-from cavalcade.lattice.dubins import MOST_MOVES, MOST_WORDS, backward_factor, connect
-from cavalcade.lattice.primitives import (
-    ACCELERATION,
-    DURATION,
-    LENGTH,
-    RATE,
-    SPEED,
-    TURN,
-    TURN_ACCELERATION,
-    advanced,
-    trapezoid,
+from cavalcade.geometry import Array
+from cavalcade.lattice._queue import doubled, pop, push, slot_of
+from cavalcade.lattice.collision import move_free, moves_free, occupied_until
+from cavalcade.lattice.dubins import (
+    MOST_MOVES,
+    backward_factor,
+    connect,
+    no_words,
+    take_cheapest,
 )
+from cavalcade.lattice.motion_limits import FROM_MOVING, TO_MOVING, footprint_of
+from cavalcade.lattice.primitives import DURATION, LENGTH, TURN, advanced, trapezoid
 
-FOUND, NONE, SPENT = 0, 1, 2
-FROM_MOVING, TO_MOVING = 6, 7
-"""Columns of the table of primitives, after those of a move."""
+FOUND, EXHAUSTED, SPENT = 0, 1, 2
 
 _HEADINGS = 32
 _PATIENCE = 300
-"""Expansions after a first way was found, to find a better one."""
+"""Expansions after a first path was found, to find a better one."""
 
 _MORE_PATIENCE = 3000
 _GOOD = 1.08
@@ -44,159 +42,173 @@ _WAIT, _LONGEST_WAIT = 0.5, 15.0
 """The cheapest words are tried after waits at the start in such steps, s."""
 
 _LOOPS = 4.0
-"""Words that cost more than this beyond the straight way are no shots at the goal, s."""
+"""Words that cost more than this beyond the straight line are not tried, s."""
+
+
+class CostToGo(NamedTuple):
+    """What the search's heuristic knows of the ground.
+
+    Attributes:
+        lengths: `(rows, cols)` of the shortest paths to the goal, m; `(0, 0)` where nothing stands.
+        cell: m.
+    """
+
+    lengths: Array
+    cell: float
+
+
+class SearchSettings(NamedTuple):
+    """How to search.
+
+    Attributes:
+        bin_size, bin_time: Of a bin, m and s.
+        weight: Of the heuristic, at least 1: larger ones find paths sooner.
+        most: Expansions.
+    """
+
+    bin_size: float
+    bin_time: float
+    weight: float
+    most: int
 
 
 @njit(cache=True)
-def _bin(x, y, yaw, moving, t, bins, still):
+def _bin(x, y, yaw, moving, t, settings):
     """One number for place, heading, moving and time."""
-    i, j = np.int64(x / bins[0]), np.int64(y / bins[0])
+    i, j = np.int64(x / settings.bin_size), np.int64(y / settings.bin_size)
     heading = np.int64(math.floor(yaw / (2.0 * math.pi) * _HEADINGS + 0.5)) % _HEADINGS
-    moment = np.int64(min(t, still) / bins[1])
+    moment = np.int64(t / settings.bin_time)
     return (((moment * 8192 + i) * 8192 + j) * _HEADINGS + heading) * 2 + moving
 
 
 @njit(cache=True)
-def _guided(guide, cell, x, y):
-    """Length of the shortest way to the goal from the guide's cell, m; straight without a guide."""
-    row = min(max(int(y / cell), 0), guide.shape[0] - 1)
-    col = min(max(int(x / cell), 0), guide.shape[1] - 1)
-    return guide[row, col]
+def _length_to_go(to_go, x, y):
+    """Length of the shortest path to the goal from the cell of a point, m."""
+    row = min(max(int(y / to_go.cell), 0), to_go.lengths.shape[0] - 1)
+    col = min(max(int(x / to_go.cell), 0), to_go.lengths.shape[1] - 1)
+    return to_go.lengths[row, col]
 
 
 @njit(cache=True)
-def _word_free(grid, others, pose, word, mover, t, margins, steps):
-    """Whether the moves of a word from a pose at time `t` meet nothing."""
-    x, y, yaw = pose[0], pose[1], pose[2]
-    for k in range(len(word)):
-        if not move_free(grid, others, x, y, yaw, word[k], mover, t, margins, steps, False):
-            return False
-        x, y, yaw = advanced(x, y, yaw, word[k, LENGTH], word[k, TURN])
-        t += word[k, DURATION]
-    return True
+def _distance_ahead(to_go, x, y, goal):
+    """A lower bound of the length to the goal, m: straight, or along the grid less its rounding."""
+    ahead = math.sqrt((goal[0] - x) ** 2 + (goal[1] - y) ** 2)
+    if to_go.lengths.shape[0] > 0:
+        ahead = max(ahead, _length_to_go(to_go, x, y) - 1.5 * to_go.cell)
+    return ahead
 
 
 @njit(cache=True)
-def _later_start(
-    grid,
-    others,
-    start,
-    goal,
-    mover,
-    taken,
-    margins,
-    steps,
-    price,
-    words,
-    counts,
-    costs,
-    out,
-):
+def _still_from(others):
+    """When the last of the others has left or stands for good, s."""
+    still = 0.0
+    for k in range(others.spans.shape[0]):
+        begin, end = others.spans[k, 1], others.spans[k, 2]
+        if end == math.inf:
+            end = max(begin, (others.tracks.shape[1] - 1) * others.step)
+        still = max(still, end)
+    return still
+
+
+@njit(cache=True)
+def _later_start(scene, start, goal, taken, words, out):
     """The shortest wait at the start after which one of the cheapest words gets to the goal.
 
+    Args:
+        scene, start, goal: As in `search`.
+        taken: Until when others are at the goal, s.
+        words: `Words` to write to.
+        out: Moves are written here, the wait first.
+
     Returns:
-        Moves written to `out`, the wait first, 0 if there is none; and their cost.
+        The number of moves, 0 if there is no such wait; and their cost.
     """
-    number = connect(start, 0.0, goal, 0.0, mover, price, words, counts, costs)
+    number = connect(start, 0.0, goal, 0.0, scene.limits, scene.metre_cost, words)
     chosen = np.full(_WORDS_TRIED, -1)
+    sizes = np.zeros(_WORDS_TRIED, dtype=np.int64)
     for rank in range(_WORDS_TRIED):
-        for k in range(number):
-            if counts[k] < 0:
-                continue
-            if chosen[rank] < 0 or costs[k] < costs[chosen[rank]]:
-                chosen[rank] = k
-        if chosen[rank] >= 0:
-            counts[chosen[rank]] = -1 - counts[chosen[rank]]
+        chosen[rank], sizes[rank] = take_cheapest(words, number)
+    here = (start[0], start[1], start[2])
     stand = np.zeros(6)
     stand[DURATION] = _WAIT
     wait = 0.0
     while wait < _LONGEST_WAIT:
-        if not move_free(
-            grid, others, start[0], start[1], start[2], stand, mover, wait, margins, steps, True
-        ):
+        if not move_free(scene, here, stand, wait, True):
             break
         wait += _WAIT
         for rank in range(_WORDS_TRIED):
-            pick = chosen[rank]
+            pick, count = chosen[rank], sizes[rank]
             if pick < 0:
                 break
-            count = -1 - counts[pick]
-            word = words[pick, :count]
+            word = words.moves[pick, :count]
             if wait + word[:, DURATION].sum() <= taken:
                 continue
-            if _word_free(grid, others, start, word, mover, wait, margins, steps):
+            if moves_free(scene, here, word, wait, False):
                 out[0] = stand
                 out[0, DURATION] = wait
                 out[1 : count + 1] = word
-                return count + 1, wait + costs[pick]
+                return count + 1, wait + words.costs[pick]
     return 0, 0.0
 
 
 @njit(cache=True)
-def search(
-    grid,
-    others,
-    mover,
-    start,
-    goal,
-    prims,
-    guide,
-    guide_cell,
-    margins,
-    steps,
-    bins,
-    price,
-    greed,
-    most,
-):
-    """The cheapest way from rest at `start` to rest at `goal` past everything, for good.
+def _path_to(node, link, primitives, word):
+    """The moves `(M, 6)` from the root to a node, and a word from there."""
+    depth = 0
+    at = node
+    while at > 0:
+        depth += 1
+        at = link[at, 0]
+    moves = np.empty((depth + len(word), 6))
+    at = node
+    for k in range(depth - 1, -1, -1):
+        moves[k] = primitives[link[at, 1], :6]
+        at = link[at, 0]
+    moves[depth:] = word
+    return moves
+
+
+@njit(cache=True)
+def search(scene, start, goal, primitives, to_go, settings):
+    """The cheapest path from rest at `start` to rest at `goal` past everything, for good.
 
     Args:
-        grid, others: See `_moves_contact`.
-        mover: See `_moves`.
-        start, goal: x, y, yaw.
-        prims: `(P, 8)` moves, and whether they begin and end walking.
-        guide: `(rows, cols)` lengths of the shortest ways to the goal, m; `(0, 0)` for none.
-        guide_cell: m.
-        margins, steps: As in `move_free`.
-        bins: Sizes of the bins of place and time, m and s.
-        price: Of a metre, in s.
-        greed: Factor of what is left to the goal, at least 1: larger ones find ways sooner.
-        most: Expansions.
+        scene: `cavalcade.lattice.collision.Scene`.
+        start, goal: `(3,)` x, y, yaw.
+        primitives: `(P, 8)` moves, and whether they begin and end walking.
+        to_go: `CostToGo`.
+        settings: `SearchSettings`.
 
     Returns:
-        FOUND, NONE (nothing left to try) or SPENT; moves `(M, 6)`; expansions.
+        FOUND, EXHAUSTED (nothing left to try) or SPENT; moves `(M, 6)`; expansions.
     """
-    words = np.empty((MOST_WORDS, MOST_MOVES, 6))
-    counts = np.zeros(MOST_WORDS, dtype=np.int64)
-    costs = np.empty(MOST_WORDS)
+    limits, others, metre_cost = scene.limits, scene.others, scene.metre_cost
+    most, weight = settings.most, settings.weight
+    words = no_words()
     none = np.empty((0, 6))
-    taken = free_from(others, goal[0], goal[1], goal[2], mover, 0.0, margins[1])
+    # Arriving counts only from when nobody comes past the goal any more.
+    taken = occupied_until(
+        others, footprint_of(limits), (goal[0], goal[1], goal[2]), 0.0, scene.margins.others
+    )
     if taken == math.inf:
-        return NONE, none, 0
-    still = 0.0
-    if others[3].shape[0] > 0:
-        for k in range(others[3].shape[0]):
-            begin, end = others[3][k, 1], others[3][k, 2]
-            if end == math.inf:
-                end = max(begin, (others[0].shape[1] - 1) * others[1])
-            still = max(still, end)
-    speed = mover[SPEED]
-    turn_round, _ = trapezoid(math.pi, 0.0, 0.0, mover[RATE], mover[TURN_ACCELERATION])
+        return EXHAUSTED, none, 0
+    still = _still_from(others)
+    speed = limits.speed
+    turn_round, _ = trapezoid(math.pi, 0.0, 0.0, limits.yaw_rate, limits.yaw_acceleration)
     turn_round *= 2.0
-    dislike = backward_factor(mover)
-    gap = math.sqrt((goal[0] - start[0]) ** 2 + (goal[1] - start[1]) ** 2)
-    if guide.shape[0] > 0:
-        gap = max(gap, _guided(guide, guide_cell, start[0], start[1]) - 1.5 * guide_cell)
-    lowest, _ = trapezoid(gap, 0.0, 0.0, speed, mover[ACCELERATION])
-    lowest += price * gap
+    dislike = backward_factor(limits)
+    # A lower bound of the whole cost tells whether what is found is good.
+    gap = _distance_ahead(to_go, start[0], start[1], goal)
+    lowest, _ = trapezoid(gap, 0.0, 0.0, speed, limits.acceleration)
+    lowest += metre_cost * gap
 
-    capacity = min(most * (len(prims) + 1) + 2, 4_000_000)
+    # Nodes (x, y, yaw, moving, t, length), their parents and the moves from there, and the queue.
+    # The first analytic expansion needs no table of bins: most problems end here.
+    capacity = min(most * (len(primitives) + 1) + 2, 4_000_000)
     size = 1 << 12
     while size < 2 * min(most + 1, capacity):
         size <<= 1
-    # The first shot needs no tables: most problems end here.
-    state = np.empty((1024, 6))  # x, y, yaw, moving, t, length
+    state = np.empty((1024, 6))
     link = np.empty((1024, 2), dtype=np.int64)
     heap = np.empty(1024, dtype=np.int64)
     keys = np.empty(1024)
@@ -214,110 +226,85 @@ def search(
     while waiting > 0:
         least = keys[0]
         node, waiting = pop(heap, keys, waiting)
-        if least >= greed * best_cost - 1e-9:
+        # The search ends when nothing cheaper can come, or after a while without a better path.
+        if least >= weight * best_cost - 1e-9:
             break
         if best_node >= 0:
             patience = _PATIENCE if best_cost < _GOOD * lowest else _MORE_PATIENCE
             if expansions - found_at > patience:
                 break
-        if expansions >= most or used + len(prims) >= capacity:
+        if expansions >= most or used + len(primitives) >= capacity:
             if best_node >= 0:
                 break
             return SPENT, none, expansions
         x, y, yaw, moving = state[node, 0], state[node, 1], state[node, 2], state[node, 3]
         t, length = state[node, 4], state[node, 5]
+        # Lazily: a node's bin and the move to it are looked at when its turn comes.
         if node > 0:
             if table.shape[0] == 0:
                 table = np.full(size, -1, dtype=np.int64)
-            key = _bin(x, y, yaw, np.int64(moving), t, bins, still)
+            key = _bin(x, y, yaw, np.int64(moving), min(t, still), settings)
             slot = slot_of(table, key)
             if table[slot] == key:
                 continue
-            parent, used_move = link[node, 0], prims[link[node, 1]]
-            if not move_free(
-                grid,
-                others,
-                state[parent, 0],
-                state[parent, 1],
-                state[parent, 2],
-                used_move,
-                mover,
-                state[parent, 4],
-                margins,
-                steps,
-                False,
-            ):
+            parent = link[node, 0]
+            before = (state[parent, 0], state[parent, 1], state[parent, 2])
+            if not move_free(scene, before, primitives[link[node, 1]], state[parent, 4], False):
                 continue
             table[slot] = key
         expansions += 1
-        # A shot at the goal, unless the guide says that something stands between.
+        # An analytic expansion, unless the cost-to-go says that something stands between; often
+        # near the goal, else now and then.
         gap = math.sqrt((goal[0] - x) ** 2 + (goal[1] - y) ** 2)
         sight = True
-        if guide.shape[0] > 0:
-            sight = _guided(guide, guide_cell, x, y) < 1.1 * gap + 0.3
+        if to_go.lengths.shape[0] > 0:
+            sight = _length_to_go(to_go, x, y) < 1.1 * gap + 0.3
         near = gap < 3.0 and sight
         if length == 0.0 or near or (sight and expansions % 4 == 0) or expansions % 16 == 0:
             here[0], here[1], here[2] = x, y, yaw
-            number = connect(
-                here, speed if moving > 0.0 else 0.0, goal, 0.0, mover, price, words, counts, costs
-            )
+            now = speed if moving > 0.0 else 0.0
+            number = connect(here, now, goal, 0.0, limits, metre_cost, words)
             first_try = True
-            dear = math.inf if node == 0 else gap * (price + 1.0 / speed) + turn_round + _LOOPS
+            dear = math.inf
+            if node > 0:
+                dear = gap * (metre_cost + 1.0 / speed) + turn_round + _LOOPS
             for _ in range(number):
-                pick = -1
-                for k in range(number):
-                    if counts[k] >= 0 and (pick < 0 or costs[k] < costs[pick]):
-                        pick = k
+                pick, count = take_cheapest(words, number)
                 if pick < 0:
                     break
-                count = counts[pick]
-                counts[pick] = -1
-                cost = t + price * length + costs[pick]
-                if cost >= best_cost - 1e-9 or costs[pick] > dear:
+                cost = t + metre_cost * length + words.costs[pick]
+                if cost >= best_cost - 1e-9 or words.costs[pick] > dear:
                     break
+                word = words.moves[pick, :count]
                 duration = 0.0
                 for k in range(count):
-                    duration += words[pick, k, DURATION]
+                    duration += word[k, DURATION]
                 if t + duration <= taken:
                     first_try = False
                     continue
-                if _word_free(grid, others, here, words[pick, :count], mover, t, margins, steps):
+                if moves_free(scene, (x, y, yaw), word, t, False):
                     best_cost, best_node, best_count = cost, node, count
-                    best_word[:count] = words[pick, :count]
+                    best_word[:count] = word
                     if found_at == 0:
                         found_at = expansions
                     if node == 0 and first_try:
                         # The cheapest word of all is free: there is nothing to look for.
-                        return FOUND, words[pick, :count].copy(), expansions
+                        return FOUND, word.copy(), expansions
                     break
                 first_try = False
-            if node == 0 and best_node < 0 and others[3].shape[0] > 0:
-                # Setting off later is a way, too, and bounds what the search may cost.
-                best_count, cost = _later_start(
-                    grid,
-                    others,
-                    here,
-                    goal,
-                    mover,
-                    taken,
-                    margins,
-                    steps,
-                    price,
-                    words,
-                    counts,
-                    costs,
-                    best_word,
-                )
+            if node == 0 and best_node < 0 and others.spans.shape[0] > 0:
+                # Setting off later is a path, too, and bounds what the search may cost.
+                best_count, cost = _later_start(scene, here, goal, taken, words, best_word)
                 if best_count > 0:
                     best_cost, best_node, found_at = cost, 0, expansions
-        # Its successors, judged when their turn comes.
-        if used + len(prims) >= state.shape[0]:
-            state = grown(state)
-            link = grown(link)
-            heap = grown_line(heap)
-            keys = grown_line(keys)
-        for p in range(len(prims)):
-            row = prims[p]
+        # Its successors; those that cannot beat the best path known are left out.
+        if used + len(primitives) >= state.shape[0]:
+            state = doubled(state)
+            link = doubled(link)
+            heap = doubled(heap)
+            keys = doubled(keys)
+        for p in range(len(primitives)):
+            row = primitives[p]
             if row[FROM_MOVING] != moving:
                 continue
             nx, ny, nyaw = advanced(x, y, yaw, row[LENGTH], row[TURN])
@@ -325,36 +312,23 @@ def search(
             if nx < 0.0 or ny < 0.0:
                 continue
             gone = length + (row[LENGTH] if row[LENGTH] >= 0.0 else -dislike * row[LENGTH])
-            ahead = math.sqrt((goal[0] - nx) ** 2 + (goal[1] - ny) ** 2)
-            if guide.shape[0] > 0:
-                ahead = max(ahead, _guided(guide, guide_cell, nx, ny) - 1.5 * guide_cell)
-                if ahead == math.inf:
-                    continue
-            quickest, _ = trapezoid(
-                ahead, speed if row[TO_MOVING] > 0.0 else 0.0, 0.0, speed, mover[ACCELERATION]
-            )
+            ahead = _distance_ahead(to_go, nx, ny, goal)
+            if ahead == math.inf:
+                continue
+            # Cost-to-go: the quickest way over that distance, but not before the goal is free.
+            now = speed if row[TO_MOVING] > 0.0 else 0.0
+            quickest, _ = trapezoid(ahead, now, 0.0, speed, limits.acceleration)
             if quickest < 0.0:
                 quickest = ahead / speed
-            rest = price * ahead + max(quickest, taken - then)
-            if then + price * gone + rest >= best_cost:
+            rest = metre_cost * ahead + max(quickest, taken - then)
+            if then + metre_cost * gone + rest >= best_cost:
                 continue
-            value = then + price * gone + greed * rest
+            value = then + metre_cost * gone + weight * rest
             state[used, 0], state[used, 1], state[used, 2] = nx, ny, nyaw
             state[used, 3], state[used, 4], state[used, 5] = row[TO_MOVING], then, gone
             link[used, 0], link[used, 1] = node, p
             waiting = push(heap, keys, waiting, used, value)
             used += 1
     if best_node < 0:
-        return NONE, none, expansions
-    depth = 0
-    node = best_node
-    while node > 0:
-        depth += 1
-        node = link[node, 0]
-    moves = np.empty((depth + best_count, 6))
-    node = best_node
-    for k in range(depth - 1, -1, -1):
-        moves[k] = prims[link[node, 1], :6]
-        node = link[node, 0]
-    moves[depth:] = best_word[:best_count]
-    return FOUND, moves, expansions
+        return EXHAUSTED, none, expansions
+    return FOUND, _path_to(best_node, link, primitives, best_word[:best_count]), expansions

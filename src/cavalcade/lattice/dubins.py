@@ -1,30 +1,64 @@
 """Kernels that join two states by few moves: turns on the spot, straights and arcs.
 
-The words: turn-straight-turn between states at rest; the four arc-straight-arc words of Dubins
-(Am. J. Math. 79, 1957); arc-straight and then a turn on the spot where the end is at rest;
-a turn on the spot and then straight-arc where the start is at rest.
+A word is such a sequence of moves: turn-straight-turn between states at rest; the four
+arc-straight-arc words of Dubins (Am. J. Math. 79, 1957); arc-straight and then a turn on the spot
+where the end is at rest; a turn on the spot and then straight-arc where the start is at rest.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
-from cavalcade.lattice.primitives import (
-    ACCELERATION,
-    BACK_SPEED,
-    BACKWARDS,
-    DURATION,
-    FREE,
-    RADIUS,
-    SPEED,
-    make_move,
-    trapezoid,
-)
+from cavalcade.geometry import Array
+from cavalcade.lattice.primitives import DURATION, make_move, trapezoid
 
 MOST_WORDS, MOST_MOVES = 16, 5
+
+
+class Words(NamedTuple):
+    """The words between two states, as `connect` writes them.
+
+    Attributes:
+        moves: `(MOST_WORDS, MOST_MOVES, 6)`.
+        counts: `(MOST_WORDS,)` moves of each word; -1 once it was taken.
+        costs: `(MOST_WORDS,)` seconds and the cost of the metres.
+    """
+
+    moves: Array
+    counts: NDArray[np.int64]
+    costs: Array
+
+
+@njit(cache=True)
+def no_words():
+    """Empty tables to write words to."""
+    return Words(
+        np.empty((MOST_WORDS, MOST_MOVES, 6)),
+        np.zeros(MOST_WORDS, dtype=np.int64),
+        np.empty(MOST_WORDS),
+    )
+
+
+@njit(cache=True)
+def take_cheapest(words, number):
+    """The cheapest of the first `number` words that was not taken yet, and its number of moves.
+
+    -1, 0 once all were taken.
+    """
+    pick = -1
+    for k in range(number):
+        if words.counts[k] >= 0 and (pick < 0 or words.costs[k] < words.costs[pick]):
+            pick = k
+    if pick < 0:
+        return -1, 0
+    count = words.counts[pick]
+    words.counts[pick] = -1
+    return pick, count
 
 
 @njit(cache=True)
@@ -36,54 +70,65 @@ def _turned(angle):
 
 @njit(cache=True)
 def _wrapped(angle):
+    """The angle in [-pi, pi)."""
     return (angle + math.pi) % (2.0 * math.pi) - math.pi
 
 
 @njit(cache=True)
-def backward_factor(mover):
+def backward_factor(limits):
     """What a metre backwards costs, in metres: robots that are slow that way should not like it."""
-    return 4.0 if mover[BACK_SPEED] < mover[SPEED] else 1.0
+    return 4.0 if limits.backward_speed < limits.speed else 1.0
 
 
 @njit(cache=True)
-def _lay(words, counts, costs, number, first, parts, last, v0, v1, mover, price):
+def _lay(words, number, turns, parts, speeds, limits, metre_cost):
     """Write a word of at most five moves as number `number`; the new number of words.
 
-    `first` and `last` are turns on the spot, `parts` `(3, 2)` lengths and turns driven in between.
+    Args:
+        words: `Words` to write to.
+        number: Words that are there already.
+        turns: Turns on the spot at the start and at the end, rad.
+        parts: `(3, 2)` lengths (m) and turns (rad) driven in between.
+        speeds: At the start and at the end, m/s.
+        limits: Of the robot.
+        metre_cost: Of a metre; that of a second is 1.
     """
+    v0, v1 = speeds
     total = abs(parts[0, 0]) + abs(parts[1, 0]) + abs(parts[2, 0])
     ahead = parts[0, 0] >= 0.0 and parts[1, 0] >= 0.0 and parts[2, 0] >= 0.0
-    a, vmax = mover[ACCELERATION], mover[SPEED] if ahead else mover[BACK_SPEED]
+    a, vmax = limits.acceleration, limits.speed if ahead else limits.backward_speed
     duration, peak = trapezoid(total, v0, v1, vmax, a)
-    if duration < 0.0 or number >= words.shape[0]:
+    if duration < 0.0 or number >= words.moves.shape[0]:
         return number
+    rows = words.moves[number]
     count = 0
-    cost = price * total * (1.0 if ahead else backward_factor(mover))
-    if abs(first) > 1e-9:
-        make_move(words[number, count], 0.0, first, 0.0, 0.0, 0.0, mover)
-        cost += words[number, count, DURATION]
+    cost = metre_cost * total * (1.0 if ahead else backward_factor(limits))
+    if abs(turns[0]) > 1e-9:
+        make_move(rows[count], 0.0, turns[0], 0.0, 0.0, 0.0, limits)
+        cost += rows[count, DURATION]
         count += 1
-    way, speed = 0.0, v0
+    # One trapezoid of speed over all parts: each ends as fast as both ends of the whole allow.
+    gone, speed = 0.0, v0
     for k in range(3):
         length = abs(parts[k, 0])
         if length < 1e-9:
             continue
-        way += length
-        left = max(total - way, 0.0)
-        after = min(peak, math.sqrt(v0 * v0 + 2.0 * a * way))
+        gone += length
+        left = max(total - gone, 0.0)
+        after = min(peak, math.sqrt(v0 * v0 + 2.0 * a * gone))
         after = min(after, math.sqrt(v1 * v1 + 2.0 * a * left))
         if left < 1e-9:
             after = v1
-        if not make_move(words[number, count], parts[k, 0], parts[k, 1], speed, after, peak, mover):
+        if not make_move(rows[count], parts[k, 0], parts[k, 1], speed, after, peak, limits):
             return number
-        cost += words[number, count, DURATION]
+        cost += rows[count, DURATION]
         speed = after
         count += 1
-    if abs(last) > 1e-9:
-        make_move(words[number, count], 0.0, last, 0.0, 0.0, 0.0, mover)
-        cost += words[number, count, DURATION]
+    if abs(turns[1]) > 1e-9:
+        make_move(rows[count], 0.0, turns[1], 0.0, 0.0, 0.0, limits)
+        cost += rows[count, DURATION]
         count += 1
-    counts[number], costs[number] = count, cost
+    words.counts[number], words.costs[number] = count, cost
     return number + 1
 
 
@@ -105,7 +150,11 @@ def _arc_then_straight(dx, dy, yaw, radius, side):
 
 @njit(cache=True)
 def _dubins(word, dx, dy, yaw0, yaw1, radius, parts):
-    """The arc-straight-arc word 0 LSL, 1 RSR, 2 LSR, 3 RSL as `parts`; False if there is none."""
+    """The arc-straight-arc word 0 LSL, 1 RSR, 2 LSR, 3 RSL as `parts`; False if there is none.
+
+    In the usual form: distances in radii, headings from the line between the two places. `t` and
+    `q` are the angles of the arcs, `bend` the heading of the straight between them.
+    """
     d = math.sqrt(dx * dx + dy * dy) / radius
     theta = math.atan2(dy, dx)
     alpha, beta = yaw0 - theta, yaw1 - theta
@@ -140,53 +189,59 @@ def _dubins(word, dx, dy, yaw0, yaw1, radius, parts):
 
 
 @njit(cache=True)
-def connect(a, v0, b, v1, mover, price, words, counts, costs):
+def connect(a, v0, b, v1, limits, metre_cost, words):
     """All words from state `a` (x, y, yaw) at speed v0 to `b` at v1; how many there are.
 
     Moving states go forwards.
 
     Args:
-        price: Cost of a metre; that of a second is 1.
-        words: `(MOST_WORDS, MOST_MOVES, 6)` to fill; `counts`, `costs` `(MOST_WORDS,)`.
+        a, b: Poses.
+        v0, v1: m/s.
+        limits: Of the robot.
+        metre_cost: Of a metre; that of a second is 1.
+        words: `Words` to write to.
     """
     number = 0
     dx, dy = b[0] - a[0], b[1] - a[1]
     distance = math.sqrt(dx * dx + dy * dy)
     parts = np.zeros((3, 2))
+    speeds, none = (v0, v1), (0.0, 0.0)
+    # Turn, straight, turn; a short straight backwards, too.
     if v0 == 0.0 and v1 == 0.0:
         bearing = math.atan2(dy, dx) if distance > 1e-9 else a[2]
         parts[1, 0] = distance
-        last = _wrapped(b[2] - bearing)
-        first = _wrapped(bearing - a[2])
-        number = _lay(words, counts, costs, number, first, parts, last, v0, v1, mover, price)
-        if mover[BACKWARDS] >= distance > 1e-9:
+        turns = (_wrapped(bearing - a[2]), _wrapped(b[2] - bearing))
+        number = _lay(words, number, turns, parts, speeds, limits, metre_cost)
+        if limits.backwards >= distance > 1e-9:
             parts[1, 0] = -distance
-            first, last = _wrapped(bearing + math.pi - a[2]), _wrapped(b[2] - bearing - math.pi)
-            number = _lay(words, counts, costs, number, first, parts, last, v0, v1, mover, price)
-    radius = mover[RADIUS]
-    if mover[FREE] > 0.0 or radius <= 0.0 or distance < 1e-9:
+            turns = (_wrapped(bearing + math.pi - a[2]), _wrapped(b[2] - bearing - math.pi))
+            number = _lay(words, number, turns, parts, speeds, limits, metre_cost)
+    radius = limits.radius
+    if limits.free or radius <= 0.0 or distance < 1e-9:
         return number
     for word in range(4):
         if _dubins(word, dx, dy, a[2], b[2], radius, parts):
-            number = _lay(words, counts, costs, number, 0.0, parts, 0.0, v0, v1, mover, price)
+            number = _lay(words, number, none, parts, speeds, limits, metre_cost)
+    # One arc, with a turn on the spot at the other end if the robot rests there.
     for side in (1, -1):
         if v1 == 0.0:
             turn, straight = _arc_then_straight(dx, dy, a[2], radius, side)
             if straight >= 0.0:
                 parts[:] = 0.0
                 parts[0, 0], parts[0, 1], parts[1, 0] = abs(turn) * radius, turn, straight
-                last = _wrapped(b[2] - a[2] - turn)
-                number = _lay(words, counts, costs, number, 0.0, parts, last, v0, v1, mover, price)
+                turns = (0.0, _wrapped(b[2] - a[2] - turn))
+                number = _lay(words, number, turns, parts, speeds, limits, metre_cost)
         if v0 == 0.0:
             turn, straight = _arc_then_straight(-dx, -dy, b[2] + math.pi, radius, side)
             if straight >= 0.0:
                 parts[:] = 0.0
                 parts[1, 0], parts[2, 0], parts[2, 1] = straight, abs(turn) * radius, -turn
-                first = _wrapped(b[2] + turn - a[2])
-                number = _lay(words, counts, costs, number, first, parts, 0.0, v0, v1, mover, price)
-    if mover[BACKWARDS] == math.inf and v0 == 0.0 and v1 == 0.0:
+                turns = (_wrapped(b[2] + turn - a[2]), 0.0)
+                number = _lay(words, number, turns, parts, speeds, limits, metre_cost)
+    # Wheels drive whole words backwards: those forwards between the poses turned round.
+    if limits.backwards == math.inf and v0 == 0.0 and v1 == 0.0:
         for word in range(4):
             if _dubins(word, dx, dy, a[2] + math.pi, b[2] + math.pi, radius, parts):
                 parts[:, 0] *= -1.0
-                number = _lay(words, counts, costs, number, 0.0, parts, 0.0, v0, v1, mover, price)
+                number = _lay(words, number, none, parts, speeds, limits, metre_cost)
     return number

@@ -1,27 +1,30 @@
-"""Ways of one robot over even ground past others that move: search in space and time."""
+"""Paths of one robot over even ground past others that move: space-time A*."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from cavalcade.eikonal import arrival_times
 from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import STEP, WALK, Trajectory
-from cavalcade.lattice._search import FOUND, SPENT, search
-from cavalcade.lattice.ground import Ground, read_only
-from cavalcade.lattice.motion_limits import mover_of, primitives_of
+from cavalcade.lattice._search import FOUND, SPENT, CostToGo, SearchSettings, search
+from cavalcade.lattice.collision import Margins, Others, Scene, grid_of
+from cavalcade.lattice.ground import Ground, make_ground, read_only
+from cavalcade.lattice.motion_limits import (
+    MotionLimits,
+    footprint,
+    motion_limits,
+    primitives_of,
+)
 from cavalcade.lattice.primitives import (
-    ACCELERATION,
     DURATION,
     LENGTH,
-    RATE,
     TURN,
-    TURN_ACCELERATION,
     V0,
     V1,
     VMAX,
@@ -30,58 +33,31 @@ from cavalcade.lattice.primitives import (
 )
 from cavalcade.lattice.shortening import shorten
 from cavalcade.lattice.surface import surface_along
-from cavalcade.robots import RobotModel
+from cavalcade.robots import RobotModel, robot_model
+from cavalcade.world import OccupancyMap
 
 _CRAMPED_SPEED = 0.4
-"""Of guides, where a body can go but not turn."""
+"""Of the likely cost-to-go, where a body can go but not turn."""
 
 _SECOND_LOOK = 2000
-"""Expansions for a shorter way than one that is much longer than it may have to be."""
+"""Expansions for a shorter path than one that is much longer than it may have to be."""
+
+_BIN_SIZE, _BIN_TIME = 0.1, 0.25
+"""Of the search's bins, m and s."""
+
+_PASSES = 3
+"""Of shortening, at most."""
 
 TRACK_STEP = 0.05
 """Time between the poses of a track, s."""
 
-
-class Others(NamedTuple):
-    """What is to be avoided while it is there, as kernels take it; see `_moves_contact`.
-
-    Attributes:
-        tracks: `(J, K, 3)` poses every `step` s, standing at the last for good.
-        step: s.
-        shapes: `(J, 3)` half length, half width (m), whether round.
-        spans: `(C, 3)` which track, from when to when, s.
-    """
-
-    tracks: Array
-    step: float
-    shapes: Array
-    spans: Array
-
-
 NOBODY = Others(np.zeros((0, 1, 3)), TRACK_STEP, np.zeros((0, 3)), np.zeros((0, 3)))
 
-
-@dataclass(frozen=True)
-class Care:
-    """How far to keep off, and how closely to look.
-
-    Attributes:
-        ground, others: Margins, m.
-        steps: Largest steps between tests: m, rad, s.
-        finer: How often to halve the steps of the search.
-    """
-
-    ground: float = 0.006
-    others: float = 0.05
-    steps: tuple[float, float, float] = (0.04, 0.03, 0.06)
-    finer: int = 0
-
-
-CAREFUL = (
-    Care(),
-    Care(0.003, 0.025, (0.03, 0.015, 0.03), 1),
-    Care(0.001, 0.003, (0.02, 0.005, 0.004), 1),
-    Care(0.0, 0.003, (0.02, 0.001, 0.004), 1),  # where a start or a goal touches something
+MARGINS = (
+    Margins(0.006, 0.05, 0.04, 0.03, 0.06, 0),
+    Margins(0.003, 0.025, 0.03, 0.015, 0.03, 1),
+    Margins(0.001, 0.003, 0.02, 0.005, 0.004, 1),
+    Margins(0.0, 0.003, 0.02, 0.001, 0.004, 1),  # where a start or a goal touches something
 )
 """Wide margins first; where that finds nothing, smaller ones and smaller steps.
 
@@ -91,58 +67,57 @@ from the centre swings by half the step in angle between two tests of the ground
 
 
 @dataclass(frozen=True, eq=False)
-class Way:
-    """Moves from a start pose, see `_moves`.
+class TimedPath:
+    """Moves from a start pose, see `cavalcade.lattice.primitives`.
 
     Attributes:
         start: x, y, yaw `(3,)`.
         moves: `(M, 6)`.
-        mover: `(11,)`.
+        limits: That the moves keep to.
         model: Of the robot.
     """
 
     start: Array
     moves: Array
-    mover: Array
+    limits: MotionLimits
     model: RobotModel
 
     @property
     def duration(self) -> float:
-        """S."""
+        """From the start to the last move's end, s."""
         return float(self.moves[:, DURATION].sum())
 
     @property
     def length(self) -> float:
-        """M."""
+        """Summed over the moves, forwards and backwards, m."""
         return float(np.abs(self.moves[:, LENGTH]).sum())
 
     def track(self) -> Array:
         """Poses `(K, 3)` every `TRACK_STEP` s, the last at or after the end."""
         count = math.ceil(self.duration / TRACK_STEP - 1e-9) + 1
         times = np.arange(count) * TRACK_STEP
-        return np.ascontiguousarray(sample_moves(self.start, self.moves, self.mover, times)[:, :3])
+        return np.ascontiguousarray(sample_moves(self.start, self.moves, self.limits, times)[:, :3])
 
 
-class TimedPlanner:
-    """Plans ways over one ground; keeps what depends on the goal alone.
+class SpaceTimePlanner:
+    """Plans paths over one ground; keeps what depends on the goal alone.
 
     Args:
         ground: Even, or to be walked on wherever it is not solid.
-        price: Cost of a metre; that of a second is 1. None: two seconds at the robot's speed.
-        greed: Factor of what is left to the goal: larger ones find ways sooner, smaller ones
-            better ways.
+        metre_cost: Of a metre; that of a second is 1. None: two seconds at the robot's speed.
+        weight: Of the heuristic: larger ones find paths sooner, smaller ones better paths.
     """
 
-    def __init__(self, ground: Ground, price: float | None = None, greed: float = 1.5) -> None:
+    def __init__(
+        self, ground: Ground, metre_cost: float | None = None, weight: float = 1.5
+    ) -> None:
         self.ground = ground
-        self.price = price
-        self.greed = greed
-        # Read-only in every case: kernels are compiled for the types they first see.
-        ground = read_only(ground)
-        self.grid = (ground.cell, ground.solid, ground.clearance)
+        self.metre_cost = metre_cost
+        self.weight = weight
+        self.grid = grid_of(ground)
         self._open = not ground.solid.any()
-        self._guides: dict[tuple[int, int, float, float | None], tuple[Array, float]] = {}
-        self._kinds: dict[tuple[RobotModel, int], tuple[Array, Array]] = {}
+        self._to_go: dict[tuple[int, int, float, float | None], CostToGo] = {}
+        self._kinds: dict[tuple[RobotModel, int], tuple[MotionLimits, Array]] = {}
 
     def plan(
         self,
@@ -151,143 +126,138 @@ class TimedPlanner:
         goal: Array,
         others: Others = NOBODY,
         most: int = 50_000,
-        care: Care = CAREFUL[0],
-    ) -> tuple[Way | None, bool, int]:
-        """The cheapest way that the search finds, from rest to rest, clear of the others for good.
+        margins: Margins = MARGINS[0],
+    ) -> tuple[TimedPath | None, bool, int]:
+        """The cheapest path that the search finds, from rest to rest, clear of the others for good.
 
         Args:
             model: Of the robot.
             start, goal: `(3,)` x, y, yaw.
             others: To be avoided.
             most: Expansions.
-            care: Margins and steps.
+            margins: And steps.
 
         Returns:
-            The way or None; whether that is because `most` was spent; expansions.
+            The path or None; whether that is because `most` was spent; expansions.
         """
-        guide = self._likely_guide(start, goal, model)
-        way, spent, expansions = self._search(model, start, goal, others, most, care, guide)
-        cautious = self.guide(goal, model)
-        if guide[0] is cautious[0] or (way is not None and not self._long(way, cautious)):
-            return way, spent, expansions
-        # What the likely guide thinks little of may be the shorter way, or the only one.
-        most = most if way is None else min(most, max(_SECOND_LOOK, expansions))
-        other, spent, more = self._search(model, start, goal, others, most, care, cautious)
-        if way is not None and (other is None or self.cost(other) >= self.cost(way)):
-            other = way
+        scene = self.scene(model, others, margins)
+        likely = self._likely_cost_to_go(start, goal, model)
+        path, spent, expansions = self._search(model, scene, start, goal, likely, most)
+        admissible = self.cost_to_go(goal, model)
+        if likely is admissible or (path is not None and not _long(path, admissible)):
+            return path, spent, expansions
+        # What the likely cost-to-go thinks little of may be the shorter path, or the only one.
+        # (Where nothing stands the two are alike, and a search that found nothing runs again.)
+        most = most if path is None else min(most, max(_SECOND_LOOK, expansions))
+        other, spent, more = self._search(model, scene, start, goal, admissible, most)
+        if path is not None and (other is None or self.cost(other) >= self.cost(path)):
+            other = path
         return other, spent and other is None, expansions + more
 
-    def _long(self, way: Way, guide: tuple[Array, float]) -> bool:
-        """Whether a way is much longer than the guide has it."""
-        if not guide[0].shape[0]:
-            return False
-        return way.length > 1.25 * float(guide[0][_cell(guide, way.start)]) + 0.5
+    def scene(self, model: RobotModel, others: Others, margins: Margins) -> Scene:
+        """A robot among others, as kernels take it."""
+        limits = self.limits(model)
+        return Scene(self.grid, others, limits, margins, self.metre_cost_for(limits.speed))
 
     def _search(
         self,
         model: RobotModel,
+        scene: Scene,
         start: Array,
         goal: Array,
-        others: Others,
+        to_go: CostToGo,
         most: int,
-        care: Care,
-        guide: tuple[Array, float],
-    ) -> tuple[Way | None, bool, int]:
-        mover, prims = self._kind(model, care.finer)
-        price = self.price_for(mover)
-        margins = np.array([care.ground, care.others])
-        steps = np.array(care.steps)
-        status, moves, expansions = search(
-            self.grid,
-            tuple(others),
-            mover,
-            start,
-            goal,
-            prims,
-            *guide,
-            margins,
-            steps,
-            np.array([0.1, 0.25]) * 0.5**care.finer,
-            price,
-            self.greed,
-            most,
-        )
+    ) -> tuple[TimedPath | None, bool, int]:
+        limits, primitives = self._kind(model, scene.margins.finer)
+        finer = 0.5**scene.margins.finer
+        settings = SearchSettings(_BIN_SIZE * finer, _BIN_TIME * finer, self.weight, most)
+        status, moves, expansions = search(scene, start, goal, primitives, to_go, settings)
         if status != FOUND:
             return None, status == SPENT, expansions
         if expansions > 1:
-            moves = shorten(self.grid, tuple(others), mover, start, moves, margins, steps, price, 3)
-        return Way(start, moves, mover, model), False, expansions
+            moves = shorten(scene, start, moves, _PASSES)
+        return TimedPath(start, moves, limits, model), False, expansions
 
-    def cost(self, way: Way) -> float:
-        """What the search minimises: seconds and the price of the metres."""
-        return way.duration + self.price_for(way.mover) * way.length
+    def shortened(self, path: TimedPath, others: Others, margins: Margins) -> TimedPath:
+        """The path with parts of it replaced by cheaper moves that keep clear of the others."""
+        scene = self.scene(path.model, others, margins)
+        return replace(path, moves=shorten(scene, path.start, path.moves, _PASSES))
 
-    def price_for(self, mover: Array) -> float:
-        """What a metre costs, in s."""
-        return 2.0 / float(mover[0]) if self.price is None else self.price
+    def cost(self, path: TimedPath) -> float:
+        """What the search minimises: seconds and the cost of the metres."""
+        return path.duration + self.metre_cost_for(path.limits.speed) * path.length
 
-    def mover(self, model: RobotModel) -> Array:
+    def metre_cost_for(self, speed: float) -> float:
+        """What a metre costs a robot of this speed (m/s), in s."""
+        return 2.0 / speed if self.metre_cost is None else self.metre_cost
+
+    def limits(self, model: RobotModel) -> MotionLimits:
         """The model as kernels take it."""
         return self._kind(model, 0)[0]
 
-    def guide(self, goal: Array, model: RobotModel) -> tuple[Array, float]:
-        """Lengths of the shortest ways to the goal on a coarser grid, m, and its cell.
+    def reachable(self, model: RobotModel, start: Array, goal: Array) -> bool:
+        """Whether a disc as wide as the body gets from the start to the goal."""
+        to_go = self.cost_to_go(goal, model)
+        return not to_go.lengths.shape[0] or bool(np.isfinite(_at(to_go, start)))
 
-        For a disc of half the body's width: no way of it is missed, though some that are found
-        lead through what is a little too narrow. `(0, 0)` where nothing stands.
+    def cost_to_go(self, goal: Array, model: RobotModel) -> CostToGo:
+        """Lengths of the shortest paths to the goal on a coarser grid, m.
+
+        For a disc of half the body's width: no path of it is missed, though some that are found
+        lead through what is a little too narrow.
         """
-        return self._guide(goal, model.width / 2.0 - 0.75 * self.ground.cell, None)
+        return self._lengths(goal, model.width / 2.0 - 0.75 * self.ground.cell, None)
 
-    def _likely_guide(self, start: Array, goal: Array, model: RobotModel) -> tuple[Array, float]:
-        """A guide that has ways be longer where the body cannot turn, to search elsewhere first.
+    def _likely_cost_to_go(self, start: Array, goal: Array, model: RobotModel) -> CostToGo:
+        """One that has paths be longer where the body cannot turn, to search elsewhere first.
 
-        Where its narrowest ways don't reach the start, the cautious one.
+        Where its narrowest paths don't reach the start, the admissible one.
         """
         half = model.width / 2.0
-        room = half if model.round else math.hypot(model.length, model.width) / 2.0
-        guide, cell = self._guide(goal, half, room)
-        if guide.shape[0] and not np.isfinite(guide[_cell((guide, cell), start)]):
-            return self.guide(goal, model)
-        return guide, cell
+        turning = half if model.round else math.hypot(model.length, model.width) / 2.0
+        to_go = self._lengths(goal, half, turning)
+        if to_go.lengths.shape[0] and not np.isfinite(_at(to_go, start)):
+            return self.cost_to_go(goal, model)
+        return to_go
 
-    def _guide(self, goal: Array, least: float, room: float | None) -> tuple[Array, float]:
-        """Ways over ground with a clearance of at least `least` m, cheap where it is `room` m."""
+    def _lengths(self, goal: Array, least: float, turning: float | None) -> CostToGo:
+        """Over ground with a clearance of `least` m, cheap where it is more than `turning` m."""
         if self._open:
-            return np.zeros((0, 0)), 1.0
+            return CostToGo(np.zeros((0, 0)), 1.0)
         cell = self.ground.cell
         factor = max(1, round(0.1 / cell))
         row, col = int(goal[1] / cell) // factor, int(goal[0] / cell) // factor
-        key = (row, col, least, room)
-        if key not in self._guides:
+        key = (row, col, least, turning)
+        if key not in self._to_go:
             speed = (self.ground.clearance > least).astype(float)
-            if room is not None:
-                speed[self.ground.clearance <= room] *= _CRAMPED_SPEED
+            if turning is not None:
+                speed[self.ground.clearance <= turning] *= _CRAMPED_SPEED
             speed = _coarser(speed, factor)
             row, col = min(row, speed.shape[0] - 1), min(col, speed.shape[1] - 1)
             speed[row, col] = 1.0
             times = arrival_times(speed, [(row, col)], cell * factor)
-            self._guides[key] = (np.ascontiguousarray(times), cell * factor)
-        return self._guides[key]
+            self._to_go[key] = CostToGo(np.ascontiguousarray(times), cell * factor)
+        return self._to_go[key]
 
-    def _kind(self, model: RobotModel, finer: int) -> tuple[Array, Array]:
+    def _kind(self, model: RobotModel, finer: int) -> tuple[MotionLimits, Array]:
         key = (model, finer)
         if key not in self._kinds:
-            self._kinds[key] = (mover_of(model), primitives_of(model, finer))
+            self._kinds[key] = (motion_limits(model), primitives_of(model, finer))
         return self._kinds[key]
 
 
-def trajectory_of(way: Way, ground: Ground | None = None) -> Trajectory:
-    """The way as samples; over uneven ground the body keeps its clearance of the smoothed one."""
-    ends = np.concatenate([[0.0], np.cumsum(way.moves[:, DURATION])])
+def trajectory_of(path: TimedPath, ground: Ground | None = None) -> Trajectory:
+    """The path as samples; over uneven ground the body keeps its clearance of the smoothed one."""
+    ends = np.concatenate([[0.0], np.cumsum(path.moves[:, DURATION])])
     grid = np.arange(0.0, ends[-1], STEP)
-    times = np.unique(np.concatenate([grid, ends, _kinks(way, ends)]))
+    times = np.unique(np.concatenate([grid, ends, _kinks(path, ends)]))
     times = times[np.concatenate([[True], np.diff(times) > 1e-6])]
     if ends[-1] - times[-1] > 0.0:
         times[-1] = ends[-1]
-    motion = sample_moves(way.start, way.moves, way.mover, times)
+    motion = sample_moves(path.start, path.moves, path.limits, times)
     height, climb = np.zeros(len(times)), np.zeros(len(times))
-    if way.model.legs is not None:
-        height += way.model.legs.h_nom
+    if path.model.legs is not None:
+        height += path.model.legs.h_nom
         if ground is not None and not ground.flat:
             rise, along_x, along_y = surface_along(read_only(ground), motion[:, :2])
             height += rise
@@ -295,20 +265,20 @@ def trajectory_of(way: Way, ground: Ground | None = None) -> Trajectory:
     position = np.column_stack([motion[:, :2], height])
     velocity = np.column_stack([motion[:, 3:5], climb])
     yaw = motion[:, 2].copy()
-    if way.mover[6] > 0.0:
-        yaw[:] = way.start[2]
+    if path.limits.free:
+        yaw[:] = path.start[2]
     return Trajectory(times, position, velocity, yaw, np.full(len(times), WALK, dtype=np.int8))
 
 
-def _kinks(way: Way, ends: Array) -> Array:
+def _kinks(path: TimedPath, ends: Array) -> Array:
     """Times within moves at which their acceleration jumps, s."""
     found = []
-    for move, begin in zip(way.moves, ends[:-1], strict=True):
+    for move, begin in zip(path.moves, ends[:-1], strict=True):
         length, turn = abs(move[LENGTH]), abs(move[TURN])
-        ramp, v0, v1, most = way.mover[ACCELERATION], move[V0], move[V1], move[VMAX]
+        ramp, v0, v1, most = path.limits.acceleration, move[V0], move[V1], move[VMAX]
         if length == 0.0:
             length, v0, v1 = turn, 0.0, 0.0
-            ramp, most = way.mover[TURN_ACCELERATION], way.mover[RATE]
+            ramp, most = path.limits.yaw_acceleration, path.limits.yaw_rate
         if length > 0.0 and move[DURATION] > 0.0:
             duration, peak = trapezoid(length, v0, v1, most, ramp)
             found += [begin + (peak - v0) / ramp, begin + duration - (peak - v1) / ramp]
@@ -336,13 +306,35 @@ def others_of(tracks: list[Array], models: list[RobotModel], spans: list[Any]) -
     if not tracks or not spans:
         return NOBODY
     table = stacked(tracks)
-    shapes = np.array([[m.length / 2.0, m.width / 2.0, float(m.round)] for m in models])
+    shapes = np.array([footprint(model) for model in models], dtype=float)
     return Others(table, TRACK_STEP, shapes, np.array(spans, dtype=float).reshape(-1, 3))
 
 
-def _cell(guide: tuple[Array, float], pose: Array) -> tuple[int, int]:
-    (rows, cols), cell = guide[0].shape, guide[1]
-    return min(int(pose[1] / cell), rows - 1), min(int(pose[0] / cell), cols - 1)
+def warm_up() -> None:
+    """Compile or load every kernel of planar planning, on a problem of a moment."""
+    ground = make_ground(OccupancyMap.empty((4.0, 3.0)))
+    model, planner = robot_model("spirit"), SpaceTimePlanner(ground)
+    start, goal = np.array([0.6, 1.5, 0.0]), np.array([3.4, 1.5, np.pi])
+    first, _, _ = planner.plan(model, start, goal)
+    if first is None:
+        return
+    others = others_of([first.track()], [model], [(0, 0.0, np.inf)])
+    second, _, _ = planner.plan(model, goal, start, others)
+    trajectory_of(first if second is None else second, ground)
+
+
+def _long(path: TimedPath, to_go: CostToGo) -> bool:
+    """Whether a path is much longer than the cost-to-go has it."""
+    if not to_go.lengths.shape[0]:
+        return False
+    return path.length > 1.25 * float(_at(to_go, path.start)) + 0.5
+
+
+def _at(to_go: CostToGo, pose: Sequence[float] | Array) -> float:
+    """The length to go from a pose's cell, m."""
+    rows, cols = to_go.lengths.shape
+    row, col = min(int(pose[1] / to_go.cell), rows - 1), min(int(pose[0] / to_go.cell), cols - 1)
+    return float(to_go.lengths[row, col])
 
 
 def _coarser(speed: Array, factor: int) -> Array:

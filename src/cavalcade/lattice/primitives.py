@@ -10,10 +10,7 @@ backwards), turn (rad), v0, v1 (m/s at its ends, not signed), vmax (m/s) and dur
 
 Speed along a line or arc is the trapezoid from v0 over at most vmax to v1.
 
-A mover is an array: 0 speed, 1 acceleration, 2 turn rate, 3 turn acceleration, 4 least radius of
-arcs (0: none), 5 how far it may go backwards at a stretch, 6 whether its heading is free (it turns
-in no time), 7 half length, 8 half width, 9 whether it is round (then 7 is its radius), 10 speed
-backwards.
+A robot's `limits` are `cavalcade.lattice.motion_limits.MotionLimits`.
 """
 
 from __future__ import annotations
@@ -23,14 +20,13 @@ import math
 import numpy as np
 from numba import njit
 
-SPEED, ACCELERATION, RATE, TURN_ACCELERATION, RADIUS, BACKWARDS, FREE, HALF_LENGTH = range(8)
-HALF_WIDTH, ROUND, BACK_SPEED = 8, 9, 10
 LENGTH, TURN, V0, V1, VMAX, DURATION = range(6)
+"""Columns of a table of moves."""
 
 
 @njit(cache=True)
 def trapezoid(length, v0, v1, vmax, acceleration):
-    """Duration and largest speed of the quickest way over `length` >= 0; -1, 0 if there is none."""
+    """Duration and largest speed of the quickest motion over `length` >= 0; -1, 0 without one."""
     peak = math.sqrt(max(0.5 * (2.0 * acceleration * length + v0 * v0 + v1 * v1), 0.0))
     if peak < max(v0, v1) - 1e-9:
         return -1.0, 0.0
@@ -44,18 +40,18 @@ def trapezoid(length, v0, v1, vmax, acceleration):
 
 @njit(cache=True)
 def along(duration, v0, v1, peak, acceleration, t):
-    """Way and speed at time `t` of a trapezoid."""
+    """Distance gone and speed at time `t` of a trapezoid."""
     up = (peak - v0) / acceleration
     down = (peak - v1) / acceleration
     if t <= up:
         return v0 * t + 0.5 * acceleration * t * t, v0 + acceleration * t
-    way = 0.5 * (v0 + peak) * up
+    gone = 0.5 * (v0 + peak) * up
     cruise = duration - up - down
     if t <= up + cruise:
-        return way + peak * (t - up), peak
+        return gone + peak * (t - up), peak
     late = min(t, duration) - up - cruise
-    way += peak * cruise
-    return way + peak * late - 0.5 * acceleration * late * late, peak - acceleration * late
+    gone += peak * cruise
+    return gone + peak * late - 0.5 * acceleration * late * late, peak - acceleration * late
 
 
 @njit(cache=True)
@@ -73,23 +69,23 @@ def advanced(x, y, yaw, length, turn):
 
 
 @njit(cache=True)
-def make_move(move, length, turn, v0, v1, vmax, mover):
+def make_move(move, length, turn, v0, v1, vmax, limits):
     """Fill in a row; False if the ends' speeds don't fit into the length."""
     move[LENGTH], move[TURN], move[V0], move[V1], move[VMAX] = length, turn, v0, v1, vmax
     if length == 0.0:
-        if mover[FREE] > 0.0:
+        if limits.free:
             move[DURATION] = 0.0
         else:
             move[DURATION], _ = trapezoid(
-                abs(turn), 0.0, 0.0, mover[RATE], mover[TURN_ACCELERATION]
+                abs(turn), 0.0, 0.0, limits.yaw_rate, limits.yaw_acceleration
             )
         return True
-    move[DURATION], _ = trapezoid(abs(length), v0, v1, vmax, mover[ACCELERATION])
+    move[DURATION], _ = trapezoid(abs(length), v0, v1, vmax, limits.acceleration)
     return move[DURATION] >= 0.0
 
 
 @njit(cache=True)
-def within(x, y, yaw, move, mover, t):
+def within(x, y, yaw, move, limits, t):
     """Pose, speed along the heading (signed) and yaw rate at time `t` of a move from a pose."""
     length, turn = move[LENGTH], move[TURN]
     if length == 0.0:
@@ -97,20 +93,20 @@ def within(x, y, yaw, move, mover, t):
             return x, y, yaw, 0.0, 0.0
         if move[DURATION] <= 0.0:
             return x, y, yaw + turn, 0.0, 0.0
-        duration, peak = trapezoid(abs(turn), 0.0, 0.0, mover[RATE], mover[TURN_ACCELERATION])
-        angle, rate = along(duration, 0.0, 0.0, peak, mover[TURN_ACCELERATION], t)
+        duration, peak = trapezoid(abs(turn), 0.0, 0.0, limits.yaw_rate, limits.yaw_acceleration)
+        angle, rate = along(duration, 0.0, 0.0, peak, limits.yaw_acceleration, t)
         sign = 1.0 if turn > 0.0 else -1.0
         return x, y, yaw + sign * angle, 0.0, sign * rate
-    duration, peak = trapezoid(abs(length), move[V0], move[V1], move[VMAX], mover[ACCELERATION])
-    way, speed = along(duration, move[V0], move[V1], peak, mover[ACCELERATION], t)
+    duration, peak = trapezoid(abs(length), move[V0], move[V1], move[VMAX], limits.acceleration)
+    gone, speed = along(duration, move[V0], move[V1], peak, limits.acceleration, t)
     sign = 1.0 if length > 0.0 else -1.0
-    share = way / abs(length)
-    px, py, pyaw = advanced(x, y, yaw, sign * way, turn * share)
+    share = gone / abs(length)
+    px, py, pyaw = advanced(x, y, yaw, sign * gone, turn * share)
     return px, py, pyaw, sign * speed, turn / abs(length) * speed
 
 
 @njit(cache=True)
-def sample_moves(start, moves, mover, times):
+def sample_moves(start, moves, limits, times):
     """Motion `(K, 6)` x, y, yaw, vx, vy, yaw rate at increasing times `(K,)`.
 
     Before 0 and after the end the robot stands.
@@ -126,7 +122,7 @@ def sample_moves(start, moves, mover, times):
             begin += moves[at, DURATION]
             at += 1
         if at < len(moves) and t >= begin:
-            px, py, pyaw, speed, rate = within(x, y, yaw, moves[at], mover, t - begin)
+            px, py, pyaw, speed, rate = within(x, y, yaw, moves[at], limits, t - begin)
         else:
             px, py, pyaw, speed, rate = x, y, yaw, 0.0, 0.0
         out[k, 0], out[k, 1], out[k, 2] = px, py, pyaw

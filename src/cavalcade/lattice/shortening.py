@@ -1,4 +1,4 @@
-"""Kernel that shortens a way in space and time: words from one of its states to a later one."""
+"""Kernel that shortens a path in space and time: words from one of its states to a later one."""
 
 from __future__ import annotations
 
@@ -7,17 +7,16 @@ import math
 import numpy as np
 from numba import njit
 
-from cavalcade.lattice.collision import free_from, move_free
-from cavalcade.lattice.dubins import MOST_MOVES, MOST_WORDS, connect
+from cavalcade.lattice.collision import moves_free, occupied_until
+from cavalcade.lattice.dubins import connect, no_words, take_cheapest
+from cavalcade.lattice.motion_limits import footprint_of
 from cavalcade.lattice.primitives import (
-    ACCELERATION,
     DURATION,
     LENGTH,
     TURN,
     V0,
     V1,
     VMAX,
-    advanced,
     make_move,
     poses_between,
     trapezoid,
@@ -28,26 +27,14 @@ _PIECE = 1.5
 
 
 @njit(cache=True)
-def _rows_free(grid, others, pose, rows, mover, t, margins, steps, standing):
-    """Whether moves from a pose at time `t` meet nothing."""
-    x, y, yaw = pose[0], pose[1], pose[2]
-    for k in range(len(rows)):
-        if not move_free(grid, others, x, y, yaw, rows[k], mover, t, margins, steps, standing):
-            return False
-        x, y, yaw = advanced(x, y, yaw, rows[k, LENGTH], rows[k, TURN])
-        t += rows[k, DURATION]
-    return True
-
-
-@njit(cache=True)
-def split(moves, mover, piece):
-    """The same motion with moves along the way cut into pieces no longer than `piece` m."""
+def split(moves, limits, piece):
+    """The same motion with moves along the path cut into pieces no longer than `piece` m."""
     count = 0
     for k in range(len(moves)):
         count += max(1, int(math.ceil(abs(moves[k, LENGTH]) / piece)))
     rows = np.empty((count, moves.shape[1]))
     at = 0
-    a = mover[ACCELERATION]
+    a = limits.acceleration
     for k in range(len(moves)):
         length, turn = moves[k, LENGTH], moves[k, TURN]
         parts = max(1, int(math.ceil(abs(length) / piece)))
@@ -55,34 +42,39 @@ def split(moves, mover, piece):
             rows[at] = moves[k]
             at += 1
             continue
+        # Each piece ends at the speed that the whole move's trapezoid has there.
         v0, v1 = moves[k, V0], moves[k, V1]
         _, peak = trapezoid(abs(length), v0, v1, moves[k, VMAX], a)
         before = v0
         for i in range(1, parts + 1):
-            way = abs(length) * i / parts
-            after = min(peak, math.sqrt(v0 * v0 + 2.0 * a * way))
-            after = min(after, math.sqrt(v1 * v1 + 2.0 * a * (abs(length) - way)))
+            gone = abs(length) * i / parts
+            after = min(peak, math.sqrt(v0 * v0 + 2.0 * a * gone))
+            after = min(after, math.sqrt(v1 * v1 + 2.0 * a * (abs(length) - gone)))
             if i == parts:
                 after = v1
-            make_move(rows[at], length / parts, turn / parts, before, after, peak, mover)
+            make_move(rows[at], length / parts, turn / parts, before, after, peak, limits)
             before = after
             at += 1
     return rows
 
 
 @njit(cache=True)
-def shorten(grid, others, mover, start, moves, margins, steps, price, rounds):
-    """The way with parts of it replaced by cheaper words, greedily from its start.
+def shorten(scene, start, moves, rounds):
+    """The path with parts of it replaced by cheaper words, greedily from its start.
 
-    Arguments as in `search`; `moves` `(M, 6)` are valid, and so is what is returned. At most
-    `rounds` passes.
+    Args:
+        scene: As in the search.
+        start: x, y, yaw.
+        moves: `(M, 6)`, valid; so is what is returned.
+        rounds: Passes at most.
     """
-    words = np.empty((MOST_WORDS, MOST_MOVES, 6))
-    counts = np.zeros(MOST_WORDS, dtype=np.int64)
-    costs = np.empty(MOST_WORDS)
-    rows = split(moves, mover, _PIECE)
+    limits, margins = scene.limits, scene.margins
+    words = no_words()
+    rows = split(moves, limits, _PIECE)
     goal = poses_between(start, moves)[-1]
-    taken = free_from(others, goal[0], goal[1], goal[2], mover, 0.0, margins[1])
+    taken = occupied_until(
+        scene.others, footprint_of(limits), (goal[0], goal[1], goal[2]), 0.0, margins.others
+    )
     for _ in range(rounds):
         changed = False
         i = 0
@@ -90,10 +82,13 @@ def shorten(grid, others, mover, start, moves, margins, steps, price, rounds):
             poses = poses_between(start, rows)
             times = np.zeros(len(rows) + 1)
             times[1:] = np.cumsum(rows[:, DURATION])
+            here = (poses[i, 0], poses[i, 1], poses[i, 2])
             speed_i = rows[i, V0] if rows[i, LENGTH] != 0.0 else 0.0
             done = False
+            # From state i to the farthest state j that a cheaper word leads to.
             j = len(rows)
             while j > i + 1 and not done:
+                there = (poses[j, 0], poses[j, 1], poses[j, 2])
                 speed_j = 0.0
                 if j < len(rows) and rows[j, LENGTH] != 0.0:
                     speed_j = rows[j, V0]
@@ -101,32 +96,24 @@ def shorten(grid, others, mover, start, moves, margins, steps, price, rounds):
                     speed_j = rows[j - 1, V1] if rows[j - 1, LENGTH] != 0.0 else 0.0
                 old = times[j] - times[i]
                 for k in range(i, j):
-                    old += price * abs(rows[k, LENGTH])
+                    old += scene.metre_cost * abs(rows[k, LENGTH])
                 number = connect(
-                    poses[i], speed_i, poses[j], speed_j, mover, price, words, counts, costs
+                    poses[i], speed_i, poses[j], speed_j, limits, scene.metre_cost, words
                 )
                 for _ in range(number):
-                    pick = -1
-                    for k in range(number):
-                        if counts[k] >= 0 and (pick < 0 or costs[k] < costs[pick]):
-                            pick = k
-                    if pick < 0 or costs[pick] >= old - 1e-6:
+                    pick, count = take_cheapest(words, number)
+                    if pick < 0 or words.costs[pick] >= old - 1e-6:
                         break
-                    count = counts[pick]
-                    counts[pick] = -1
-                    word = words[pick, :count]
-                    duration = word[:, DURATION].sum()
-                    after = times[i] + duration
-                    end = after + times[len(rows)] - times[j]
-                    if end <= taken:
+                    word = words.moves[pick, :count]
+                    after = times[i] + word[:, DURATION].sum()
+                    # Whoever is at the goal until then must have left it.
+                    if after + times[len(rows)] - times[j] <= taken:
                         continue
-                    if not _rows_free(
-                        grid, others, poses[i], word, mover, times[i], margins, steps, False
-                    ):
+                    if not moves_free(scene, here, word, times[i], False):
                         continue
-                    if abs(after - times[j]) > 1e-9 and not _rows_free(
-                        grid, others, poses[j], rows[j:], mover, after, margins, steps, True
-                    ):
+                    # What follows comes at another time: past the others it is looked at again.
+                    late = abs(after - times[j]) > 1e-9
+                    if late and not moves_free(scene, there, rows[j:], after, True):
                         continue
                     fresh = np.empty((i + count + len(rows) - j, 6))
                     fresh[:i] = rows[:i]

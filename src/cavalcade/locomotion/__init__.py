@@ -1,15 +1,9 @@
-"""From bodies' motion to feet: when and where each of them stands."""
+"""From bodies' motion to feet and torques: footholds, gait, predictive control, leg control.
 
-from cavalcade.locomotion.footholds import leg_lengths, longest_leg, plan_footholds
-from cavalcade.locomotion.gait import FRONT_LEFT, FRONT_RIGHT, REAR_LEFT, REAR_RIGHT, stances
+`LegControl` turns measured states and velocity commands into joint torques; `solve_mpc` is the
+predictive control behind it, for a problem of one's own. Neither needs a simulator.
+"""
 
-__all__ = [
-    "FRONT_LEFT",
-    "FRONT_RIGHT",
-    "REAR_LEFT",
-    "REAR_RIGHT",
-    "leg_lengths",
-    "longest_leg",
-    "plan_footholds",
-    "stances",
-]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

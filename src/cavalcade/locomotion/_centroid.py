@@ -8,26 +8,23 @@ import numpy as np
 from numba import njit
 
 from cavalcade.locomotion._kinematics import cross, turned
+from cavalcade.locomotion.records import Centroid
 
 
 @njit(cache=True)
-def centroid(robot, qpos, qvel, body, centre, velocity, spin):
-    """Centre of mass, its velocity, and the mean angular velocity.
+def measure_centroid(robot, measured, body):
+    """The `Centroid` of one robot as `Measured`, of which `body` is the row of `BODY`.
 
     The angular velocity is that of a body with the standing robot's inertia and the robot's
     angular momentum, in which links count as points where their joints move them.
-
-    Args:
-        robot: A row of `ROBOT`.
-        qpos, qvel: `(19,)`, `(18,)` as MuJoCo has them.
-        body: A row of `BODY`, as measured.
-        centre, velocity, spin: `(3,)`, world frame, overwritten.
     """
+    qpos, qvel = measured.qpos, measured.qvel
     place, rate = np.empty((12, 3)), np.empty((12, 3))
     mean, speed = np.empty(3), np.zeros(3)
     own = robot.trunk_mass
     for a in range(3):
         mean[a] = own * robot.trunk_centre[a]
+    # Sums over trunk and links of places and velocities by mass, trunk frame.
     for leg in range(4):
         _links(robot, leg, qpos[7:], qvel[6:], place, rate)
         for link in range(3):
@@ -49,6 +46,8 @@ def centroid(robot, qpos, qvel, body, centre, velocity, spin):
             for a in range(3):
                 momentum[a] += robot.link_mass[leg, link] * product[a]
     extra = np.linalg.solve(robot.inertia, momentum)
+    # To the world: the trunk carries the centre of mass along and turns it, the joints move it.
+    centre, velocity, spin = np.empty(3), np.empty(3), np.empty(3)
     turned(body.matrix, mean, centre)
     cross(body.spin, centre, velocity)
     turned(body.matrix, speed, arm)
@@ -57,6 +56,7 @@ def centroid(robot, qpos, qvel, body, centre, velocity, spin):
         centre[a] += qpos[a]
         velocity[a] += qvel[a] + arm[a]
         spin[a] = body.spin[a] + product[a]
+    return Centroid(centre, velocity, spin)
 
 
 @njit(cache=True)
@@ -72,6 +72,7 @@ def _links(robot, leg, joints, rates, place, rate):
             robot.link_centre[leg, link, 1],
             robot.link_centre[leg, link, 2],
         )
+        # In the plane that turns with the hip: u ahead, w up, and their rates by thigh and calf.
         u, w, du, dw = x, z, 0.0, 0.0
         if link == 1:
             u, w = c1 * x + s1 * z, -s1 * x + c1 * z
@@ -81,6 +82,7 @@ def _links(robot, leg, joints, rates, place, rate):
             du, dw = (w1 + w2) * w, -(w1 + w2) * u
             u, w = u - robot.thigh * s1, w - robot.thigh * c1
             du, dw = du - w1 * robot.thigh * c1, dw + w1 * robot.thigh * s1
+        # The hip's joint turns that plane about the trunk's x.
         v = y + (robot.side[leg] if link > 0 else 0.0)
         k = 3 * leg + link
         place[k, 0] = robot.hip[leg, 0] + u

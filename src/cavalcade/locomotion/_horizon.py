@@ -1,4 +1,4 @@
-"""What predictive control is asked for: reference, contacts and levers over its horizon, compiled.
+"""The problem of predictive control for a walk: reference, contacts, levers, compiled.
 
 The reference is what the command will have been approached to, and levers are about the centre of
 mass where it will be then. World frame, SI; `robot, gait, body, state` are rows of `ROBOT`,
@@ -13,7 +13,8 @@ import numpy as np
 from numba import njit
 
 from cavalcade.locomotion._kinematics import wrapped
-from cavalcade.locomotion._mpc import solve_mpc
+from cavalcade.locomotion._mpc import solve
+from cavalcade.locomotion.mpc import MpcProblem
 from cavalcade.locomotion.records import CHANGES, STEPS, TROTTING
 
 STILL = 0.02
@@ -30,8 +31,8 @@ def swing_share(gait, clock, leg):
 
 
 @njit(cache=True)
-def wish(gait, state):
-    """The commanded velocity, body frame; none after a silence, and none that is next to none.
+def commanded_velocity(gait, state):
+    """The velocity to follow, body frame: none after a silence, and none that is next to none.
 
     A robot that stands would lean after a reference that creeps away.
     """
@@ -44,7 +45,7 @@ def wish(gait, state):
 
 @njit(cache=True)
 def approach(gait, velocity, vx, vy, wz, passed):
-    """Let a velocity `(3,)` in the body frame come nearer to a wished one for `passed` s."""
+    """Let a velocity `(3,)` in the body frame approach another one for `passed` s."""
     reach, turn = gait.acceleration * passed, gait.turning * passed
     dx, dy = vx - velocity[0], vy - velocity[1]
     length = math.hypot(dx, dy)
@@ -55,8 +56,29 @@ def approach(gait, velocity, vx, vy, wz, passed):
 
 
 @njit(cache=True)
-def solve_walk(robot, gait, body, state):
-    """Compute `state.forces` for a robot that trots or stands.
+def present_state(angles, centre, spin, velocity, yaw):
+    """The state `(12,)` of an `MpcProblem`; `yaw`, unwrapped, replaces that of the angles."""
+    state = np.empty(12)
+    for a in range(3):
+        state[a], state[3 + a], state[6 + a] = angles[a], centre[a], spin[a]
+        state[9 + a] = velocity[a]
+    state[2] = yaw
+    return state
+
+
+@njit(cache=True)
+def solve_forces(problem, state):
+    """Set `state.forces` to those of the solution's first step."""
+    plan = np.empty((STEPS, 4, 3))
+    solve(problem, plan, CHANGES)
+    for leg in range(4):
+        for a in range(3):
+            state.forces[leg, a] = plan[0, leg, a]
+
+
+@njit(cache=True)
+def walk_problem(robot, gait, body, state):
+    """The `MpcProblem` of a robot that trots or stands.
 
     Feet act on the centre of mass where that will be, not where it is: its motion over the
     horizon is some of a leg's length.
@@ -65,27 +87,19 @@ def solve_walk(robot, gait, body, state):
     contacts = np.zeros((STEPS, 4), np.int64)
     levers = np.zeros((STEPS, 4, 3))
     yaws = np.empty(STEPS)
-    dts = np.full(STEPS, gait.step)
-    present = np.empty(12)
     measured_yaw = state.yaw + wrapped(body.angles[2] - state.yaw)
-    for a in range(3):
-        present[a] = body.angles[a]
-        present[3 + a] = body.centre[a]
-        present[6 + a] = body.spin[a]
-        present[9 + a] = body.velocity[a]
-    present[2] = measured_yaw
     trots = state.mode == TROTTING
     clock = state.time - state.began
     height = state.ground + gait.height + robot.centre[2]
     x, y, at_x, at_y = state.place[0], state.place[1], body.centre[0], body.centre[1]
     velocity, half = state.velocity.copy(), 0.5 * gait.step
-    wish_x, wish_y, wish_turn = wish(gait, state)
+    goal_x, goal_y, goal_turn = commanded_velocity(gait, state)
     yaw = state.yaw
     for k in range(STEPS):
-        # The middle of the step, then its end: commands are foreseen to be approached.
+        # The command as it will be approached: up to the middle of the step, for yaw and levers ...
         middle = (k + 0.5) * gait.step
         rate = velocity[2]
-        approach(gait, velocity, wish_x, wish_y, wish_turn, half)
+        approach(gait, velocity, goal_x, goal_y, goal_turn, half)
         yaw += 0.5 * (rate + velocity[2]) * half
         c, s = math.cos(yaw), math.sin(yaw)
         vx, vy = c * velocity[0] - s * velocity[1], s * velocity[0] + c * velocity[1]
@@ -97,8 +111,9 @@ def solve_walk(robot, gait, body, state):
             at_x + gait.step * vx,
             at_y + gait.step * vy,
         )
+        # ... and up to its end, for the reference.
         rate = velocity[2]
-        approach(gait, velocity, wish_x, wish_y, wish_turn, half)
+        approach(gait, velocity, goal_x, goal_y, goal_turn, half)
         yaw += 0.5 * (rate + velocity[2]) * half
         c, s = math.cos(yaw), math.sin(yaw)
         vx, vy = c * velocity[0] - s * velocity[1], s * velocity[0] + c * velocity[1]
@@ -112,6 +127,7 @@ def solve_walk(robot, gait, body, state):
         reference[k, 8] = velocity[2]
         reference[k, 9], reference[k, 10] = vx, vy
         reference[k, 11] = state.slope[0] * vx + state.slope[1] * vy
+        # Feet that will have stepped stand below their hips, others where they are or will land.
         for leg in range(4):
             contacts[k, leg] = _stands(gait, state, clock, k, leg)
             if trots and middle >= _until_lift(gait, clock, leg):
@@ -126,25 +142,20 @@ def solve_walk(robot, gait, body, state):
             levers[k, leg, 0] = px - half_x
             levers[k, leg, 1] = py - half_y
             levers[k, leg, 2] = pz - (height + climb)
-    forces = solve_mpc(
-        present,
+    return MpcProblem(
+        present_state(body.angles, body.centre, body.spin, body.velocity, measured_yaw),
         reference,
         contacts,
         levers,
         yaws,
-        dts,
+        np.full(STEPS, gait.step),
         robot.inertia,
         robot.mass,
         gait.weights,
         gait.force_weight,
         gait.mu,
         gait.max_force,
-        np.empty((STEPS, 4, 3)),
-        CHANGES,
     )
-    for leg in range(4):
-        for a in range(3):
-            state.forces[leg, a] = forces[0, leg, a]
 
 
 @njit(cache=True)

@@ -1,7 +1,7 @@
 """Torques of a leg's joints for what it is to do, compiled: push, move a foot, fold, go limp.
 
-`robot` and `body` are rows of `ROBOT` and `BODY`; `qpos (19,)`, `qvel (18,)` are MuJoCo's; of
-`torques (12,)`, N m, those of the leg are overwritten.
+`robot` and `body` are rows of `ROBOT` and `BODY`, `measured` is what is `Measured` of one robot;
+of `torques (12,)`, N m, those of the leg are overwritten.
 """
 
 from __future__ import annotations
@@ -33,36 +33,33 @@ LIMP = 1.0
 
 
 @njit(cache=True)
-def push(robot, body, leg, force, qpos, qvel, torques):
+def stance_torques(robot, body, leg, force, measured, torques):
     """Let the ground push a foot with `force` `(3,)`, world frame, N.
 
     The joints also hold the leg's own weight and make up for their damping and friction.
     """
     back, weight = np.empty(3), np.empty(3)
     turned_back(body.matrix, force, back)
-    leg_weight(robot, leg, qpos[7 + 3 * leg : 10 + 3 * leg], body.matrix[2], weight)
+    leg_weight(robot, leg, measured.qpos[7 + 3 * leg : 10 + 3 * leg], body.matrix[2], weight)
     jacobian = body.jacobian[leg]
     for j in range(3):
         joint = 3 * leg + j
         torque = weight[j]
         for a in range(3):
             torque -= jacobian[a, j] * back[a]
-        rate = qvel[6 + joint]
+        rate = measured.qvel[6 + joint]
         torque += robot.damping[joint] * rate + robot.friction[joint] * math.tanh(rate / SLOW)
         torques[joint] = torque
 
 
 @njit(cache=True)
-def reach(robot, body, leg, place, velocity, stiffness, damping, qpos, qvel, torques):
-    """Bring a foot to `place` with `velocity`, `(3,)`, world frame, by angles and rates of joints.
-
-    `stiffness` and `damping` are the joints', N m/rad and N m s/rad.
-    """
+def track_foot(robot, body, leg, target, measured, torques):
+    """Bring a foot to a `FootTarget` by PD control of joint angles and rates."""
     arm, rate = np.empty(3), np.empty(3)
     for a in range(3):
-        arm[a] = place[a] - body.trunk[a]
+        arm[a] = target.place[a] - body.trunk[a]
         # What is left for the joints to do: the trunk moves, too.
-        rate[a] = velocity[a] - body.carried[leg, a]
+        rate[a] = target.velocity[a] - body.carried[leg, a]
     wanted, back = np.empty(3), np.empty(3)
     turned_back(body.matrix, arm, wanted)
     turned_back(body.matrix, rate, back)
@@ -73,37 +70,38 @@ def reach(robot, body, leg, place, velocity, stiffness, damping, qpos, qvel, tor
     for j in range(3):
         joint = 3 * leg + j
         speed = min(max(speeds[j], -FASTEST), FASTEST)
-        torques[joint] = stiffness * (joints[j] - qpos[7 + joint]) + damping * (
-            speed - qvel[6 + joint]
-        )
+        torques[joint] = target.stiffness * (
+            joints[j] - measured.qpos[7 + joint]
+        ) + target.damping * (speed - measured.qvel[6 + joint])
 
 
 @njit(cache=True)
-def carry(robot, body, leg, qpos, torques):
+def add_leg_weight(robot, body, leg, measured, torques):
     """Add to a leg's torques those that hold its own weight."""
     weight = np.empty(3)
-    leg_weight(robot, leg, qpos[7 + 3 * leg : 10 + 3 * leg], body.matrix[2], weight)
+    leg_weight(robot, leg, measured.qpos[7 + 3 * leg : 10 + 3 * leg], body.matrix[2], weight)
     for j in range(3):
         torques[3 * leg + j] += weight[j]
 
 
 @njit(cache=True)
-def bend(angles, start, share, qpos, qvel, torques):
-    """Bring all joints `share` (0 to 1) of the way from angles `start` to `angles`, `(12,)`."""
+def track_posture(start, goal, share, measured, torques):
+    """Bring all joints `share` (0 to 1) of the way from angles `start` to `goal`, `(12,)`, rad."""
     for j in range(12):
-        angle = start[j] + share * (angles[j] - start[j])
-        torques[j] = FOLD_STIFFNESS * (angle - qpos[7 + j]) - FOLD_DAMPING * qvel[6 + j]
+        angle = start[j] + share * (goal[j] - start[j])
+        torques[j] = FOLD_STIFFNESS * (angle - measured.qpos[7 + j])
+        torques[j] -= FOLD_DAMPING * measured.qvel[6 + j]
 
 
 @njit(cache=True)
-def go_limp(qvel, torques):
+def go_limp(measured, torques):
     """Only brake all joints."""
     for j in range(12):
-        torques[j] = -LIMP * qvel[6 + j]
+        torques[j] = -LIMP * measured.qvel[6 + j]
 
 
 @njit(cache=True)
-def limit(robot, torques):
+def limit_torques(robot, torques):
     """Keep torques `(12,)` within the motors' limits."""
     for j in range(12):
         torques[j] = min(max(torques[j], -robot.torque[j]), robot.torque[j])

@@ -1,8 +1,8 @@
-"""Where feet are, how joints move them, and which torques hold a leg's own weight, compiled.
+"""Where trunk and feet are, how joints move them, which torques hold a leg's weight, compiled.
 
 One leg is a hip joint about x, a thigh joint about y beside it and a calf joint about y; thigh and
 calf hang downwards at zero. Trunk frame (x ahead, y left, z up), m, rad; a leg's joints are hip,
-thigh, calf. `robot` is a row of `ROBOT` in `records`.
+thigh, calf. `robot` is a row of `ROBOT`.
 """
 
 from __future__ import annotations
@@ -12,8 +12,7 @@ import math
 import numpy as np
 from numba import njit
 
-GRAVITY = 9.81
-"""m/s²."""
+from cavalcade.geometry.constants import GRAVITY
 
 SINGULAR = 2e-4
 """A Jacobian with a smaller determinant is not inverted but damped, m³."""
@@ -45,11 +44,36 @@ def angles(matrix):
 
 
 @njit(cache=True)
+def measure_body(robot, measured, body):
+    """Fill `body`, a row of `BODY`, from what is `Measured` of one robot."""
+    qpos, qvel = measured.qpos, measured.qvel
+    matrix, spin = body.matrix, body.spin
+    rotation(qpos[3:7], matrix)
+    roll, pitch, yaw = angles(matrix)
+    body.angles[0], body.angles[1], body.angles[2] = roll, pitch, yaw
+    turned(matrix, qvel[3:6], spin)
+    arm, moved, place = np.empty(3), np.empty(3), np.empty(3)
+    turned(matrix, robot.centre, arm)
+    cross(spin, arm, moved)
+    for a in range(3):
+        body.trunk[a] = qpos[a]
+        body.centre[a] = qpos[a] + arm[a]
+        body.velocity[a] = qvel[a] + moved[a]
+    for leg in range(4):
+        leg_forward(robot, leg, qpos[7 + 3 * leg : 10 + 3 * leg], place, body.jacobian[leg])
+        turned(matrix, place, arm)
+        cross(spin, arm, moved)
+        for a in range(3):
+            body.foot[leg, a] = qpos[a] + arm[a]
+            body.carried[leg, a] = qvel[a] + moved[a]
+
+
+@njit(cache=True)
 def leg_forward(robot, leg, joints, place, jacobian):
     """A foot's centre and its derivatives by the three joints.
 
     Args:
-        robot: Its figures.
+        robot: Its parameters.
         leg: Which.
         joints: `(3,)` of that leg.
         place: `(3,)`, overwritten.
@@ -78,7 +102,7 @@ def leg_inverse(robot, leg, place, out):
     """Joint angles `(3,)` that bring a foot to a place, knees backwards; as near as it goes.
 
     Args:
-        robot: Its figures.
+        robot: Its parameters.
         leg: Which.
         place: `(3,)` of the foot's centre. Out of reach, the leg points there as long as it can be.
         out: Overwritten; within the joints' ranges.
@@ -87,9 +111,11 @@ def leg_inverse(robot, leg, place, out):
     y = place[1] - robot.hip[leg, 1]
     z = place[2] - robot.hip[leg, 2]
     side, thigh, calf = robot.side[leg], robot.thigh, robot.calf
+    # The hip turns the leg's plane; `down` is the foot's height in it, straight below the side.
     down = -math.sqrt(max(y * y + z * z - side * side, 1e-6))
     turn = math.atan2(z, y) - math.atan2(down, side)
     out[0] = wrapped(turn)
+    # The knee by the law of cosines, then the thigh by the direction to the foot.
     length = min(max(x * x + down * down, (thigh - calf) ** 2), (STRETCHED * (thigh + calf)) ** 2)
     bend = (length - thigh * thigh - calf * calf) / (2.0 * thigh * calf)
     out[2] = -math.acos(min(max(bend, -1.0), 1.0))
@@ -104,7 +130,7 @@ def leg_weight(robot, leg, joints, up, out):
     """Joint torques that hold the leg's links up: derivatives of their potential energy.
 
     Args:
-        robot: Its figures.
+        robot: Its parameters.
         leg: Which.
         joints: `(3,)` of that leg.
         up: `(3,)` unit vector upwards, trunk frame.
@@ -140,7 +166,7 @@ def leg_weight(robot, leg, joints, up, out):
 
 @njit(cache=True)
 def solve3(matrix, right, out):
-    """`out` = matrix⁻¹ right by Cramer's rule, damped where the matrix is nearly singular."""
+    """Solve `matrix` `out` = `right` by Cramer's rule, damped where it is nearly singular."""
     a, b, c = matrix[0, 0], matrix[0, 1], matrix[0, 2]
     d, e, f = matrix[1, 0], matrix[1, 1], matrix[1, 2]
     g, h, i = matrix[2, 0], matrix[2, 1], matrix[2, 2]
@@ -155,7 +181,7 @@ def solve3(matrix, right, out):
 
 @njit(cache=True)
 def cross(a, b, out):
-    """`out` = a × b."""
+    """Set `out` to the vector product a × b."""
     out[0] = a[1] * b[2] - a[2] * b[1]
     out[1] = a[2] * b[0] - a[0] * b[2]
     out[2] = a[0] * b[1] - a[1] * b[0]
@@ -163,19 +189,19 @@ def cross(a, b, out):
 
 @njit(cache=True)
 def turned(matrix, vector, out):
-    """`out` = matrix vector."""
+    """Set `out` to `matrix` times `vector`, `(3,)`."""
     for i in range(3):
         out[i] = matrix[i, 0] * vector[0] + matrix[i, 1] * vector[1] + matrix[i, 2] * vector[2]
 
 
 @njit(cache=True)
 def turned_back(matrix, vector, out):
-    """`out` = matrixᵀ vector."""
+    """Set `out` to the transpose of `matrix` times `vector`, `(3,)`."""
     for i in range(3):
         out[i] = matrix[0, i] * vector[0] + matrix[1, i] * vector[1] + matrix[2, i] * vector[2]
 
 
 @njit(cache=True)
 def wrapped(angle):
-    """The angle in [-π, π)."""
+    """Wrap an angle to [-π, π), rad."""
     return np.float64((angle + math.pi) % (2.0 * math.pi) - math.pi)

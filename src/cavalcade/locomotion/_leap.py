@@ -1,4 +1,8 @@
-"""One step of a leap, compiled: its phases, from the crouch to standing again. World frame, SI."""
+"""One step of a leap, compiled: its phases, from the crouch to standing again. World frame, SI.
+
+Below, `robot, state, leap, body` are rows of `ROBOT`, `STATE`, `LEAP` and `BODY`, of which the
+last three change; `centroid` is the robot's `Centroid`.
+"""
 
 from __future__ import annotations
 
@@ -7,15 +11,15 @@ import math
 import numpy as np
 from numba import njit
 
-from cavalcade.locomotion._centroid import centroid
-from cavalcade.locomotion._control import FALL, stand
-from cavalcade.locomotion._joints import go_limp, limit, push
-from cavalcade.locomotion._kinematics import GRAVITY, turned_back
-from cavalcade.locomotion._leap_horizon import foothold, solve_leap
-from cavalcade.locomotion._leap_legs import fly
-from cavalcade.locomotion._legs import look
-from cavalcade.locomotion.leap_records import FLIGHT, LANDING, PUSH
-from cavalcade.locomotion.records import FALLEN
+from cavalcade.geometry.constants import GRAVITY
+from cavalcade.locomotion._centroid import measure_centroid
+from cavalcade.locomotion._horizon import solve_forces
+from cavalcade.locomotion._joints import go_limp, limit_torques, stance_torques
+from cavalcade.locomotion._kinematics import measure_body, turned_back
+from cavalcade.locomotion._leap_horizon import foothold, leap_problem
+from cavalcade.locomotion._leap_legs import flight_torques
+from cavalcade.locomotion._walk import FALL, stand
+from cavalcade.locomotion.records import FALLEN, FLIGHT, LANDING, PUSH
 
 SHORT, STRETCH = 0.02, 0.92
 """A push goes on while it would end so far short, m, and legs are shorter than that share of their
@@ -29,48 +33,42 @@ LOST = 0.35
 
 
 @njit(cache=True)
-def leap_on(robot, state, leap, body, time, qpos, qvel, feet, torques):
-    """Torques for one robot that leaps.
-
-    Args:
-        robot, state, leap: Rows of `ROBOT`, `STATE`, `LEAP`; the last two change.
-        body: A row of `BODY`, overwritten.
-        time: Now, s.
-        qpos, qvel: `(19,)`, `(18,)` as MuJoCo has them.
-        feet: `(4,)` normal forces on the feet, N.
-        torques: `(12,)`, overwritten, N m.
-    """
-    state.time = time
-    look(robot, qpos, qvel, body)
-    centre, velocity, spin = np.empty(3), np.empty(3), np.empty(3)
-    centroid(robot, qpos, qvel, body, centre, velocity, spin)
+def step_leap(robot, state, leap, body, measured, torques):
+    """Torques `(12,)`, overwritten, N m, for a robot that leaps, `Measured` now."""
+    state.time = measured.time
+    measure_body(robot, measured, body)
+    centroid = measure_centroid(robot, measured, body)
     if max(abs(body.angles[0]), abs(body.angles[1])) > FALL:
         state.mode = FALLEN
         leap.failed = 1
-        go_limp(qvel, torques)
+        go_limp(measured, torques)
         return
     if leap.began < 0.0:
-        leap.began = time
+        leap.began = state.time
         for a in range(3):
-            leap.start[a] = centre[a]
-    changed = advance(robot, state, leap, body, centre, velocity, feet)
-    if leap.phase != FLIGHT and (changed or time - state.solved >= leap.interval - 1e-9):
-        solve_leap(robot, leap, state, body, centre, velocity, spin)
-        state.solved = time
+            leap.start[a] = centroid.centre[a]
+    changed = advance(robot, state, leap, body, centroid, measured.feet)
+    if leap.phase != FLIGHT and (changed or state.time - state.solved >= leap.interval - 1e-9):
+        solve_forces(leap_problem(robot, leap, state, body, centroid), state)
+        state.solved = state.time
     for leg in range(4):
         if state.contact[leg] == 1:
-            push(robot, body, leg, state.forces[leg], qpos, qvel, torques)
+            stance_torques(robot, body, leg, state.forces[leg], measured, torques)
         else:
-            fly(robot, state, leap, body, centre, velocity, leg, qpos, qvel, torques)
-    limit(robot, torques)
+            flight_torques(robot, leap, body, centroid, leg, measured, torques)
+    limit_torques(robot, torques)
 
 
 @njit(cache=True)
-def advance(robot, state, leap, body, centre, velocity, feet):
-    """Go on to the next phase where its time has come; whether contacts changed."""
+def advance(robot, state, leap, body, centroid, feet):
+    """Go on to the next phase where its time has come; whether contacts changed.
+
+    `feet` `(4,)` are the normal forces on the feet, N.
+    """
     t = state.time - leap.began
+    # Crouch and push end by the clock, a push that falls short a little later.
     if leap.phase < FLIGHT and t >= leap.lasts[leap.phase] - 1e-9:
-        if leap.phase == PUSH and falls_short(robot, leap, body, centre, velocity):
+        if leap.phase == PUSH and falls_short(robot, leap, body, centroid):
             leap.lasts[PUSH] += leap.interval
             for a in range(3):
                 leap.lift[a] += leap.interval * leap.lift_velocity[a]
@@ -82,48 +80,60 @@ def advance(robot, state, leap, body, centre, velocity, feet):
                 state.contact[leg] = 0
                 for a in range(3):
                     leap.left[leg, a] = body.foot[leg, a]
-            leap.lift[2] = centre[2]
+            leap.lift[2] = centroid.centre[2]
         return True
+    if leap.phase < FLIGHT:
+        return False
     if leap.phase == FLIGHT:
-        foresee(leap, state, centre, velocity)
+        predict_touch_down(leap, state, centroid)
         if t > leap.lasts[FLIGHT] + LOST:
             leap.failed = 1
             state.mode = FALLEN
-    if leap.phase >= FLIGHT:
-        changed = False
-        for leg in range(4):
-            late = leap.phase == LANDING or t > 0.5 * leap.lasts[FLIGHT]
-            if state.contact[leg] == 0 and late and feet[leg] > leap.touch:
-                state.contact[leg] = 1
-                changed = True
-                for a in range(3):
-                    state.stood[leg, a] = body.foot[leg, a]
-        if changed and leap.phase == FLIGHT:
-            leap.phase, leap.began = LANDING, state.time
+    # The first foot that touches ends the flight; each one stands from its own touch-down on.
+    changed = False
+    for leg in range(4):
+        late = leap.phase == LANDING or t > 0.5 * leap.lasts[FLIGHT]
+        if state.contact[leg] == 0 and late and feet[leg] > leap.touch:
+            state.contact[leg] = 1
+            changed = True
             for a in range(3):
-                leap.down[a], leap.down_velocity[a] = centre[a], velocity[a]
-            # It comes to rest over its feet.
-            for a in range(2):
-                leap.rest[a] = 0.0
-            for leg in range(4):
-                x, y = foothold(leap, leg)
-                leap.rest[0] += 0.25 * x
-                leap.rest[1] += 0.25 * y
-            leap.pitches[2] = body.angles[1]
-        if leap.phase == LANDING and state.time - leap.began > leap.lasts[LANDING]:
-            settle(robot, state, leap, body)
-        return changed
-    return False
+                state.stood[leg, a] = body.foot[leg, a]
+    if changed and leap.phase == FLIGHT:
+        land(state, leap, body, centroid)
+    if leap.phase == LANDING and state.time - leap.began > leap.lasts[LANDING]:
+        settle(robot, state, leap, body)
+    return changed
 
 
 @njit(cache=True)
-def falls_short(robot, leap, body, centre, velocity):
+def land(state, leap, body, centroid):
+    """Begin the landing: from the body's state now to rest over the footholds."""
+    leap.phase, leap.began = LANDING, state.time
+    for a in range(3):
+        leap.down[a], leap.down_velocity[a] = centroid.centre[a], centroid.velocity[a]
+    leap.rest[0] = leap.rest[1] = 0.0
+    for leg in range(4):
+        x, y = foothold(leap, leg)
+        leap.rest[0] += 0.25 * x
+        leap.rest[1] += 0.25 * y
+    leap.pitches[2] = body.angles[1]
+
+
+@njit(cache=True)
+def time_to_fall(leap, centroid):
+    """How long a free flight from now takes to the height of the touch-down, s."""
+    speed = centroid.velocity[2]
+    root = speed * speed + 2.0 * GRAVITY * (centroid.centre[2] - leap.down[2])
+    return (speed + math.sqrt(max(root, 0.0))) / GRAVITY
+
+
+@njit(cache=True)
+def falls_short(robot, leap, body, centroid):
     """Whether a flight from now would end too early, and legs are not stretched yet."""
-    root = velocity[2] * velocity[2] + 2.0 * GRAVITY * (centre[2] - leap.down[2])
-    flight = (velocity[2] + math.sqrt(max(root, 0.0))) / GRAVITY
+    flight = time_to_fall(leap, centroid)
     short = 0.0
     for a in range(2):
-        short += leap.along[a] * (leap.down[a] - centre[a] - velocity[a] * flight)
+        short += leap.along[a] * (leap.down[a] - centroid.centre[a] - centroid.velocity[a] * flight)
     if short < SHORT:
         return False
     most = STRETCH * (robot.thigh + robot.calf)
@@ -141,21 +151,18 @@ def falls_short(robot, leap, body, centre, velocity):
 
 
 @njit(cache=True)
-def foresee(leap, state, centre, velocity):
-    """When the flight will end, and where footholds meet the body then."""
-    t = state.time - leap.began
-    drop = centre[2] - leap.down[2]
-    root = velocity[2] * velocity[2] + 2.0 * GRAVITY * drop
-    left = (velocity[2] + math.sqrt(max(root, 0.0))) / GRAVITY
+def predict_touch_down(leap, state, centroid):
+    """Set when the flight will end, and shift footholds to where they meet the body then."""
+    left = time_to_fall(leap, centroid)
     if left > 0.02:
-        leap.lasts[FLIGHT] = t + left
+        leap.lasts[FLIGHT] = state.time - leap.began + left
         for a in range(2):
-            leap.shift[a] = centre[a] + velocity[a] * left - leap.down[a]
+            leap.shift[a] = centroid.centre[a] + centroid.velocity[a] * left - leap.down[a]
 
 
 @njit(cache=True)
 def settle(robot, state, leap, body):
-    """Stand where the robot has landed."""
+    """Stand where the robot has landed, once all feet do or have had their time."""
     if min(state.contact[0], state.contact[1], state.contact[2], state.contact[3]) == 0:
         if state.time - leap.began > leap.lasts[LANDING] + LOST:
             leap.failed = 1

@@ -1,4 +1,4 @@
-"""What predictive control is asked for in a leap: way, contacts and arms, compiled."""
+"""The problem of predictive control in a leap: reference, contacts and levers, compiled."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ import math
 import numpy as np
 from numba import njit
 
-from cavalcade.locomotion._kinematics import GRAVITY, wrapped
-from cavalcade.locomotion._mpc import solve_mpc
-from cavalcade.locomotion.leap_records import CROUCH, FLIGHT, LANDING, PUSH
-from cavalcade.locomotion.records import CHANGES, STEPS
+from cavalcade.geometry.constants import GRAVITY
+from cavalcade.locomotion._horizon import present_state
+from cavalcade.locomotion._kinematics import wrapped
+from cavalcade.locomotion.mpc import MpcProblem
+from cavalcade.locomotion.records import CROUCH, FLIGHT, LANDING, PUSH, STEPS
 
 
 @njit(cache=True)
@@ -26,11 +27,12 @@ def hermite(start, start_speed, end, end_speed, lasts, t):
 
 
 @njit(cache=True)
-def way(leap, phase, t, out):
-    """State `(12,)` wanted at `t` s of a phase, as `solve_mpc` has it; overwritten."""
+def leap_reference(leap, phase, t, out):
+    """Set `out` `(12,)` to the state wanted at `t` s of a phase, as in `MpcProblem`."""
     lasts = leap.lasts[phase]
     share = min(t / lasts, 1.0)
     out[0] = out[6] = out[7] = out[8] = 0.0
+    # Pitch: between the ends of phases, at the flight's rate into and out of it.
     first, last = leap.pitches[0], leap.pitches[0]
     if phase == CROUCH:
         first = 0.0
@@ -51,7 +53,7 @@ def way(leap, phase, t, out):
         out[1], out[7] = hermite(first, rate, last, 0.0, lasts, t)
     else:
         out[1], out[7] = hermite(first, 0.0, last, 0.0, lasts, t)
-    # The push begins the turn, the flight goes on with it.
+    # Yaw: the push begins the turn, the flight goes on with it.
     before, after = leap.yaws[0], leap.yaws[1]
     rate = (after - before) / (0.5 * leap.lasts[PUSH] + leap.lasts[FLIGHT])
     lifted = before + 0.5 * rate * leap.lasts[PUSH]
@@ -63,6 +65,7 @@ def way(leap, phase, t, out):
         out[2], out[8] = lifted + rate * t, rate
     else:
         out[2], out[8] = hermite(after, rate, after, 0.0, lasts, t)
+    # The centre of centroid: cubics on the ground, a ballistic flight.
     for a in range(3):
         if phase == CROUCH:
             place, speed = hermite(leap.start[a], 0.0, leap.squat[a], 0.0, 0.8 * lasts, t)
@@ -91,27 +94,22 @@ def foothold(leap, leg):
 
 
 @njit(cache=True)
-def solve_leap(robot, leap, state, body, centre, velocity, spin):
-    """Compute `state.forces` for a robot that leaps: one programme over push, flight, landing.
+def leap_problem(robot, leap, state, body, centroid):
+    """The `MpcProblem` of a robot that leaps: one programme over push, flight, landing.
 
-    Steps end where phases do. A flight is two steps, whatever it lasts.
+    Steps end where phases do. A flight is two steps, whatever it lasts. `centroid` is the robot's
+    `Centroid`.
     """
     reference = np.zeros((STEPS, 12))
     contacts = np.zeros((STEPS, 4), np.int64)
     levers = np.zeros((STEPS, 4, 3))
     yaws, dts = np.empty(STEPS), np.empty(STEPS)
-    present, middle, now = np.empty(12), np.empty(12), np.empty(12)
-    place = np.empty(3)
-    for a in range(3):
-        present[a] = body.angles[a]
-        present[3 + a] = centre[a]
-        present[6 + a] = spin[a]
-        present[9 + a] = velocity[a]
+    middle, now, place = np.empty(12), np.empty(12), np.empty(3)
     phase, t = leap.phase, state.time - leap.began
     measured = leap.yaws[0] + wrapped(body.angles[2] - leap.yaws[0])
-    present[2] = measured
-    way(leap, phase, t, now)
+    leap_reference(leap, phase, t, now)
     for k in range(STEPS):
+        # The step's length: whole steps up to the end of each phase.
         if phase < LANDING and t >= leap.lasts[phase] - 1e-4:
             phase, t = phase + 1, 0.0
         if phase == LANDING:
@@ -121,10 +119,11 @@ def solve_leap(robot, leap, state, body, centre, velocity, spin):
             most = max(0.5 * leap.lasts[FLIGHT], 0.05) if phase == FLIGHT else leap.step
             dt = left / math.ceil(left / most - 1e-6)
         dts[k] = dt
-        way(leap, phase, t + 0.5 * dt, middle)
+        leap_reference(leap, phase, t + 0.5 * dt, middle)
         t += dt
-        way(leap, phase, t, reference[k])
+        leap_reference(leap, phase, t, reference[k])
         yaws[k] = measured + middle[2] - now[2]
+        # Feet stand where they do until the flight, and where they have landed or will after it.
         for leg in range(4):
             stands = phase != FLIGHT
             if phase == LANDING and leap.phase == LANDING and k == 0:
@@ -137,12 +136,11 @@ def solve_leap(robot, leap, state, body, centre, velocity, spin):
                 place[0], place[1] = foothold(leap, leg)
                 place[2] = leap.foothold[leg, 2]
             for a in range(3):
-                # From where the centre of mass will be, seen from where it is.
-                levers[k, leg, a] = place[a] - (centre[a] + middle[3 + a] - now[3 + a])
+                # From where the centre of centroid will be, seen from where it is.
+                levers[k, leg, a] = place[a] - (centroid.centre[a] + middle[3 + a] - now[3 + a])
             levers[k, leg, 2] -= robot.foot_radius
-    weights = leap.land_weights if leap.phase == LANDING else leap.weights
-    forces = solve_mpc(
-        present,
+    return MpcProblem(
+        present_state(body.angles, centroid.centre, centroid.spin, centroid.velocity, measured),
         reference,
         contacts,
         levers,
@@ -150,13 +148,8 @@ def solve_leap(robot, leap, state, body, centre, velocity, spin):
         dts,
         robot.inertia,
         robot.mass,
-        weights,
+        leap.land_weights if leap.phase == LANDING else leap.weights,
         leap.force_weight,
         leap.mu,
         leap.max_force,
-        np.empty((STEPS, 4, 3)),
-        CHANGES,
     )
-    for leg in range(4):
-        for a in range(3):
-            state.forces[leg, a] = forces[0, leg, a]

@@ -6,7 +6,7 @@ import math
 
 from numba import njit
 
-from cavalcade.locomotion._kernels import interpolate, nearest_place
+from cavalcade.locomotion._footholds import interpolate, nearest_place
 
 SEARCH = 0.12
 """How far a foothold may be moved to ground that carries it, m."""
@@ -33,16 +33,16 @@ def to_ground(frame, x, y):
 
 
 @njit(cache=True)
-def ground_height(ground, frame, x, y):
-    """Height of the ground there."""
-    if ground.flat:
+def ground_height(footing, x, y):
+    """Height of the ground at a place of the world, m; `footing` is a `Footing`."""
+    if footing.flat:
         return 0.0
-    u, v = to_ground(frame, x, y)
-    return interpolate(u, v, ground.cell, ground.height)
+    u, v = to_ground(footing.frame, x, y)
+    return interpolate(u, v, footing.cell, footing.height)
 
 
 @njit(cache=True)
-def choose_foothold(robot, gait, body, state, leg, left, ground, frame):
+def choose_foothold(robot, gait, body, state, leg, left, footing):
     """Put `state.landing` of a leg where the foot is to stand next.
 
     Below the place where the shoulder will be in the middle of the coming stance (Raibert), moved
@@ -53,8 +53,9 @@ def choose_foothold(robot, gait, body, state, leg, left, ground, frame):
         robot, gait, body, state: Rows of `ROBOT`, `GAIT`, `BODY`, `STATE`.
         leg: Which.
         left: Time until it lands, s.
-        ground, frame: What carries feet, and where its grid lies.
+        footing: What carries feet, a `Footing`.
     """
+    # Where the shoulder will be, at the heading of then.
     stance = gait.duty * gait.period
     turn = state.velocity[2]
     yaw = body.angles[2] + turn * left
@@ -68,59 +69,55 @@ def choose_foothold(robot, gait, body, state, leg, left, ground, frame):
     y = body.trunk[1] + vy * left + s * ahead + c * aside
     x += 0.5 * stance * vx + gait.capture * (vx - wanted_x)
     y += 0.5 * stance * vy + gait.capture * (vy - wanted_y)
-    if not ground.flat:
+    if not footing.flat:
         for trial in range(2 * SHIFTS + 1):
             # 0, 1, -1, 2, -2, ... steps along the heading.
             shift = SHIFT * ((trial + 1) // 2) * (1 if trial % 2 else -1)
             there_x, there_y = x + shift * c, y + shift * s
-            if shank_clears(robot, ground, frame, there_x, there_y, c, s):
+            if shank_clears(robot, footing, there_x, there_y, c, s):
                 x, y = there_x, there_y
                 break
-    place_foot(robot, gait, state, leg, x, y, ground, frame)
+    place_foot(robot, gait, state, leg, x, y, footing)
 
 
 @njit(cache=True)
-def shank_clears(robot, ground, frame, x, y, c, s):
+def shank_clears(robot, footing, x, y, c, s):
     """Whether the ground behind a foot leaves room for its calf, which leans backwards.
 
     Args:
         robot: A row of `ROBOT`.
-        ground, frame: What carries feet, and where its grid lies.
+        footing: What carries feet, a `Footing`.
         x, y: Where the foot stands, m.
         c, s: Cosine and sine of the heading.
     """
-    foot = ground_height(ground, frame, x, y)
+    foot = ground_height(footing, x, y)
     for probe in range(1, PROBES + 1):
         back = probe * LEANING * robot.calf / PROBES
-        rise = ground_height(ground, frame, x - back * c, y - back * s) - foot
+        rise = ground_height(footing, x - back * c, y - back * s) - foot
         if rise > max(back * RISING - robot.foot_radius, 0.25 * robot.foot_radius):
             return False
     return True
 
 
 @njit(cache=True)
-def place_foot(robot, gait, state, leg, x, y, ground, frame):
+def place_foot(robot, gait, state, leg, x, y, footing):
     """Let a leg's swing end at (x, y) or at the nearest place that carries it."""
     start = state.lifted[leg]
     z = highest = 0.0
-    if not ground.flat:
+    if not footing.flat:
+        frame = footing.frame
         u, v = to_ground(frame, x, y)
-        a, b, found = nearest_place(
-            u, v, ground.cell, ground.solid, ground.traversability, ground.flat, LEAST, SEARCH
-        )
+        a, b, found = nearest_place(u, v, footing, LEAST, SEARCH)
         if found:
             c, s = math.cos(frame[2]), math.sin(frame[2])
             x, y = frame[0] + c * a - s * b, frame[1] + s * a + c * b
-        z = ground_height(ground, frame, x, y)
+        z = ground_height(footing, x, y)
+        # The foot swings over the highest ground between here and there.
         highest = z
         for probe in range(PROBES):
             t = (probe + 0.5) / PROBES
-            highest = max(
-                highest,
-                ground_height(
-                    ground, frame, start[0] + t * (x - start[0]), start[1] + t * (y - start[1])
-                ),
-            )
+            under_x, under_y = start[0] + t * (x - start[0]), start[1] + t * (y - start[1])
+            highest = max(highest, ground_height(footing, under_x, under_y))
     landing = state.landing[leg]
     landing[0], landing[1], landing[2] = x, y, z + robot.foot_radius
     state.apex[leg] = max(start[2], landing[2], highest + robot.foot_radius) + gait.clearance

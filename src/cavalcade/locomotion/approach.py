@@ -21,10 +21,10 @@ LEEWAY = 0.05
 """The trunk is aimed at most so far from where it should stand, so that the feet stand right, m."""
 
 FAST, ASIDE, TURN = 0.4, 0.2, 0.8
-"""Greatest velocities on the way, m/s, m/s, rad/s."""
+"""Greatest velocities while it approaches: ahead, aside, turning; m/s, m/s, rad/s."""
 
 GAIN = 2.0
-"""Speed per distance on the way, 1/s."""
+"""Speed per distance while it approaches, 1/s."""
 
 SLOW = 0.08
 """Least speed of a robot that is not there yet, m/s."""
@@ -171,14 +171,14 @@ class LeapPilot:
         """The velocity that brings the robot to where it stops."""
         yaw = float(wrap_angle(self._aim[2] - pose[2]))
         c, s = math.cos(self._aim[2]), math.sin(self._aim[2])
-        way = self._aim[:2] - pose[:2]
-        along, aside = c * way[0] + s * way[1], c * way[1] - s * way[0]
+        offset = self._aim[:2] - pose[:2]
+        along, aside = c * offset[0] + s * offset[1], c * offset[1] - s * offset[0]
         if abs(aside) > 0.05 or abs(yaw) > 0.15:
             along -= RUN_UP
         along = min(max(GAIN * along, -FAST), FAST)
         aside = min(max(GAIN * aside, -ASIDE), ASIDE)
         speed = math.hypot(along, aside)
-        if speed < SLOW and math.hypot(*way) > NEAR:
+        if speed < SLOW and math.hypot(*offset) > NEAR:
             along, aside = along * SLOW / max(speed, 1e-9), aside * SLOW / max(speed, 1e-9)
         # From the frame of the aim to that of the body.
         c, s = math.cos(yaw), math.sin(yaw)

@@ -9,22 +9,20 @@ from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array
-from cavalcade.lattice.ground import Ground, make_ground, read_only
-from cavalcade.locomotion._legs import BODY
-from cavalcade.locomotion._team import move_team
-from cavalcade.locomotion.figures import robot_figures
-from cavalcade.locomotion.leap import LeapManoeuvre, LeapSettings, lay_out
-from cavalcade.locomotion.leap_records import LEAP
+from cavalcade.lattice.ground import Ground, make_ground
+from cavalcade.locomotion._team import step_team
+from cavalcade.locomotion.leap import LeapManoeuvre, LeapSettings, plan_leap
+from cavalcade.locomotion.parameters import robot_parameters
 from cavalcade.locomotion.records import (
     FALLEN,
-    GAIT,
     LEAPING,
     LYING,
     RISING,
-    ROBOT,
     SINKING,
     STANDING,
     STATE,
+    TEAM,
+    Footing,
 )
 from cavalcade.locomotion.settings import GaitSettings
 from cavalcade.robots import RobotModel
@@ -58,21 +56,19 @@ class LegControl:
         settings: GaitSettings | None = None,
     ) -> None:
         settings = settings or GaitSettings()
-        self._robots = np.zeros(len(models), ROBOT)
-        self._gaits = np.zeros(len(models), GAIT)
-        self._states = np.zeros(len(models), STATE)
-        self._leaps = np.zeros(len(models), LEAP)
-        self._bodies = np.zeros(len(models), BODY)
+        self._team = np.zeros(len(models), TEAM)
+        # Views of it.
+        self._robots, self._gaits = self._team["robot"], self._team["gait"]
+        self._states, self._leaps = self._team["state"], self._team["leap"]
         for number, model in enumerate(models):
             if model.description is None:
                 raise InputError(f"there is no description of the legs of {model.name}")
-            self._robots[number] = robot_figures(model.description)
+            self._robots[number] = robot_parameters(model.description)
             height = model.description.stand_height
             self._gaits[number] = settings.row(model.description.mass, height)
-        self._ground = read_only(ground if ground is not None else _flat())
-        self._frame = np.array(origin, dtype=float)
-        if self._frame.shape != (3,) or not np.isfinite(self._frame).all():
+        if np.shape(origin) != (3,) or not np.isfinite(origin).all():
             raise InputError("expected finite x, y, yaw", key="origin")
+        self._footing = Footing.of(ground if ground is not None else _flat(), origin)
         self._torques = np.zeros((len(models), 12))
         self._shapes = tuple((len(models), count) for count in (19, 18, 4))
 
@@ -83,27 +79,27 @@ class LegControl:
 
     @property
     def fallen(self) -> NDArray[np.bool_]:
-        """`(N,)` which robots have given up."""
+        """Which robots `(N,)` have fallen and given up."""
         return np.asarray(self._states["mode"] == FALLEN)
 
     @property
     def modes(self) -> NDArray[np.int64]:
-        """`(N,)` what each robot is doing, as in `records`."""
+        """What each robot `(N,)` is doing: a mode of `records`, such as `STANDING`."""
         return np.asarray(self._states["mode"].copy())
 
     @property
     def standing(self) -> NDArray[np.bool_]:
-        """`(N,)` which robots stand still, ready to leap."""
+        """Which robots `(N,)` stand still, ready to leap."""
         return np.asarray(self._states["mode"] == STANDING)
 
     @property
     def leaping(self) -> NDArray[np.bool_]:
-        """`(N,)` which robots are leaping."""
+        """Which robots `(N,)` are leaping."""
         return np.asarray(self._states["mode"] == LEAPING)
 
     @property
     def feet(self) -> Array:
-        """`(N, 4, 3)` where the feet's centres stood last, m."""
+        """Where the feet's centres stood last, `(N, 4, 3)` in the world, m."""
         return np.asarray(self._states["stood"].copy())
 
     def begin(self, time: float, qpos: Array, standing: bool = True) -> None:
@@ -162,7 +158,7 @@ class LegControl:
         state = self._states[robot]
         if state["mode"] != STANDING:
             raise InputError(f"robot {robot} must stand before it leaps")
-        self._leaps[robot] = lay_out(
+        self._leaps[robot] = plan_leap(
             manoeuvre,
             self._robots[robot],
             float(self._gaits[robot]["height"]),
@@ -174,7 +170,7 @@ class LegControl:
 
     @property
     def leap_failed(self) -> NDArray[np.bool_]:
-        """`(N,)` whether each robot's last leap failed."""
+        """Whether the last leap of each robot `(N,)` failed."""
         return np.asarray(self._leaps["failed"] == 1)
 
     def step(self, time: float, qpos: Array, qvel: Array, feet: Array) -> Array:
@@ -190,10 +186,7 @@ class LegControl:
         """
         if (qpos.shape, qvel.shape, feet.shape) != self._shapes:
             raise InputError("expected qpos, qvel, feet of shapes {}, {}, {}".format(*self._shapes))
-        move_team(
-            self._robots, self._gaits, self._states, self._leaps, self._bodies, self._ground,
-            self._frame, time, qpos, qvel, feet, self._torques,
-        )  # fmt: skip
+        step_team(self._team, self._footing, time, qpos, qvel, feet, self._torques)
         return self._torques
 
     def _posture(self, robot: int, qpos: Array, mode: int) -> None:

@@ -1,4 +1,4 @@
-"""Where the ground breaks on a robot's way, and how to cross it squarely."""
+"""Where the ground breaks on a robot's path, and how to cross it squarely."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LEVEL = 0.02
 """Ground belongs to a side of the break as far as its height is that of the side within this, m."""
 
 _LINES = (-0.18, -0.12, 0.0, 0.12, 0.18)
-"""Lines along the way on which the ground is looked at, m beside it."""
+"""Lines beside the path, m, along which the ground is looked at."""
 
 _SPAN, _AWAY, _GRAIN = 0.3, 0.12, 0.005
 """Looked at so far from a break, m; a side's own height is that beyond the second; every so many
@@ -33,7 +33,7 @@ class Crossing:
 
     Attributes:
         direction: `(2,)` unit vector across it.
-        start: `(2,)` where the way meets the last of the ground before it.
+        start: `(2,)` where the path meets the last of the ground before it.
         gap: From there to the first of the ground behind it, along `direction`, m.
         before, behind: Heights on both sides, m.
     """
@@ -46,12 +46,12 @@ class Crossing:
 
     @property
     def yaw(self) -> float:
-        """Of `direction`, rad."""
+        """Heading of `direction`, rad."""
         return math.atan2(self.direction[1], self.direction[0])
 
     @property
     def rise(self) -> float:
-        """From one side to the other, m."""
+        """Height of the far side over the near one, m."""
         return self.behind - self.before
 
 
@@ -66,22 +66,24 @@ def find_crossing(
         heights: Of the ground, to find how the break lies and where its sides are level; without
             it the break is across the line, between the bodies' heights.
     """
-    way = np.asarray(landed[:2] - take_off[:2], dtype=float)
-    way = way / max(math.hypot(*way), 1e-9)
+    ahead = np.asarray(landed[:2] - take_off[:2], dtype=float)
+    ahead = ahead / max(math.hypot(*ahead), 1e-9)
     origin = np.asarray(take_off[:2], dtype=float)
     near, far = edges
     if heights is None:
         rise = float(landed[2] - take_off[2])
-        return Crossing(way, origin + near * way, far - near, 0.0, rise)
-    side = np.array([-way[1], way[0]])
+        return Crossing(ahead, origin + near * ahead, far - near, 0.0, rise)
+    side = np.array([-ahead[1], ahead[0]])
     lines = np.array(_LINES)
-    nears = np.array([_end(heights, origin + u * side, way, near, -1.0) for u in lines])
-    fars = np.array([_end(heights, origin + u * side, way, far, 1.0) for u in lines])
+    nears = np.array([_end(heights, origin + u * side, ahead, near, -1.0) for u in lines])
+    fars = np.array([_end(heights, origin + u * side, ahead, far, 1.0) for u in lines])
     slope = 0.5 * (_slope(lines, nears[:, 0]) + _slope(lines, fars[:, 0]))
     turn = min(max(-math.atan(slope), -_OBLIQUE), _OBLIQUE)
-    across = math.cos(turn) * way + math.sin(turn) * side
-    first = np.array([origin + u * side + s * way for u, s in zip(lines, nears[:, 0], strict=True)])
-    last = np.array([origin + u * side + s * way for u, s in zip(lines, fars[:, 0], strict=True)])
+    across = math.cos(turn) * ahead + math.sin(turn) * side
+    first = np.array(
+        [origin + u * side + s * ahead for u, s in zip(lines, nears[:, 0], strict=True)]
+    )
+    last = np.array([origin + u * side + s * ahead for u, s in zip(lines, fars[:, 0], strict=True)])
     begin = float((first @ across).min())
     middle = first[len(lines) // 2]
     start = middle + (begin - float(middle @ across)) * across
@@ -95,14 +97,14 @@ def find_crossing(
 
 
 def _end(
-    heights: Heights, origin: Array, way: Array, edge: float, sign: float
+    heights: Heights, origin: Array, ahead: Array, edge: float, sign: float
 ) -> tuple[float, float]:
-    """Where level ground ends near an edge, m along the way, and its height.
+    """Where level ground ends near an edge, m along the path, and its height.
 
     `sign` is -1 for the ground before the edge, 1 for that behind it.
     """
     away = np.arange(-_AWAY, _SPAN, _GRAIN)
-    height = heights(origin + np.outer(edge + sign * away, way))
+    height = heights(origin + np.outer(edge + sign * away, ahead))
     own = float(np.median(height[away > _AWAY]))
     off = np.flatnonzero((np.abs(height - own) > LEVEL) & (away <= _AWAY))
     first = int(off[-1]) + 1 if len(off) else 0

@@ -14,10 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.geometry import Array, inverse_transform_points, transform_points
+from cavalcade.geometry.constants import GRAVITY
 from cavalcade.geometry.trajectory import FLIGHT, LANDING, TAKE_OFF, Trajectory
 from cavalcade.lattice.ground import Ground
-from cavalcade.locomotion._kernels import bring_in_reach, interpolate, place_feet, stretch
+from cavalcade.locomotion import _footholds as kernels
 from cavalcade.locomotion.gait import stances
+from cavalcade.locomotion.records import Footing
 from cavalcade.robots import RobotModel
 from cavalcade.robots.legs import LegModel
 
@@ -25,13 +27,12 @@ FARTHEST = 0.25
 """How far a foot may be put from the wanted place to find ground that carries it, m."""
 
 LEAST_TRAVERSABILITY = 0.3
-"""Of ground that carries a foot."""
+"""Least traversability of ground that carries a foot, 0 to 1."""
 
 _STRETCHED = 1.2
 """A stretched leg as a multiple of the reach that bodies are planned with: thigh and shank of Go1
 measure 0.43 m together, of Spirit 0.41 m; plans count on 0.375 m."""
 
-GRAVITY = 9.81
 _REST = 1.0
 """How long a robot is taken to stand before its start and after its end, s."""
 
@@ -63,16 +64,15 @@ def plan_footholds(
     legs = model.legs
     times = stances(trajectory, legs)
     wanted = inverse_transform_points(origin, _wanted(trajectory, legs, times))
-    carrying = (ground.traversability, ground.flat, LEAST_TRAVERSABILITY, FARTHEST)
-    surface = (ground.cell, ground.solid, ground.height, *carrying)
-    places = place_feet(np.ascontiguousarray(wanted), *surface)
+    footing = Footing.of(ground, origin)
+    places = kernels.place_feet(
+        np.ascontiguousarray(wanted), footing, LEAST_TRAVERSABILITY, FARTHEST
+    )
     feet = np.column_stack([times[:, 2], places])
     hips = _hips(trajectory, legs, ground, origin)
     hips[..., :2] = inverse_transform_points(origin, hips[..., :2].reshape(-1, 2)).reshape(-1, 4, 2)
-    needed = _needed(trajectory)
-    time = np.ascontiguousarray(trajectory.time)
-    down, up = np.ascontiguousarray(times[:, 0]), np.ascontiguousarray(times[:, 1])
-    bring_in_reach(time, hips, needed, down, up, feet, longest_leg(legs), *surface)
+    standing = _standing(trajectory, hips, times, feet)
+    kernels.bring_in_reach(standing, longest_leg(legs), footing, LEAST_TRAVERSABILITY, FARTHEST)
     feet[:, 1:3] = transform_points(origin, feet[:, 1:3])
     return np.column_stack([times[:, :2], feet])
 
@@ -96,21 +96,20 @@ def leg_lengths(
     if model.legs is None or not len(footholds):
         return np.zeros(0)
     hips = _hips(trajectory, model.legs, ground, origin)
-    return np.asarray(
-        stretch(
-            np.ascontiguousarray(trajectory.time),
-            hips,
-            _needed(trajectory),
-            np.ascontiguousarray(footholds[:, 0]),
-            np.ascontiguousarray(footholds[:, 1]),
-            np.ascontiguousarray(footholds[:, 2:]),
-        )
-    )
+    feet = np.ascontiguousarray(footholds[:, 2:])
+    return np.asarray(kernels.leg_lengths(_standing(trajectory, hips, footholds, feet)))
 
 
 def longest_leg(legs: LegModel) -> float:
-    """Of a leg that is stretched, m."""
+    """The length of a leg that is stretched, m."""
     return _STRETCHED * legs.h_max
+
+
+def _standing(trajectory: Trajectory, hips: Array, times: Array, feet: Array) -> kernels.Stances:
+    """What kernels take: `feet` themselves, and their times from the first columns of `times`."""
+    down, up = np.ascontiguousarray(times[:, 0]), np.ascontiguousarray(times[:, 1])
+    time = np.ascontiguousarray(trajectory.time)
+    return kernels.Stances(time, hips, _needed(trajectory), down, up, feet)
 
 
 def _needed(trajectory: Trajectory) -> NDArray[np.bool_]:
@@ -122,7 +121,7 @@ def _needed(trajectory: Trajectory) -> NDArray[np.bool_]:
 
 
 def _wanted(trajectory: Trajectory, legs: LegModel, times: Array) -> Array:
-    """`(M, 2)` wanted places, map frame."""
+    """Wanted places `(M, 2)` before the ground is looked at, map frame, m."""
     down, up, leg = times[:, 0], times[:, 1], times[:, 2].astype(int)
     # At both ends the robot stands for longer than the plan says.
     down = np.where(down <= 0.0, down - _REST, down)
@@ -150,7 +149,7 @@ def _wanted(trajectory: Trajectory, legs: LegModel, times: Array) -> Array:
 
 
 def _hips(trajectory: Trajectory, legs: LegModel, ground: Ground, origin: Pose) -> Array:
-    """`(T, 4, 3)` map frame, m."""
+    """Where hips are, `(T, 4, 3)` in the map frame, m; legs in their order."""
     c, s = np.cos(trajectory.yaw)[:, None], np.sin(trajectory.yaw)[:, None]
     offset = _offsets(legs)
     hips = np.empty((len(trajectory.time), 4, 3))
@@ -162,8 +161,8 @@ def _hips(trajectory: Trajectory, legs: LegModel, ground: Ground, origin: Pose) 
         heading = trajectory.yaw - origin[2]
         slope = np.array(
             [
-                math.cos(yaw) * interpolate(x, y, ground.cell, ground.slope_x)
-                + math.sin(yaw) * interpolate(x, y, ground.cell, ground.slope_y)
+                math.cos(yaw) * kernels.interpolate(x, y, ground.cell, ground.slope_x)
+                + math.sin(yaw) * kernels.interpolate(x, y, ground.cell, ground.slope_y)
                 for (x, y), yaw in zip(local, heading, strict=True)
             ]
         )

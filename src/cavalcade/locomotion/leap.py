@@ -9,11 +9,9 @@ import numpy as np
 
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array, wrap_angle
-from cavalcade.locomotion.leap_records import LEAP
-from cavalcade.locomotion.records import Row
+from cavalcade.geometry.constants import GRAVITY
+from cavalcade.locomotion.records import LEAP, Row
 from cavalcade.locomotion.settings import Weights
-
-GRAVITY = 9.81
 
 Pose = tuple[float, float, float, float]
 
@@ -45,12 +43,12 @@ class LeapManoeuvre:
 
     @property
     def direction(self) -> Array:
-        """`(2,)` unit vector from take-off to landing."""
-        way = np.array(self.landing[:2]) - np.array(self.take_off[:2])
-        length = math.hypot(*way)
+        """Unit vector `(2,)` from take-off to landing."""
+        direction = np.array(self.landing[:2]) - np.array(self.take_off[:2])
+        length = math.hypot(*direction)
         if length < 0.05:
             return np.array([math.cos(self.take_off[3]), math.sin(self.take_off[3])])
-        return np.asarray(way / length)
+        return np.asarray(direction / length)
 
 
 @dataclass(frozen=True)
@@ -120,7 +118,7 @@ class LeapSettings:
     touch: float = 8.0
 
 
-def lay_out(
+def plan_leap(
     manoeuvre: LeapManoeuvre,
     robot: Row,
     height: float,
@@ -142,8 +140,9 @@ def lay_out(
         InputError: The leap is too far or too high.
     """
     leap = np.zeros((), LEAP)
-    way = manoeuvre.direction
+    along = manoeuvre.direction
     above, radius = float(robot["centre"][2]), float(robot["foot_radius"])
+    # Where the feet push and where they land: turned with the trunk, and beyond the far edge.
     start = feet.mean(axis=0) - (0.0, 0.0, radius)
     turn = float(wrap_angle(manoeuvre.landing[3] - yaw))
     c, s = math.cos(yaw + turn), math.sin(yaw + turn)
@@ -155,17 +154,18 @@ def lay_out(
     holds[:, 2] = manoeuvre.landing[2] + radius
     bound = -math.inf
     if manoeuvre.edges is not None:
-        bound = float(np.dot(manoeuvre.take_off[:2], way)) + manoeuvre.edges[1]
+        bound = float(np.dot(manoeuvre.take_off[:2], along)) + manoeuvre.edges[1]
         lower = max(float(start[2]) - manoeuvre.landing[2], 0.0)
         bound += settings.margin + min(settings.drop * lower, settings.clear)
-        short = bound - float((holds[:, :2] @ way).min())
+        short = bound - float((holds[:, :2] @ along).min())
         if short > 0.0:
-            holds[:, :2] += short * way
+            holds[:, :2] += short * along
     end = holds.mean(axis=0) - (0.0, 0.0, radius)
-    far = float(np.dot(end[:2] - start[:2], way))
+    # The centre of mass at lift-off and touch-down.
+    far = float(np.dot(end[:2] - start[:2], along))
     share = min(max(far / settings.far, 0.0), 1.0)
-    lift = np.append(start[:2] + share * settings.lean * way, start[2] + settings.lift + above)
-    down = np.append(end[:2] - share * settings.reach * way, end[2] + settings.down + above)
+    lift = np.append(start[:2] + share * settings.lean * along, start[2] + settings.lift + above)
+    down = np.append(end[:2] - share * settings.reach * along, end[2] + settings.down + above)
     down[2] -= settings.duck * max(float(end[2] - start[2]), 0.0)
     flown = down - lift
     # The least speed that gets there leaves for this time; less would not clear an edge.
@@ -177,6 +177,7 @@ def lay_out(
         raise InputError(
             f"a leap at {speed:.2f} m/s; legs reach {settings.fastest:.2f} m/s", key="landing"
         )
+    # A push that reaches this velocity, from a squat that it begins in.
     stroke = settings.lift - settings.squat
     push = 2.0 * stroke / max(velocity[2], 0.1)
     push = min(max(push, settings.push[0]), settings.push[1])
@@ -189,7 +190,7 @@ def lay_out(
     leap["down_velocity"] = velocity - (0.0, 0.0, GRAVITY * flight)
     leap["rest"] = np.append(end[:2], end[2] + height + above)
     leap["yaws"], leap["pitches"] = (yaw, yaw + turn), settings.pitch
-    leap["foothold"], leap["along"], leap["bound"] = holds, way, bound
+    leap["foothold"], leap["along"], leap["bound"] = holds, along, bound
     leap["max_force"] = settings.max_force * float(robot["mass"]) * GRAVITY
     for name in (
         "absorb", "tuck", "weights", "land_weights", "force_weight", "mu", "step", "interval",

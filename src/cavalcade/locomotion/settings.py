@@ -1,4 +1,4 @@
-"""How robots are to walk."""
+"""Settings of the gait and of the predictive control behind it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cavalcade.errors import InputError
-from cavalcade.locomotion._kinematics import GRAVITY
+from cavalcade.geometry.constants import GRAVITY
 from cavalcade.locomotion.records import GAIT, Row
 
 _POSITIVE = (

@@ -9,7 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.geometry import Array, inverse_transform_points, rectangle_corners, wrap_angle
-from cavalcade.geometry import distances as _kernels
+from cavalcade.geometry.distances import (
+    Box,
+    Cells,
+    Polygons,
+    boxes_clearance,
+    cells_clearance,
+    circles_clearance,
+    polygons_clearance,
+)
 from cavalcade.recording.frames import ObstacleTrack, Recording
 from cavalcade.robots import RobotModel
 from cavalcade.scenario import World
@@ -47,18 +55,14 @@ class _Solids:
     """Shapes as the kernels take them."""
 
     circles: Array
-    vertices: Array
-    starts: NDArray[np.int64]
-    rings: Array
+    polygons: Polygons
 
     def judge(
         self, poses: Array, model: RobotModel, best: Array, contact: NDArray[np.bool_]
     ) -> None:
-        body = model.body
-        _kernels.circles_clearance(poses, *body, self.circles, best, contact)
-        _kernels.polygons_clearance(
-            poses, *body, self.vertices, self.starts, self.rings, best, contact
-        )
+        box = Box(*model.body)
+        circles_clearance(poses, box, self.circles, best, contact)
+        polygons_clearance(poses, box, self.polygons, best, contact)
 
 
 def clearance(world: World, recording: Recording, models: Sequence[RobotModel]) -> Clearance:
@@ -79,7 +83,7 @@ def clearance(world: World, recording: Recording, models: Sequence[RobotModel]) 
         fixed.judge(own, model, best, contact)
         _judge_border(world.base, own, model, best, contact)
         if cells is not None:
-            _judge_cells(world.base, *cells, own, model, best, contact)
+            _judge_cells(world.base, cells, own, model, best, contact)
         events += begins(contact)
         for track in recording.obstacles:
             events += begins(_judge_track(track, time, own, model, best))
@@ -90,7 +94,7 @@ def clearance(world: World, recording: Recording, models: Sequence[RobotModel]) 
             sizes = np.array([models[a].body, models[b].body])
             contact = np.zeros(len(poses), dtype=bool)
             one, other = (np.ascontiguousarray(poses[:, k]) for k in (a, b))
-            _kernels.bodies_clearance(one, other, sizes, pair_best, contact)
+            boxes_clearance(one, other, sizes, pair_best, contact)
             pairs += begins(contact)
     return Clearance(
         obstacle_distance=float(best[0]),
@@ -157,9 +161,11 @@ def _solids(shapes: Sequence[Shape]) -> _Solids:
         starts.append(starts[-1] + len(vertices))
     return _Solids(
         np.array(circles, dtype=float).reshape(-1, 3),
-        np.concatenate(corners),
-        np.array(starts, dtype=np.int64),
-        np.array(rings, dtype=float).reshape(-1, 3),
+        Polygons(
+            np.concatenate(corners),
+            np.array(starts, dtype=np.int64),
+            np.array(rings, dtype=float).reshape(-1, 3),
+        ),
     )
 
 
@@ -191,29 +197,29 @@ def _judge_border(
     yaw = poses[:, 2] - area.origin[2]
     inside = np.minimum(local, np.array(area.size) - local)
     c, s = np.abs(np.cos(yaw)), np.abs(np.sin(yaw))
-    length, width, grown = model.body
-    half = 0.5 * np.column_stack([c * length + s * width, s * length + c * width]) + grown
+    length, width, inflation = model.body
+    half = 0.5 * np.column_stack([c * length + s * width, s * length + c * width]) + inflation
     best[0] = min(best[0], max(float(inside.min()), 0.0))
     gap = (inside - half).min(axis=1)
     best[1] = min(best[1], max(float(gap.min()), 0.0))
     contact |= gap <= 0.0
 
 
-def _cells(area: OccupancyMap) -> tuple[NDArray[np.bool_], Array] | None:
-    """The map's occupied cells and a lower bound of the distance to them; None without any."""
+def _cells(area: OccupancyMap) -> Cells | None:
+    """The map's occupied cells; None without any."""
     occupied = area.occupied
     if not occupied.any():
         return None
     from cavalcade.eikonal import surface_distance
 
     from_centres = surface_distance(occupied, area.resolution, border=False)
-    return occupied, from_centres - np.sqrt(0.5) * area.resolution
+    bound = from_centres - np.sqrt(0.5) * area.resolution
+    return Cells(occupied, bound, area.resolution)
 
 
 def _judge_cells(
     area: OccupancyMap,
-    occupied: NDArray[np.bool_],
-    bound: Array,
+    cells: Cells,
     poses: Array,
     model: RobotModel,
     best: Array,
@@ -223,8 +229,6 @@ def _judge_cells(
         [inverse_transform_points(area.origin, poses[:, :2]), poses[:, 2] - area.origin[2]]
     )
     cell = np.floor(local[:, 1::-1] / area.resolution).astype(int)
-    row, col = np.clip(cell, 0, np.array(occupied.shape) - 1).T
-    order = np.argsort(bound[row, col], kind="stable")
-    _kernels.cells_clearance(
-        local, order, *model.body, occupied, bound, area.resolution, best, contact
-    )
+    row, col = np.clip(cell, 0, np.array(cells.occupied.shape) - 1).T
+    order = np.argsort(cells.bound[row, col], kind="stable")
+    cells_clearance(local, order, Box(*model.body), cells, best, contact)

@@ -7,17 +7,16 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cavalcade.geometry.string_pulling import descend, line_is_free, pull_taut
+from cavalcade.geometry.string_pulling import descend, line_is_free, string_pulled_length
 from cavalcade.world import OccupancyMap
 
 
 class ShortestWays:
-    """Shortest ways of a disc of `radius` m over one map.
+    """Shortest paths of a disc of `radius` m over one map.
 
     Meant as a lower bound, so everything is decided in the robot's favour: a cell is free if,
     given the raster's coarseness, the disc may fit anywhere in it. The homotopy comes from
-    arrival times at unit speed; the way is then pulled taut, which removes their first-order
-    error.
+    arrival times at unit speed; string pulling then removes their first-order error.
     """
 
     def __init__(self, area: OccupancyMap, radius: float) -> None:
@@ -34,9 +33,9 @@ class ShortestWays:
         self._grid = TravelGrid(free, area.resolution)
 
     def length(self, start: ArrayLike, goal: ArrayLike) -> float | None:
-        """Length in m of the shortest way between two points `(2,)` of the map frame.
+        """Length in m of the shortest path between two points `(2,)` of the map frame.
 
-        None where there is no way, or where an end lies outside the map or in an obstacle.
+        None where there is no path, or where an end lies outside the map or in an obstacle.
         """
         ends = self._area.to_local(np.array([start, goal], dtype=float))
         cell = self._area.resolution
@@ -52,5 +51,5 @@ class ShortestWays:
             return None
         cells = descend(np.ascontiguousarray(times), int(r0), int(c0))
         between = (np.asarray(cells[:, ::-1], dtype=np.float64) + 0.5) * cell
-        way = np.concatenate([ends[:1], between, ends[1:]])
-        return float(pull_taut(self._free, cell, way))
+        path = np.concatenate([ends[:1], between, ends[1:]])
+        return float(string_pulled_length(self._free, cell, path))

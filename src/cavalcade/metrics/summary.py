@@ -183,15 +183,6 @@ class Summary(Keys):
         float | None,
         "how far the goal was moved so that its slots fit",
     ] = None
-    real_time_factor: Annotated[float | None, "simulated over wall time, in physics"] = None
-    physics: Annotated[
-        PhysicsSummary | None,
-        "what bodies and joints did in [physics](physics.md)",
-    ] = None
-    commanded: Annotated[
-        CommandTracking | None,
-        "how well the velocities of [commands](commands.md) were followed",
-    ] = None
     found_by: Annotated[str | None, "of a plan: the method that `auto` ended with"] = None
     iterations: Annotated[int | None, "of a plan's search"] = None
     limit_s: Annotated[float | None, "of a plan: the limit of wall time that it had"] = None
@@ -204,6 +195,15 @@ class Summary(Keys):
     delay_s: Annotated[
         tuple[float | None, ...] | None,
         "per robot: how much later than planned it was sent to the end of its path",
+    ] = None
+    real_time_factor: Annotated[float | None, "simulated over wall time, in physics"] = None
+    physics: Annotated[
+        PhysicsSummary | None,
+        "what bodies and joints did in [physics](physics.md)",
+    ] = None
+    commanded: Annotated[
+        CommandTracking | None,
+        "how well the velocities of [commands](commands.md) were followed",
     ] = None
     versions: Annotated[Mapping[str, str], "of Python and the packages that figures depend on"]
 

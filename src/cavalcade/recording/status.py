@@ -15,7 +15,7 @@ class PlannerStatus:
     """The planner's view of one cycle; positions in the map frame.
 
     Attributes:
-        state: `inactive`, `partial`, `final` (the paper's three), `resolving` (a stand-off is
+        state: `inactive`, `partial`, `final` (the paper's three), `resolving` (a deadlock is
             being resolved), `paused`, `stuck` or `infeasible`.
         leader: Index of the leading robot, -1 where there is none.
         roles: `(N,)` slot index of each robot, -1 for a robot that takes no part.
@@ -25,7 +25,7 @@ class PlannerStatus:
         goal: `(3,)` pose of the formation's centre that is being driven to, or None.
         paths: Per robot, `(K, 2)` the path being followed, possibly empty.
         connections: `(C, 2)` pairs of robots joined by a spring now.
-        eta: `(N,)` normalised seconds to the formation goal; inf where there is no way.
+        eta: `(N,)` normalised seconds to the formation goal; inf where there is no path.
         arrived: All robots stand in their slots of the last goal.
         waypoint: Index of the goal being driven to.
         goal_moved: Distance in m by which the present goal was moved to fit; 0.0 normally.

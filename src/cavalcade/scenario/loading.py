@@ -13,6 +13,7 @@ from cavalcade.scenario.messages import scenario_error
 from cavalcade.scenario.model import Scenario
 from cavalcade.scenario.overrides import Overrides, apply_overrides
 from cavalcade.scenario.shipped import find_scenario, read_text
+from cavalcade.scenario.spellings import with_current_spelling
 from cavalcade.yaml_text import parse_yaml
 
 
@@ -53,7 +54,8 @@ def parse_scenario(data: Mapping[str, Any], file: str | Path | None = None) -> S
     """
     base = Path.cwd() if file is None else Path(file).resolve().parent
     try:
-        scenario = Scenario.model_validate(dict(data), context={"base": base})
+        data = with_current_spelling(data, file)
+        scenario = Scenario.model_validate(data, context={"base": base})
     except ValidationError as error:
         raise scenario_error(error, Scenario, file) from None
     return scenario.with_file(None if file is None else Path(file))

@@ -25,7 +25,7 @@ Variant = Literal[
     "cavalcade-no-lookahead",
     "cavalcade-no-springs",
     "cavalcade-no-avoidance",
-    "cavalcade-no-standoffs",
+    "cavalcade-no-recovery",
     "cavalcade-no-filter",
     "published",
     "fixed-roles",
@@ -93,13 +93,13 @@ class Delay(Section):
 class Expectations(Section):
     """What the planner is told of localisation and radio; null is what `execution` says.
 
-    `stray` is how far robots stray from the motion that their limits allow to foresee, m; null is
-    0 for ideal robots and what was measured of their legs in physics.
+    `tracking_error` is how far robots may be from where their motion limits foresee them, m; null
+    is 0 for ideal robots and what was measured of their legs in physics.
     """
 
     noise: Noise | None = None
     delay: Delay | None = None
-    stray: Annotated[Number, Field(ge=0, le=1)] | None = None
+    tracking_error: Annotated[Number, Field(ge=0, le=1)] | None = None
 
 
 class PlannerSection(Section):

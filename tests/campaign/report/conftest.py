@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+
+from cavalcade.campaign.report.trials import TrialTable
+from cavalcade.campaign.table import write_table
 
 VERSIONS = {"python": "3.12.1", "cavalcade": "0.1.0", "numpy": "2.4.6", "numba": "0.68.1"}
 SKILL = {"cavalcade": 0.985, "published": 0.86, "no-springs": 0.98}
@@ -140,6 +145,47 @@ def make_lines() -> Callable[..., Lines]:
 def suite() -> MadeUpSuite:
     """The suite of these lines."""
     return MadeUpSuite()
+
+
+def plain_line(
+    name: str | int,
+    scenario: str = "a",
+    variant: str = "cavalcade",
+    disturbance: str = "none",
+    outcome: str = "arrived",
+    summary: dict[str, Any] | None = None,
+    **changes: Any,
+) -> dict[str, Any]:
+    """A trial that succeeded unless something else is said."""
+    line = {
+        "trial": f"{scenario}.{name}.{variant}.{disturbance}",
+        "scenario": scenario,
+        "variant": variant,
+        "disturbance": disturbance,
+        "seed": name if isinstance(name, int) else 0,
+        "outcome": outcome,
+        "success": outcome == "arrived",
+        "feasible": True,
+        "summary": {"reason": outcome} if summary is None else summary,
+    }
+    return line | changes
+
+
+@pytest.fixture(scope="session")
+def make_line() -> Callable[..., dict[str, Any]]:
+    """Makes a line of which little is known."""
+    return plain_line
+
+
+@pytest.fixture
+def open_table(tmp_path: Path) -> Iterator[Callable[..., TrialTable]]:
+    """Opens the table of some lines, of a suite."""
+    with ExitStack() as stack:
+
+        def opened(lines: Sequence[dict[str, Any]], suite: object = None) -> TrialTable:
+            return stack.enter_context(TrialTable(write_table(tmp_path, lines), suite))
+
+        yield opened
 
 
 @pytest.fixture

@@ -5,9 +5,10 @@ import pytest
 from PIL import Image
 
 from cavalcade.campaign.report import write_report
-from cavalcade.campaign.report.pictures import draw_way, tightest
-from cavalcade.campaign.report.repeating import same_run
+from cavalcade.campaign.report.pictures import draw_paths, tightest
+from cavalcade.campaign.report.worst import same_run
 from cavalcade.drawing.scene import scene_of
+from cavalcade.jobs import JobResult
 from cavalcade.recording.frames import Recording
 from cavalcade.recording.status import PlannerStatus
 from cavalcade.scenario import build_world, parse_scenario
@@ -61,10 +62,10 @@ def test_bodies_count_as_well(run):
 
 
 @pytest.mark.parametrize("hits", [0, 2])
-def test_the_way_is_drawn(run, tmp_path, hits):
+def test_the_paths_are_drawn(run, tmp_path, hits):
     *scene, summary = run
     summary = {**summary, "collisions": {"robot_robot": 0, "robot_obstacle": hits}}
-    path = draw_way(*scene, summary, tmp_path / "way.png")
+    path = draw_paths(*scene, summary, tmp_path / "way.png")
     with Image.open(path) as picture:
         assert min(picture.size) > 400
         assert np.asarray(picture.convert("L")).std() > 10
@@ -74,7 +75,7 @@ def test_nothing_is_drawn_of_a_run_without_a_cycle(run, tmp_path):
     scenario, world, _, summary = run
     empty = Recording(np.zeros(0), np.zeros((0, 2, 3)), np.zeros((0, 2, 3)), np.zeros((0, 2, 3)),
                       (), (), ())  # fmt: skip
-    assert draw_way(scenario, world, empty, summary, tmp_path / "way.png") is None
+    assert draw_paths(scenario, world, empty, summary, tmp_path / "way.png") is None
 
 
 def test_the_worst_trials_have_pictures(run, tmp_path, make_lines, suite):
@@ -82,7 +83,8 @@ def test_the_worst_trials_have_pictures(run, tmp_path, make_lines, suite):
 
     def replay(line):
         asked.append(line["trial"])
-        return (*run[:3], dict(line["summary"], wall_time_s=99.0))
+        scenario, world, recording, _ = run
+        return JobResult(scenario, world, dict(line["summary"], wall_time_s=99.0), recording)
 
     lines = make_lines(2, ("clutter",), variants=("cavalcade",))
     write_report(tmp_path, suite, lines, replay=replay)

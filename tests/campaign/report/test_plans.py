@@ -9,11 +9,9 @@ import numpy as np
 import pytest
 
 from cavalcade.campaign.report import write_report
-from cavalcade.campaign.report.comparisons import PLAN_QUANTITIES, QUANTITIES, compare_variants
-from cavalcade.campaign.report.plan_tables import PAPER, paper_table, plan_measure_table
-from cavalcade.campaign.report.tables import refusal_table
-from cavalcade.campaign.report.trials import Order, read_trials
-from cavalcade.campaign.report.verdict import cells_of
+from cavalcade.campaign.report.cells import cells_of
+from cavalcade.campaign.report.comparisons import PLAN_QUANTITIES, QUANTITIES, compare
+from cavalcade.campaign.report.tables import PAPER, paper_table, plan_table, refusal_table
 from cavalcade.campaign.report.worst import worst_trials
 
 
@@ -90,38 +88,33 @@ def lines():
 
 
 @pytest.fixture
-def trials():
-    return read_trials(lines())
+def table(open_table):
+    return open_table(lines(), Plans())
 
 
-@pytest.fixture
-def order(trials):
-    return Order.of(Plans(), trials)
-
-
-def test_the_papers_table_stands_first_and_ours_beside_it(trials, order):
-    table = paper_table(cells_of(trials, order))
-    assert [row[1:5] for row in table.rows[:3]] == [
+def test_the_papers_table_stands_first_and_ours_beside_it(table):
+    made = paper_table(cells_of(table))
+    assert [row[1:5] for row in made.rows[:3]] == [
         ("`sequential`", "18.2", "0.094", "11/16"),
         ("`joint`", "16.85", "1.067", "13/16"),
         ("`cbs`", "15.12", "0.254", "5/5"),
     ]
     assert len(PAPER) == 3
-    ours = {row[1]: row for row in table.rows[3:]}
+    ours = {row[1]: row for row in made.rows[3:]}
     lengths = [15.0 + seed % 3 for seed in range(16)]
     assert ours["`auto`"][2:5] == (f"{np.mean(lengths):.2f}", "0.085", "16/16")
     done = [15.0 + seed % 3 for seed in range(16) if seed % 4]
     assert ours["`cbs-published`"][2:5] == (f"{np.mean(done):.2f}", "0.085", "12/16")
 
 
-def test_other_worlds_are_not_set_beside_the_paper(trials, order):
-    others = [cell for cell in cells_of(trials, order) if cell.scenario == "crowd"]
+def test_other_worlds_are_not_set_beside_the_paper(table):
+    others = [cell for cell in cells_of(table) if cell.scenario == "crowd"]
     assert paper_table(others) is None
 
 
-def test_lengths_and_planning_times(trials, order):
-    table = plan_measure_table(cells_of(trials, order), order)
-    row = dict(zip(table.head[2:], table.rows[0][2:], strict=True))
+def test_lengths_and_planning_times(table):
+    made = plan_table(cells_of(table), table.order)
+    row = dict(zip(made.head[2:], made.rows[0][2:], strict=True))
     seconds = [0.01 * (1 + seed) for seed in range(16)]
     assert row["average planning time (s)"] == f"{np.mean(seconds):.3f}"
     assert row["p99"] == f"{np.quantile(seconds, 0.99):.3f}"
@@ -130,30 +123,28 @@ def test_lengths_and_planning_times(trials, order):
     assert row["over single plans p50"] == "2.50"
 
 
-def test_refusals_have_a_table_of_their_own(trials, order):
-    hopeless = cells_of([trial for trial in trials if trial.hopeless], order)
-    table = refusal_table(hopeless, order)
-    assert len(table.rows) == 1
-    row = dict(zip(table.head, table.rows[0], strict=True))
+def test_refusals_have_a_table_of_their_own(table):
+    made = refusal_table(cells_of(table, "unsolvable"), table.order)
+    assert len(made.rows) == 1
+    row = dict(zip(made.head, made.rows[0], strict=True))
     assert row["has to be"] == "proven infeasible"
     assert row["as it has to be"] == "80.0 %"
     assert row["slowest"] == "0.0500"
     assert row["ended"] == "1 budget, 4 infeasible"
 
 
-def test_methods_are_compared_by_length_and_planning_time(trials, order):
-    solvable = [trial for trial in trials if not trial.hopeless]
-    found = compare_variants(solvable, order)
-    assert {comparison.quantities for comparison in found} == {PLAN_QUANTITIES}
+def test_methods_are_compared_by_length_and_planning_time(table):
+    found = compare(table, "variant")
+    assert {tuple(comparison.values) for comparison in found} == {PLAN_QUANTITIES}
     paper = next(c for c in found if (c.scenario, c.second) == ("random-goals", "cbs-published"))
     assert (paper.success.first_only, paper.success.second_only) == (4, 0)
-    assert paper.values[1].pairs == 12
-    assert paper.values[1].mean.value == 0.0
+    assert paper.values[PLAN_QUANTITIES[1]].pairs == 12
+    assert paper.values[PLAN_QUANTITIES[1]].mean.value == 0.0
     assert PLAN_QUANTITIES != QUANTITIES
 
 
-def test_a_problem_that_was_not_refused_is_a_failure(trials, order):
-    worst = [item.trial for item in worst_trials(trials, order)]
+def test_a_problem_that_was_not_refused_is_a_failure(table):
+    worst = [item.trial for item in worst_trials(table)]
     assert "equal.0000.auto" in [trial.name for trial in worst]
     assert "equal.0001.auto" not in [trial.name for trial in worst if not trial.success]
 

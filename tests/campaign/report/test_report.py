@@ -78,7 +78,7 @@ def test_disturbances_and_a_picture_that_an_earlier_report_left(tmp_path, make_l
 
 
 def test_many_rows_are_drawn_scenario_by_scenario(tmp_path, make_lines, suite, monkeypatch):
-    for module in ("artist", "document"):
+    for module in ("canvas", "document"):
         monkeypatch.setattr(f"cavalcade.campaign.report.{module}.MOST_ROWS", 3)
     write_report(tmp_path, suite, make_lines(3, ("a", "b"), variants=("cavalcade", "published")))
     names = {path.name for path in (tmp_path / "figures").iterdir()}

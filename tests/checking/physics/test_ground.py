@@ -59,7 +59,7 @@ def test_nowhere_beside_an_edge_is_a_foot_on_even_ground(height):
 )
 def test_a_walk_over_it_is_sound(kind, options):
     pytest.importorskip("mujoco")
-    from cavalcade.fleet.physics import PhysicsGround, TeamSimulator
+    from cavalcade.fleet.mujoco import PhysicsGround, TeamSimulator
     from cavalcade.lattice.ground import make_ground
     from cavalcade.locomotion.control import LegControl
 

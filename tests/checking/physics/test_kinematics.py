@@ -38,7 +38,7 @@ def record_of(states, step):
 @pytest.fixture(scope="module")
 def simulator():
     pytest.importorskip("mujoco")
-    from cavalcade.fleet.physics import TeamSimulator
+    from cavalcade.fleet.mujoco import TeamSimulator
 
     return TeamSimulator([robot_model("go1")], [(0.0, 0.0, 0.0)])
 

@@ -78,7 +78,7 @@ def waved(simulator, seconds, size):
 
 def test_a_simulated_robot_that_moves_on_the_spot_passes(verdict):
     pytest.importorskip("mujoco")
-    from cavalcade.fleet.physics import TeamSimulator
+    from cavalcade.fleet.mujoco import TeamSimulator
 
     simulator = TeamSimulator([robot_model("go1")], [(1.0, 2.0, 0.7)])
     (record,) = waved(simulator, 3.0, 0.25)
@@ -88,7 +88,7 @@ def test_a_simulated_robot_that_moves_on_the_spot_passes(verdict):
 def test_a_push_counts_as_a_force_if_it_is_known(verdict):
     pytest.importorskip("mujoco")
     from cavalcade.checking.physics import Conditions, Push
-    from cavalcade.fleet.physics import TeamSimulator
+    from cavalcade.fleet.mujoco import TeamSimulator
 
     simulator = TeamSimulator([robot_model("go1")], [(0.0, 0.0, 0.0)])
     simulator.push(0, (0.0, 0.0, 60.0), 2.0)
@@ -101,7 +101,7 @@ def test_a_push_counts_as_a_force_if_it_is_known(verdict):
 def test_a_robot_that_is_dragged_is_refused(verdict):
     """Its feet hold against a force of which nobody speaks."""
     pytest.importorskip("mujoco")
-    from cavalcade.fleet.physics import TeamSimulator
+    from cavalcade.fleet.mujoco import TeamSimulator
 
     simulator = TeamSimulator([robot_model("go1")], [(0.0, 0.0, 0.0)])
     simulator.push(0, (15.0, 0.0, 0.0), 3.0)
@@ -113,7 +113,7 @@ def test_a_heavier_robot_passes_if_masses_vary(verdict):
     from cavalcade.checking.physics import Conditions
 
     pytest.importorskip("mujoco")
-    from cavalcade.fleet.physics import PhysicsSettings, TeamSimulator
+    from cavalcade.fleet.mujoco import PhysicsSettings, TeamSimulator
 
     settings = PhysicsSettings(mass_scale=1.05)
     (record,) = waved(TeamSimulator([robot_model("go1")], [(0, 0, 0)], settings=settings), 3.0, 0.2)

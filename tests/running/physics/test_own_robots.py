@@ -20,7 +20,7 @@ pytest.importorskip("mujoco")
 @pytest.fixture
 def heavy(tmp_path: Path) -> Path:
     """A file with Go1's figures, but for a trunk that is 2 kg heavier."""
-    from cavalcade.fleet.physics.robot_spec import robot_spec
+    from cavalcade.fleet.mujoco.robot_spec import robot_spec
 
     description = robot_model("go1").description
     assert description is not None

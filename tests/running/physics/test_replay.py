@@ -13,8 +13,9 @@ import pytest
 
 import cavalcade as cv
 from cavalcade.drawing.physics.skeleton import foot_places, link_frames, rotations, skeleton_of
-from cavalcade.drawing.replay.physics import physics_page, write_physics_replay
-from cavalcade.drawing.replay.physics_data import ANGLE, FORCE, merged_contacts, physics_data
+from cavalcade.drawing.replay.data import replay_data
+from cavalcade.drawing.replay.page import replay_page, write_replay
+from cavalcade.drawing.replay.track import ANGLE, FORCE, merged_contacts
 from cavalcade.errors import OutputError, RecordingError
 from cavalcade.recording.frames import Recording
 from cavalcade.recording.physics_track import ContactEvent, FallEvent
@@ -49,7 +50,20 @@ def run(trot):
 
 def data_of(run, **changes):
     scenario, world, track = run
-    return physics_data(scenario, world, None, dataclasses.replace(track, **changes), {})
+    return physics_data(scenario, world, dataclasses.replace(track, **changes))
+
+
+def physics_data(scenario, world, track):
+    return replay_data(scenario, world, recording=bare(track), summary={})
+
+
+def bare(track):
+    """A recording of nothing but the track."""
+    none = np.zeros((0, track.size, 3))
+    return Recording(
+        time=np.zeros(0), poses=none, estimated=none, commands=none,
+        status=(), obstacles=(), notes=(), physics=track,
+    )  # fmt: skip
 
 
 def unpacked(text, kind, columns=1):
@@ -66,7 +80,7 @@ def decoded(said):
 
 def test_the_page_holds_all_and_loads_nothing(run):
     data = data_of(run)
-    page = physics_page(data)
+    page = replay_page(data)
     assert not re.search(r"(src|href)\s*=|@import|https?://|fetch\(|XMLHttpRequest|url\(", page)
     assert "default-src 'none'" in page
     text = re.search(r'<script id="scene" type="application/json">(.*?)</script>', page, re.S)
@@ -76,8 +90,8 @@ def test_the_page_holds_all_and_loads_nothing(run):
 
 def test_a_name_cannot_break_out_of_the_page(run):
     data = data_of(run)
-    page = physics_page({**data, "name": "</script><b>%DATA%"})
-    assert page.count("</script>") == physics_page(data).count("</script>")
+    page = replay_page({**data, "name": "</script><b>%DATA%"})
+    assert page.count("</script>") == replay_page(data).count("</script>")
     assert "<b>%DATA%" not in page
 
 
@@ -86,9 +100,8 @@ def test_a_minute_of_four_robots_is_small(trot, tmp_path):
     scenario = scenario_of(starts, [(1.0 + k, 4.0, 0.0) for k in range(4)])
     poses = np.array(starts) + np.zeros((3001, 1, 1))
     track = trot(np.linspace(0.0, 60.0, 3001), poses)
-    file = write_physics_replay(
-        scenario, cv.build_world(scenario), None, track, {}, tmp_path / "r.html"
-    )
+    world = cv.build_world(scenario)
+    file = write_replay(tmp_path / "r.html", scenario, world, recording=bare(track), summary={})
     assert file.stat().st_size < 1_500_000
     assert list(tmp_path.iterdir()) == [file]
 
@@ -96,6 +109,7 @@ def test_a_minute_of_four_robots_is_small(trot, tmp_path):
 def test_the_motion_comes_back_closely_enough(run):
     _, _, track = run
     for k, said in enumerate(data_of(run)["robots"]):
+        said = said["track"]
         base, joints = decoded(said)
         np.testing.assert_allclose(base[:, :3], track.base[:, k, :3], atol=1e-4)
         np.testing.assert_allclose(
@@ -115,7 +129,7 @@ def test_feet_that_stand_are_drawn_on_the_ground_and_stay_there(run):
     data = data_of(run)
     skeleton = data["bodies"]["go1"]
     for k, said in enumerate(data["robots"]):
-        feet = foot_places(skeleton, *decoded(said))
+        feet = foot_places(skeleton, *decoded(said["track"]))
         stands = track.foot_forces[:, k, :, 2] > 1.0
         assert stands.mean() > 0.4
         assert np.abs(feet[..., 2] - skeleton["radius"])[stands].max() < 5e-4
@@ -126,7 +140,7 @@ def test_feet_that_stand_are_drawn_on_the_ground_and_stay_there(run):
 @pytest.mark.parametrize("name", ["go1", "go2"])
 def test_links_are_where_mujoco_has_them(name):
     mujoco = pytest.importorskip("mujoco")
-    from cavalcade.fleet.physics.simulator import TeamSimulator
+    from cavalcade.fleet.mujoco.simulator import TeamSimulator
 
     model = cv.robots.robot_model(name)
     simulator = TeamSimulator([model], [(0.4, -0.2, 0.7)])
@@ -159,9 +173,10 @@ def test_the_page_moves_links_as_python_does():
     turn = rng.normal(size=4)
     base = np.concatenate([rng.normal(size=3), turn / np.linalg.norm(turn)])
     joints = rng.uniform(-1.0, 1.0, 12)
-    matrix = (files("cavalcade.drawing.replay.page3d") / "assets" / "matrix.js").read_text()
-    motion = (files("cavalcade.drawing.replay") / "physics_page" / "motion.js").read_text()
-    motion = motion[: motion.index("function stateAt")]
+    assets = files("cavalcade.drawing.replay") / "assets"
+    matrix = (assets / "matrix.js").read_text()
+    motion = (assets / "motion.js").read_text()
+    motion = motion[: motion.index("// The robots, each")]
     given = json.dumps([skeleton, base[:3].tolist(), base[3:].tolist(), joints.tolist()])
     script = f"{matrix}\n{motion}\nconsole.log(JSON.stringify(linksOf(...{given})));"
     said = json.loads(
@@ -177,7 +192,7 @@ def test_the_page_moves_links_as_python_does():
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="parses the page's own script")
 def test_the_script_is_whole(run):
-    page = physics_page(data_of(run))
+    page = replay_page(data_of(run))
     script = page[page.rindex("<script>") + 8 : page.rindex("</script>")]
     check = "new Function(require('fs').readFileSync(0, 'utf8'))"
     done = subprocess.run(
@@ -226,7 +241,7 @@ def test_goals_and_ground_are_there(trot):
     assert world.terrain is not None
     when, poses = np.array([0.0, 1.0]), np.array([[(1.0, 2.0, 0.0)], [(1.4, 2.0, 0.0)]])
     track = trot(when, poses, world.terrain.heights_at)
-    data = physics_data(scenario, world, None, track, {})
+    data = physics_data(scenario, world, track)
     assert data["robots"][0]["goal"] == [8.0, 2.0, 0.0]
     # Every node of the terrain travels: steps are where feet find them.
     assert len(data["terrain"]["x"]) == world.terrain.cols
@@ -234,10 +249,10 @@ def test_goals_and_ground_are_there(trot):
 
 def test_what_the_planner_wanted_is_there(run):
     scenario, world, track = run
-    stills = planned(track, scenario)
-    said = physics_data(scenario, world, stills, track, {})["planner"]
-    assert np.cumsum(said["wanted"][1])[-1] == 30
-    assert np.cumsum(said["clock"])[-1] == 4000
+    data = replay_data(scenario, world, recording=planned(track, scenario), summary={})
+    assert np.cumsum(data["commands"]["speed"][1])[-1] == 30
+    assert np.cumsum(data["commands"]["time"])[-1] == 4000
+    said = data["run"]
     assert said["notes"] == [[1.0, "hello"]]
     [mover] = said["movers"]
     assert (mover["start"], mover["end"]) == (0.5, None)
@@ -264,12 +279,12 @@ def planned(track, scenario):
     mover = ObstacleTrack(ball, 0.5, np.inf, np.array([0.5, 1.5]), np.array([[0, 0], [0.5, 0]]))
     return Recording(
         time=time, poses=poses, estimated=poses, commands=np.full((41, 2, 3), (0.3, 0.0, 0.1)),
-        status=(status,) * 41, obstacles=(mover,), notes=((1.0, "hello"),),
+        status=(status,) * 41, obstacles=(mover,), notes=((1.0, "hello"),), physics=track,
     )  # fmt: skip
 
 
 def test_a_long_run_is_thinned(run, monkeypatch):
-    monkeypatch.setattr("cavalcade.drawing.replay.physics_data._MOST_SAMPLES", 100)
+    monkeypatch.setattr("cavalcade.drawing.replay.track._MOST_SAMPLES", 100)
     data = data_of(run)
     assert 2 * len(data["time"]) <= 102
     assert data["end"] == pytest.approx(4.0)
@@ -282,10 +297,10 @@ def test_a_track_of_other_robots_is_refused(run):
         for name in ("base", "joints", "joint_rates", "torques", "foot_forces")
     }
     with pytest.raises(RecordingError, match="samples of 2 robots"):
-        physics_data(scenario, world, None, dataclasses.replace(track, **fewer), {})
+        physics_data(scenario, world, dataclasses.replace(track, **fewer))
 
 
 def test_a_place_that_cannot_be_written_is_named(run, tmp_path):
     scenario, world, track = run
     with pytest.raises(OutputError, match="cannot be written"):
-        write_physics_replay(scenario, world, None, track, {}, tmp_path / "no" / "r.html")
+        write_replay(tmp_path / "no" / "r.html", scenario, world, recording=bare(track), summary={})

@@ -91,7 +91,7 @@ def test_same_seed_same_bytes_other_seeds_other_robots(
 
 
 def test_a_fall_ends_the_run(walk: Callable[..., Any], monkeypatch: pytest.MonkeyPatch) -> None:
-    from cavalcade.fleet.physics.fleet import MujocoFleet
+    from cavalcade.fleet.mujoco.fleet import MujocoFleet
 
     plain = MujocoFleet.advance
 

@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 import cavalcade as cv
-from cavalcade.drawing.plans.keyframes import TOLERANCE, keyframes
-from cavalcade.drawing.plans.scene import plan_scene
-from cavalcade.drawing.replay.plan import plan_page
-from cavalcade.drawing.replay.plan_data import replay_data
+from cavalcade.drawing.replay.data import replay_data
+from cavalcade.drawing.replay.page import replay_page
+from cavalcade.drawing.replay.trajectories import TOLERANCE, keyframes
 
 BOXES = [
     {"box": {"center": [2.0, 5.0], "size": [1.0, 0.5], "yaw": 0.3}},
@@ -26,14 +25,14 @@ def data_of(make_scenario, straight_team):
         scenario = make_scenario(**options)
         world = cv.build_world(scenario)
         made = cv.plan(scenario, coordinator=straight_team(leaping=leaping))
-        return made, replay_data(plan_scene(scenario, world, made), world, made.summary)
+        return made, replay_data(scenario, world, plan=made, summary=made.summary)
 
     return make
 
 
 def test_the_page_holds_all_and_loads_nothing(data_of):
     _, data = data_of(world={"empty": {"size": [8, 6]}, "obstacles": BOXES})
-    page = plan_page(data)
+    page = replay_page(data)
     assert len(page.encode()) < 400_000
     assert not re.search(r"(src|href)\s*=|@import|https?://|fetch\(|XMLHttpRequest", page)
     assert "default-src 'none'" in page
@@ -44,8 +43,8 @@ def test_the_page_holds_all_and_loads_nothing(data_of):
 
 def test_a_name_cannot_break_out_of_the_page(data_of):
     _, data = data_of()
-    page = plan_page({**data, "name": "</script><b>%DATA%"})
-    assert page.count("</script>") == plan_page(data).count("</script>")
+    page = replay_page({**data, "name": "</script><b>%DATA%"})
+    assert page.count("</script>") == replay_page(data).count("</script>")
     assert "<b>%DATA%" not in page
 
 
@@ -87,7 +86,7 @@ def test_terrain_comes_back(make_scenario, straight_team):
     )
     world = cv.build_world(scenario)
     made = cv.plan(scenario, coordinator=straight_team(waits=(0.0,)))
-    said = replay_data(plan_scene(scenario, world, made), world, made.summary)["terrain"]
+    said = replay_data(scenario, world, plan=made, summary=made.summary)["terrain"]
     whole = np.frombuffer(base64.b64decode(said["heights"]), "<u2")
     height = said["low"] + said["span"] * whole.reshape(len(said["y"]), len(said["x"])) / 65_000
     np.testing.assert_allclose(height, world.terrain.height, atol=1e-4)

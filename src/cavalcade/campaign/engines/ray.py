@@ -194,11 +194,11 @@ class _Worker:
 
     def answer(self) -> bool:
         """A sign of life, once what a trial needs can be imported."""
-        from cavalcade.campaign import carrying  # noqa: F401
+        from cavalcade.campaign import trial_runner  # noqa: F401
 
         return True
 
-    def carry_out(self, work: Work, arguments: tuple[Any, ...]) -> Any:
+    def run_trial(self, work: Work, arguments: tuple[Any, ...]) -> Any:
         """Do one job."""
         return work(*arguments)
 

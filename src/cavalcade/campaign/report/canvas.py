@@ -1,19 +1,24 @@
-"""The look of a report's charts, and how they are written."""
+"""The look of a report's charts, and the artist who writes them into its folder."""
 
 from __future__ import annotations
 
+import base64
 import io
-from collections.abc import Iterator, Sequence
+import re
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cavalcade.campaign.report.blocks import Drawn
+from cavalcade.campaign.report.cells import Cell
+from cavalcade.campaign.report.trials import Order
+from cavalcade.campaign.report.wording import code
 from cavalcade.drawing import style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure as MatplotlibFigure
 
 GRID = "#dadcdf"
 SERIES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7A5195", "#5B5B5B")
@@ -37,6 +42,8 @@ OUTCOME_COLORS = {
     "crashed": "#1b1b1b",
 }
 OTHER = "#c9ccd0"
+
+_DPI = 220
 
 _SVG: Any = {"svg.fonttype": "path", "svg.hashsalt": "cavalcade"}
 
@@ -62,7 +69,7 @@ def series_marker(index: int) -> str:
 
 def rows_figure(
     labels: Sequence[str], panels: int, *, top: float = 0.26, bottom: float = 0.36
-) -> tuple[Figure, list[Axes]]:
+) -> tuple[MatplotlibFigure, list[Axes]]:
     """Panels side by side that share named rows, the first on top.
 
     Args:
@@ -100,13 +107,103 @@ def separate(axes: Sequence[Axes], groups: Sequence[str]) -> None:
                 axis.axhline(k - 0.5, color=GRID, linewidth=0.6, zorder=0.6)
 
 
-def save(figure: Figure, folder: Path, name: str, dpi: int = 220) -> Drawn:
-    """Write the figure as PNG into the folder; its vectors come back with it.
+@dataclass(frozen=True)
+class Figure:
+    """A picture that has been written, with its caption.
 
-    Raises:
-        OutputError: The picture cannot be written.
+    Attributes:
+        name: File name under `figures/`.
+        caption: Its text, with markup.
+        source: The picture itself as a `data:` address, as vectors where it has them.
+        is_chart: Whether it has vectors, so that it may be shown at any size.
     """
-    path = style.save(figure, folder / f"{name}.png", dpi=dpi)
-    vectors = io.BytesIO()
-    figure.savefig(vectors, format="svg", metadata={"Date": None, "Creator": None})
-    return Drawn(path.name, path.read_bytes(), vectors.getvalue())
+
+    name: str
+    caption: str
+    source: str
+    is_chart: bool
+
+
+MOST_ROWS = 36
+"""A chart with more rows is drawn in parts."""
+
+
+class Artist:
+    """Draws into a folder; without one it draws nothing.
+
+    Attributes:
+        folder: Of the figures, or None.
+        names: Files drawn so far.
+    """
+
+    def __init__(self, folder: Path | None, order: Order) -> None:
+        self.folder = folder
+        self.names: list[str] = []
+        self._order = order
+
+    def chart(
+        self, caption: str, draw: Callable[..., MatplotlibFigure], *args: Any, name: str
+    ) -> list[Figure]:
+        """The chart that `draw(*args)` makes; nothing where nothing is drawn.
+
+        Raises:
+            OutputError: The picture cannot be written.
+        """
+        if self.folder is None:
+            return []
+        with chart_style():
+            figure = draw(*args)
+            path = style.save(figure, self.folder / f"{safe_name(name)}.png", dpi=_DPI)
+            vectors = io.BytesIO()
+            figure.savefig(vectors, format="svg", metadata={"Date": None, "Creator": None})
+        self.names.append(path.name)
+        return [Figure(path.name, caption, _address("svg+xml", vectors.getvalue()), True)]
+
+    def charts(
+        self,
+        caption: str,
+        draw: Callable[[Sequence[Cell], Order], MatplotlibFigure],
+        cells: Sequence[Cell],
+        name: str,
+    ) -> list[Figure]:
+        """One chart of the cells, or one per scenario where there are many rows.
+
+        Raises:
+            OutputError: A picture cannot be written.
+        """
+        if len(cells) <= MOST_ROWS:
+            return self.chart(caption, draw, cells, self._order, name=name) if cells else []
+        figures: list[Figure] = []
+        for scenario in self._order.scenarios:
+            part = [cell for cell in cells if cell.scenario == scenario]
+            text = f"{code(scenario)}: {caption[0].lower()}{caption[1:]}"
+            if part:
+                figures += self.chart(text, draw, part, self._order, name=f"{name}-{scenario}")
+        return figures
+
+    def raster(self, caption: str, draw: Callable[[Path], Path | None], name: str) -> Figure | None:
+        """The picture that `draw` writes to a path; None where it writes none, or has no folder."""
+        if self.folder is None:
+            return None
+        path = draw(self.folder / f"{safe_name(name)}.png")
+        if path is None:
+            return None
+        self.names.append(path.name)
+        return Figure(path.name, caption, _address("png", path.read_bytes()), False)
+
+    def tidy(self) -> None:
+        """Remove what an earlier report drew and this one did not."""
+        if self.folder is None:
+            return
+        for picture in self.folder.glob("*.png"):
+            if picture.name not in self.names:
+                picture.unlink(missing_ok=True)
+
+
+def _address(kind: str, content: bytes) -> str:
+    return f"data:image/{kind};base64,{base64.b64encode(content).decode('ascii')}"
+
+
+def safe_name(name: str) -> str:
+    """The name as part of a file's name."""
+    return re.sub(r"[^\w.-]+", "_", name).lstrip(".")[:120] or "figure"

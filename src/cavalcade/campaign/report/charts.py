@@ -1,21 +1,22 @@
-"""Charts with a row per scenario, variant and disturbance."""
+"""Charts with a row per scenario, variant and disturbance, or per comparison."""
 
 from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from cavalcade.campaign.report import canvas
-from cavalcade.campaign.report.blocks import Drawn
+from cavalcade.campaign.report.cells import Cell, Spread, in_order
+from cavalcade.campaign.report.comparisons import Comparison, Quantity
 from cavalcade.campaign.report.trials import Order
-from cavalcade.campaign.report.verdict import Cell, Spread, in_order
+from cavalcade.campaign.statistics import Estimate
 from cavalcade.drawing import style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 
 def cell_label(cell: Cell, order: Order) -> str:
@@ -35,52 +36,49 @@ def cell_color(cell: Cell, order: Order) -> int:
     return order.disturbances.index(cell.disturbance)
 
 
-def draw_success(cells: Sequence[Cell], order: Order, folder: Path, name: str) -> Drawn:
+def draw_success(cells: Sequence[Cell], order: Order) -> Figure:
     """Success in feasible worlds with its interval, and how the others of them ended."""
     labels = [cell_label(cell, order) for cell in cells]
-    with canvas.chart_style():
-        figure, (left, right) = canvas.rows_figure(labels, 2, top=0.24)
-        canvas.separate((left, right), [cell.scenario for cell in cells])
-        lowest = 1.0
-        for row, cell in enumerate(cells):
-            if not cell.feasible:
-                _remark(left, "no feasible world", 0.5, row)
-                continue
-            low, high = cell.interval
-            lowest = min(lowest, low)
-            number = cell_color(cell, order)
-            color = canvas.series_color(number)
-            left.plot([100 * low, 100 * high], [row, row], color=color, linewidth=1.6)
-            left.plot(
-                100 * cell.feasible_successes / len(cell.feasible),
-                row,
-                marker=canvas.series_marker(number),
-                markersize=4.2,
-                markerfacecolor="white",
-                markeredgecolor=color,
-                markeredgewidth=1.0,
-                zorder=4,
-            )
-        step = 0.02 if lowest > 0.93 else 0.1
-        floor = max(0.0, int(lowest / step - 1e-9) * step)
-        left.set_xlim(100 * floor, 100 + 0.02 * 100 * (1 - floor))
-        left.set_xlabel("success in feasible worlds (%), 95 % interval")
-        _draw_failures(right, cells)
-        return canvas.save(figure, folder, name)
+    figure, (left, right) = canvas.rows_figure(labels, 2, top=0.24)
+    canvas.separate((left, right), [cell.scenario for cell in cells])
+    lowest = 1.0
+    for row, cell in enumerate(cells):
+        if not cell.feasible:
+            _remark(left, "no feasible world", 0.5, row)
+            continue
+        low, high = cell.interval
+        lowest = min(lowest, low)
+        number = cell_color(cell, order)
+        color = canvas.series_color(number)
+        left.plot([100 * low, 100 * high], [row, row], color=color, linewidth=1.6)
+        left.plot(
+            100 * cell.feasible_successes / cell.feasible,
+            row,
+            marker=canvas.series_marker(number),
+            markersize=4.2,
+            markerfacecolor="white",
+            markeredgecolor=color,
+            markeredgewidth=1.0,
+            zorder=4,
+        )
+    step = 0.02 if lowest > 0.93 else 0.1
+    floor = max(0.0, int(lowest / step - 1e-9) * step)
+    left.set_xlim(100 * floor, 100 + 0.02 * 100 * (1 - floor))
+    left.set_xlabel("success in feasible worlds (%), 95 % interval")
+    _draw_failures(right, cells)
+    return figure
 
 
 def _draw_failures(axes: Axes, cells: Sequence[Cell]) -> None:
     from matplotlib.patches import Patch
 
-    shares = [
-        Counter(trial.outcome for trial in cell.feasible if not trial.success) for cell in cells
-    ]
+    shares = [Counter(cell.failures) for cell in cells]
     seen = in_order(sum(shares, Counter()))
     longest = 0.0
     for row, (cell, counts) in enumerate(zip(cells, shares, strict=True)):
         start = 0.0
         for outcome in seen:
-            width = 100.0 * counts[outcome] / max(len(cell.feasible), 1)
+            width = 100.0 * counts[outcome] / max(cell.feasible, 1)
             color = canvas.OUTCOME_COLORS.get(outcome, canvas.OTHER)
             axes.barh(row, width, left=start, height=0.62, color=color,
                       edgecolor="white", linewidth=0.4)  # fmt: skip
@@ -112,39 +110,38 @@ def _remark(axes: Axes, text: str, x: float, row: float) -> None:
     )
 
 
-def draw_spreads(cells: Sequence[Cell], order: Order, folder: Path, name: str) -> Drawn:
+def draw_spreads(cells: Sequence[Cell], order: Order) -> Figure:
     """Medians, quartiles and 5 % to 95 % of what was measured in single trials."""
-    panels: list[tuple[str, float, Callable[[Cell], Spread]]] = [
-        ("time over lower bound", 1.0, lambda cell: cell.time_ratio),
-        ("formation error (cm)", 100.0, lambda cell: cell.formation_error),
-        ("smallest gap (cm)", 100.0, lambda cell: cell.spread("min_footprint_gap_m")),
-        ("cycle, 99 % (ms)", 1.0, lambda cell: cell.spread("cycle_ms.p99")),
+    panels = [
+        ("time over lower bound", 1.0, "time_ratio"),
+        ("formation error (cm)", 100.0, "formation_error"),
+        ("smallest gap (cm)", 100.0, "gap"),
+        ("cycle, 99 % (ms)", 1.0, "cycle_p99"),
     ]
     if cells[0].planned:
         panels = [
-            ("length over bound", 1.0, lambda cell: cell.length_ratio),
-            ("makespan over alone", 1.0, lambda cell: cell.time_ratio),
+            ("length over bound", 1.0, "length_ratio"),
+            ("makespan over alone", 1.0, "time_ratio"),
             panels[2],
-            ("planning time (s)", 1.0, lambda cell: cell.planning_time),
+            ("planning time (s)", 1.0, "planning_time"),
         ]
-    with canvas.chart_style():
-        labels = [cell_label(cell, order) for cell in cells]
-        figure, axes = canvas.rows_figure(labels, len(panels), top=0.06)
-        canvas.separate(axes, [cell.scenario for cell in cells])
-        for axis, (title, factor, take) in zip(axes, panels, strict=True):
-            top, least = 0.0, math.inf
-            for row, cell in enumerate(cells):
-                spread = take(cell)
-                least = min(least, math.inf if spread.p5 is None else factor * spread.p5)
-                _draw_spread(axis, row, spread, factor, cell_color(cell, order))
-                top = max(top, factor * (spread.p95 or 0.0))
-            axis.set_xlabel(title)
-            # Zero is shown unless all is far from it.
-            far = math.isfinite(least) and 2.0 * least > top
-            low = least - 0.5 * (top - least) - 0.05 * top if far else 0.0
-            axis.set_xlim(low, top + 0.08 * (top - low) if top else 1.0)
-            axis.locator_params(axis="x", nbins=4)
-        return canvas.save(figure, folder, name)
+    labels = [cell_label(cell, order) for cell in cells]
+    figure, axes = canvas.rows_figure(labels, len(panels), top=0.06)
+    canvas.separate(axes, [cell.scenario for cell in cells])
+    for axis, (title, factor, name) in zip(axes, panels, strict=True):
+        top, least = 0.0, math.inf
+        for row, cell in enumerate(cells):
+            spread = cell.spread(name)
+            least = min(least, math.inf if spread.p5 is None else factor * spread.p5)
+            _draw_spread(axis, row, spread, factor, cell_color(cell, order))
+            top = max(top, factor * (spread.p95 or 0.0))
+        axis.set_xlabel(title)
+        # Zero is shown unless all is far from it.
+        far = math.isfinite(least) and 2.0 * least > top
+        low = least - 0.5 * (top - least) - 0.05 * top if far else 0.0
+        axis.set_xlim(low, top + 0.08 * (top - low) if top else 1.0)
+        axis.locator_params(axis="x", nbins=4)
+    return figure
 
 
 def _draw_spread(axes: Axes, row: int, spread: Spread, factor: float, number: int) -> None:
@@ -158,3 +155,56 @@ def _draw_spread(axes: Axes, row: int, spread: Spread, factor: float, number: in
     mark = canvas.series_marker(number)
     axes.plot(median, row, marker=mark, markersize=3.6, markerfacecolor="white",
               markeredgecolor=color, markeredgewidth=0.9, zorder=4)  # fmt: skip
+
+
+def draw_comparisons(comparisons: Sequence[Comparison], settings: bool) -> Figure:
+    """Differences of success and of each quantity; hollow marks where none is shown.
+
+    Args:
+        comparisons: One per row.
+        settings: Name the setting, too.
+    """
+    usual = comparisons[0].first
+    labels = [
+        " · ".join([c.scenario, *([c.setting] if settings else []), c.second])
+        + (f" against {c.first}" if c.first != usual else "")
+        for c in comparisons
+    ]
+    panels = (None, *comparisons[0].values)
+    titles = [f"{one.name} ({one.unit})" if one else "success (points)" for one in panels]
+    seconds = list(dict.fromkeys(c.second for c in comparisons))
+    figure, axes = canvas.rows_figure(labels, len(titles), top=0.06)
+    canvas.separate(axes, [f"{c.scenario} {c.setting}" for c in comparisons])
+    for axis, title, panel in zip(axes, titles, panels, strict=True):
+        axis.axvline(0.0, color=style.INK, linewidth=0.7, zorder=1)
+        low, high = 0.0, 0.0
+        for row, comparison in enumerate(comparisons):
+            estimate = _estimate(comparison, panel)
+            if estimate is None or not math.isfinite(estimate.high - estimate.low):
+                continue
+            color = canvas.series_color(1 + seconds.index(comparison.second))
+            axis.plot([estimate.low, estimate.high], [row, row], color=color, linewidth=1.4)
+            axis.plot(
+                estimate.value,
+                row,
+                marker="o",
+                markersize=3.8,
+                markerfacecolor="white" if estimate.includes_zero else color,
+                markeredgecolor=color,
+                markeredgewidth=0.9,
+                zorder=4,
+            )
+            low, high = min(low, estimate.low), max(high, estimate.high)
+        pad = 0.08 * (high - low) or 1.0
+        axis.set_xlim(low - pad, high + pad)
+        axis.locator_params(axis="x", nbins=5)
+        axis.set_xlabel(title)
+    return figure
+
+
+def _estimate(comparison: Comparison, quantity: Quantity | None) -> Estimate | None:
+    """The difference of a quantity, or of success, in the panel's unit."""
+    if quantity is None:
+        return comparison.success.difference.scaled(100.0) if comparison.success else None
+    found = comparison.values.get(quantity)
+    return found.mean.scaled(quantity.factor) if found else None

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any, Literal
 
-from cavalcade.campaign.report.trials import Order, Trial
+from cavalcade.campaign.report.cells import ALL
+from cavalcade.campaign.report.trials import TrialTable
 from cavalcade.campaign.statistics import (
     PairedProportions,
     PairedValues,
@@ -13,8 +15,8 @@ from cavalcade.campaign.statistics import (
     paired_values,
 )
 
-ALL = "all scenarios"
-"""Scenario of a comparison over the worlds of all groups; no group may be called so."""
+Factor = Literal["variant", "disturbance"]
+"""What is compared; the other one is the setting that both trials of a pair have in common."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +27,7 @@ class Quantity:
         name: For people.
         unit: Its unit there.
         factor: From the measured unit to that one.
-        of: Takes it from a trial; None where it was not measured.
+        column: Of the table `trials`.
         digits: Decimals worth showing.
         more, less: What a positive and a negative difference is called.
     """
@@ -33,44 +35,39 @@ class Quantity:
     name: str
     unit: str
     factor: float
-    of: Callable[[Trial], float | None]
+    column: str
     digits: int
     more: str
     less: str
 
 
+_TIME = Quantity("time", "s", 1.0, "time", 1, "slower", "faster")
+_GAP = Quantity("smallest gap", "cm", 100.0, "gap", 1, "keeps wider gaps", "comes closer")
+
 QUANTITIES = (
-    Quantity("time", "s", 1.0, lambda trial: trial.time, 1, "slower", "faster"),
+    _TIME,
     Quantity(
         "formation error",
         "cm",
         100.0,
-        lambda trial: trial.number("formation_error_m.mean"),
+        "formation_error",
         1,
         "looser formation",
         "tighter formation",
     ),
-    Quantity(
-        "smallest gap", "cm", 100.0, lambda trial: trial.gap, 1, "keeps wider gaps", "comes closer"
-    ),
+    _GAP,
 )
 """Compared over the pairs of which both trials succeeded."""
 
 PLAN_QUANTITIES = (
-    QUANTITIES[0],
-    Quantity("summed length", "m", 1.0, lambda trial: trial.length, 2, "longer", "shorter"),
-    Quantity(
-        "planning time",
-        "s",
-        1.0,
-        lambda trial: trial.number("planning_time_s"),
-        3,
-        "longer to plan",
-        "sooner planned",
-    ),
-    QUANTITIES[2],
+    _TIME,
+    Quantity("summed length", "m", 1.0, "length", 2, "longer", "shorter"),
+    Quantity("planning time", "s", 1.0, "planning_time", 3, "longer to plan", "sooner planned"),
+    _GAP,
 )
-"""The same where robots have goals of their own."""
+"""The same where robots have individual goals."""
+
+_COLUMNS = tuple(dict.fromkeys(one.column for one in (*QUANTITIES, *PLAN_QUANTITIES)))
 
 
 @dataclass(frozen=True)
@@ -83,8 +80,7 @@ class Comparison:
         first, second: The names of what is compared; differences are second less first.
         success: In feasible worlds; None without pairs.
         collision: Trials with an avoidable collision, in all worlds; None without pairs.
-        values: Per quantity; None with fewer than two pairs.
-        quantities: `QUANTITIES` or `PLAN_QUANTITIES`.
+        values: Of each of `QUANTITIES` or `PLAN_QUANTITIES`; None with fewer than two pairs.
     """
 
     scenario: str
@@ -93,90 +89,84 @@ class Comparison:
     second: str
     success: PairedProportions | None
     collision: PairedProportions | None
-    values: tuple[PairedValues | None, ...]
-    quantities: tuple[Quantity, ...] = QUANTITIES
+    values: Mapping[Quantity, PairedValues | None]
 
 
-def compare_variants(trials: Sequence[Trial], order: Order) -> list[Comparison]:
-    """Each variant against its reference, per scenario and over all, under each disturbance.
+def compare(table: TrialTable, factor: Factor) -> list[Comparison]:
+    """Each variant, or disturbance, against its reference on the same worlds.
 
-    The reference is the first variant unless the suite names another.
+    That is done per scenario and over all, under each setting of the other factor. The reference
+    is the first one unless the suite names another for a variant. Problems that are infeasible
+    by construction do not count.
     """
-    return [
-        comparison
-        for disturbance in order.disturbances
-        for comparison in _compare(
-            [trial for trial in trials if trial.disturbance == disturbance],
-            lambda trial: trial.variant,
-            order.variants,
-            order.scenarios,
-            disturbance,
-            order.references,
-        )
-    ]
-
-
-def compare_disturbances(trials: Sequence[Trial], order: Order) -> list[Comparison]:
-    """Each disturbance against the first, per scenario and over all, for each variant."""
-    return [
-        comparison
-        for variant in order.variants
-        for comparison in _compare(
-            [trial for trial in trials if trial.variant == variant],
-            lambda trial: trial.disturbance,
-            order.disturbances,
-            order.scenarios,
-            variant,
-            {},
-        )
-    ]
-
-
-def _compare(
-    trials: Sequence[Trial],
-    treatment: Callable[[Trial], str],
-    names: Sequence[str],
-    scenarios: Sequence[str],
-    setting: str,
-    references: Mapping[str, str],
-) -> list[Comparison]:
+    order = table.order
+    names, settings = order.variants, order.disturbances
+    references: Mapping[str, str] = order.references
+    if factor == "disturbance":
+        names, settings, references = settings, names, {}
+    scenarios = order.scenarios
+    groups = (*scenarios, ALL) if len(scenarios) > 1 else scenarios
     found = []
-    groups = (*scenarios, ALL) if len(scenarios) > 1 else tuple(scenarios)
-    for scenario in groups:
-        inside = [trial for trial in trials if scenario in (ALL, trial.scenario)]
-        worlds = {
-            name: {trial.world: trial for trial in inside if treatment(trial) == name}
+    for setting in settings:
+        pairs = {
+            name: _pairs(table, factor, setting, reference, name)
             for name in names
+            if (reference := references.get(name, names[0])) != name
         }
-        for name in names:
-            reference = references.get(name, names[0])
-            if reference == name:
-                continue
-            first, second = worlds.get(reference, {}), worlds[name]
-            pairs = [(first[world], second[world]) for world in first if world in second]
-            if pairs:
-                found.append(_comparison(scenario, setting, reference, name, pairs))
+        for scenario in groups:
+            for name, every in pairs.items():
+                inside = [pair for pair in every if scenario in (ALL, pair["scenario"])]
+                if inside:
+                    reference = references.get(name, names[0])
+                    found.append(_comparison(scenario, setting, reference, name, inside))
     return found
 
 
+_Pair = dict[str, Any]
+
+
+def _pairs(table: TrialTable, factor: Factor, setting: str, first: str, second: str) -> list[_Pair]:
+    """Two trials in the same world each; what is known of both stands in pairs."""
+    other = "disturbance" if factor == "variant" else "variant"
+    both = ("success", "feasible", "avoidable", *_COLUMNS)
+    columns = ", ".join(f'["a"."{name}", "b"."{name}"]' for name in both)
+    query = f"""
+        SELECT a.scenario, a.planned, {columns}
+        FROM trials a JOIN trials b USING (scenario, seed, {other})
+        WHERE a.{factor} = ? AND b.{factor} = ? AND {other} = ?
+            AND NOT a.unsolvable AND NOT b.unsolvable
+        ORDER BY a.place
+    """
+    names = ("scenario", "planned", *both)
+    return [
+        dict(zip(names, row, strict=True)) for row in table.rows(query, (first, second, setting))
+    ]
+
+
 def _comparison(
-    scenario: str, setting: str, first: str, second: str, pairs: Sequence[tuple[Trial, Trial]]
+    scenario: str, setting: str, first: str, second: str, pairs: Sequence[_Pair]
 ) -> Comparison:
-    feasible = [pair for pair in pairs if pair[0].feasible and pair[1].feasible]
-    both = [pair for pair in pairs if pair[0].success and pair[1].success]
-    quantities = PLAN_QUANTITIES if pairs[0][0].planned else QUANTITIES
+    feasible = [pair["success"] for pair in pairs if all(pair["feasible"])]
+    hits = [[count > 0 for count in pair["avoidable"]] for pair in pairs]
+    succeeded = [pair for pair in pairs if all(pair["success"])]
+    quantities = PLAN_QUANTITIES if pairs[0]["planned"] else QUANTITIES
     return Comparison(
         scenario,
         setting,
         first,
         second,
-        paired_proportions([a.success for a, _ in feasible], [b.success for _, b in feasible]),
-        paired_proportions(
-            [a.avoidable > 0 for a, _ in pairs], [b.avoidable > 0 for _, b in pairs]
-        ),
-        tuple(
-            paired_values([quantity.of(a) for a, _ in both], [quantity.of(b) for _, b in both])
+        paired_proportions([a for a, _ in feasible], [b for _, b in feasible]),
+        paired_proportions([a for a, _ in hits], [b for _, b in hits]),
+        {
+            quantity: paired_values(
+                [pair[quantity.column][0] for pair in succeeded],
+                [pair[quantity.column][1] for pair in succeeded],
+            )
             for quantity in quantities
-        ),
-        quantities,
+        },
     )
+
+
+def references_of(comparisons: Sequence[Comparison]) -> list[str]:
+    """What is compared with, each once."""
+    return list(dict.fromkeys(comparison.first for comparison in comparisons))

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cavalcade.campaign.report import canvas
-from cavalcade.campaign.report.blocks import Drawn
-from cavalcade.campaign.report.curves import Curve, Point
-from cavalcade.campaign.report.verdict import Spread
+from cavalcade.campaign.report.cells import Curve, Point
 from cavalcade.drawing import style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 FEW_CURVES = 4
 """More curves than these are drawn without their intervals and quartiles."""
@@ -21,7 +19,7 @@ FEW_CURVES = 4
 _LEGEND_COLUMNS = 6
 
 
-def draw_curves(curves: Sequence[Curve], labels: Sequence[str], folder: Path, name: str) -> Drawn:
+def draw_curves(curves: Sequence[Curve], labels: Sequence[str]) -> Figure:
     """Success, time and formation error, or planning time, over the level, a line per curve."""
     columns = min(len(curves), _LEGEND_COLUMNS)
     top = 0.09 + 0.15 * -(-len(curves) // columns) if len(curves) > 1 else 0.06
@@ -31,59 +29,52 @@ def draw_curves(curves: Sequence[Curve], labels: Sequence[str], folder: Path, na
     total = top + height + bottom
     from matplotlib.ticker import MaxNLocator
 
-    with canvas.chart_style():
-        figure = style.new_figure(style.PAGE, total)
-        axes = [
-            figure.add_axes(
-                (
-                    (left + k * (width + between)) / style.PAGE,
-                    bottom / total,
-                    width / style.PAGE,
-                    height / total,
-                )
+    figure = style.new_figure(style.PAGE, total)
+    axes = [
+        figure.add_axes(
+            (
+                (left + k * (width + between)) / style.PAGE,
+                bottom / total,
+                width / style.PAGE,
+                height / total,
             )
-            for k in range(3)
-        ]
-        handles: list[Any] = []
-        for number, curve in enumerate(curves):
-            points = curve.points
-            shift = _dodge(points, number, len(curves)) if few else 0.0
-            spread = "none" if not few else "bars" if len(curves) > 1 else "band"
-            handles.append(_draw_line(axes[0], points, _success, 100.0, number, spread, shift))
-            spread = "band" if few else "none"
-            _draw_line(axes[1], points, lambda p: _quartiles(p.time_ratio), 1.0, number, spread)
-            if curve.cell.planned:
-                _draw_line(
-                    axes[2], points, lambda p: _quartiles(p.planning_time), 1.0, number, spread
-                )
-            else:
-                _draw_line(
-                    axes[2], points, lambda p: _quartiles(p.formation_error), 100.0, number, spread
-                )
-        titles = ["success (%)", "time over lower bound", "formation error (cm)"]
-        if curves[0].cell.planned:
-            titles[1:] = ["makespan over slowest alone", "planning time (s)"]
-        for axis, title in zip(axes, titles, strict=True):
-            axis.set_ylabel(title)
-            axis.set_xlabel(f"number of {curves[0].axis}" if curves[0].axis.endswith("s")
-                            else curves[0].axis)  # fmt: skip
-            axis.grid(True, linewidth=0.3, color=canvas.GRID)
-            axis.set_axisbelow(True)
-            axis.margins(x=0.03)
-            if all(float(end).is_integer() for curve in curves for end in curve.ends):
-                axis.xaxis.set_major_locator(MaxNLocator(nbins=6, integer=True))
-        low, _ = axes[0].get_ylim()
-        low = max(0.0, min(low, 95.0))
-        axes[0].set_ylim(low, 100.0 + 0.02 * (100.0 - low))
-        if len(curves) > 1:
-            figure.legend(
-                handles=handles,
-                labels=list(labels),
-                loc="upper center",
-                ncols=columns,
-                bbox_to_anchor=(0.5, 1.0 - 0.02 / total),
-            )
-        return canvas.save(figure, folder, name)
+        )
+        for k in range(3)
+    ]
+    handles: list[Any] = []
+    for number, curve in enumerate(curves):
+        points = curve.points
+        shift = _dodge(points, number, len(curves)) if few else 0.0
+        spread = "none" if not few else "bars" if len(curves) > 1 else "band"
+        handles.append(_draw_line(axes[0], points, _success, 100.0, number, spread, shift))
+        spread = "band" if few else "none"
+        _draw_line(axes[1], points, _quartiles("time_ratio"), 1.0, number, spread)
+        third, factor = ("solving_time", 1.0) if curve.cell.planned else ("formation_error", 100.0)
+        _draw_line(axes[2], points, _quartiles(third), factor, number, spread)
+    titles = ["success (%)", "time over lower bound", "formation error (cm)"]
+    if curves[0].cell.planned:
+        titles[1:] = ["makespan over slowest alone", "planning time (s)"]
+    for axis, title in zip(axes, titles, strict=True):
+        axis.set_ylabel(title)
+        axis.set_xlabel(f"number of {curves[0].axis}" if curves[0].axis.endswith("s")
+                        else curves[0].axis)  # fmt: skip
+        axis.grid(True, linewidth=0.3, color=canvas.GRID)
+        axis.set_axisbelow(True)
+        axis.margins(x=0.03)
+        if all(float(end).is_integer() for curve in curves for end in curve.ends):
+            axis.xaxis.set_major_locator(MaxNLocator(nbins=6, integer=True))
+    low, _ = axes[0].get_ylim()
+    low = max(0.0, min(low, 95.0))
+    axes[0].set_ylim(low, 100.0 + 0.02 * (100.0 - low))
+    if len(curves) > 1:
+        figure.legend(
+            handles=handles,
+            labels=list(labels),
+            loc="upper center",
+            ncols=columns,
+            bbox_to_anchor=(0.5, 1.0 - 0.02 / total),
+        )
+    return figure
 
 
 def _dodge(points: Sequence[Point], number: int, count: int) -> float:
@@ -99,12 +90,18 @@ _Ends = tuple[float | None, float | None, float | None]
 
 
 def _success(point: Point) -> _Ends:
-    low, high = point.interval
-    return low, point.successes / point.trials, high
+    low, high = point.cell.interval
+    return low, point.cell.successes / point.cell.trials, high
 
 
-def _quartiles(spread: Spread) -> _Ends:
-    return spread.p25, spread.median, spread.p75
+def _quartiles(name: str) -> Callable[[Point], _Ends]:
+    """Quartiles and median of a quantity at a point."""
+
+    def take(point: Point) -> _Ends:
+        spread = point.cell.spread(name)
+        return spread.p25, spread.median, spread.p75
+
+    return take
 
 
 def _draw_line(

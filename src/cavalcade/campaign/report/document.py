@@ -1,29 +1,28 @@
-"""Puts the report together."""
+"""What the report says, as values that its templates lay out."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Protocol
+import re
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
 
-from cavalcade.campaign.report import charts, sections, tables
-from cavalcade.campaign.report.artist import MOST_ROWS, Artist
-from cavalcade.campaign.report.blocks import Block, Bullets, Folded, Heading, Text, code
-from cavalcade.campaign.report.comparison_chart import draw_comparisons
-from cavalcade.campaign.report.comparison_tables import comparison_tables, references
-from cavalcade.campaign.report.comparisons import (
-    Comparison,
-    compare_disturbances,
-    compare_variants,
-)
+from cavalcade.campaign.report import charts, tables
+from cavalcade.campaign.report.canvas import MOST_ROWS, Artist, Figure
+from cavalcade.campaign.report.cells import Cell, cells_of, curves_of, in_order
+from cavalcade.campaign.report.comparisons import Comparison, Factor, compare, references_of
 from cavalcade.campaign.report.curve_chart import FEW_CURVES, draw_curves
-from cavalcade.campaign.report.curves import curves_of
-from cavalcade.campaign.report.methods import PAPER_NOTE, notes_of
-from cavalcade.campaign.report.physics_tables import commanded_table, physics_table
-from cavalcade.campaign.report.plan_tables import paper_table, plan_measure_table
-from cavalcade.campaign.report.repeating import Replay, pictures_of
-from cavalcade.campaign.report.trials import Order, Trial
-from cavalcade.campaign.report.verdict import Cell, cells_of
-from cavalcade.campaign.report.worst import worst_trials
+from cavalcade.campaign.report.tables import Table, cell_names, table_of
+from cavalcade.campaign.report.trials import Order, Trial, TrialTable
+from cavalcade.campaign.report.wording import bound, code, count, interval, plain, share
+from cavalcade.campaign.report.worst import Replay, shown_worst
+from cavalcade.campaign.table import scrubbed
+
+MOST_SENTENCES = 8
+MOST_EXAMPLES = 5
+
+_NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?!\w)")
 
 
 class Named(Protocol):
@@ -40,20 +39,47 @@ class Named(Protocol):
         """One line."""
 
 
-def compose(
+@dataclass(frozen=True)
+class ComparisonSection:
+    """Variants, or disturbances, compared on the same worlds.
+
+    Attributes:
+        factor: What is compared.
+        first: The reference.
+        figures: Charts of the differences.
+        tables: Titles and tables; None in the place of one without any collision.
+    """
+
+    factor: str
+    first: str
+    figures: list[Figure]
+    tables: list[tuple[str, Table | None]]
+
+
+@dataclass(frozen=True)
+class CurveSection:
+    """Success and quantities of one scenario over its levels."""
+
+    scenario: str
+    axis: str
+    figures: list[Figure]
+    table: Table
+
+
+def document(
     suite: Named,
-    trials: Sequence[Trial],
-    order: Order,
+    table: TrialTable,
+    lines: Mapping[str, Mapping[str, Any]],
     command: str,
     artist: Artist,
     replay: Replay | None,
-) -> list[Block]:
-    """The whole report as blocks; pictures are drawn on the way.
+) -> dict[str, Any]:
+    """The variables of the templates; pictures are drawn on the way.
 
     Args:
         suite: That was run.
-        trials: All of them.
-        order: Of rows.
+        table: Of all trials.
+        lines: Of all trials, by their names.
         command: That made the campaign; empty where it is not known.
         artist: Draws.
         replay: Repeats a trial in memory, or None.
@@ -61,138 +87,256 @@ def compose(
     Raises:
         OutputError: A picture cannot be written.
     """
-    cells = cells_of([trial for trial in trials if not trial.hopeless], order)
-    hopeless = cells_of([trial for trial in trials if trial.hopeless], order)
-    blocks = sections.header(suite.suite, suite.about, trials, order, command)
-    blocks.append(Heading("Verdict"))
-    blocks += sections.sentences(cells, order) if cells or not hopeless else []
-    if cells:
-        outcomes = tables.outcome_table(cells, order)
-        remark = "In brackets: failures in worlds that are not feasible."
-        caption = "Success in feasible worlds with 95 % interval, and how the failures ended."
-        blocks += [
-            tables.success_table(cells, order),
-            *artist.charts(caption, charts.draw_success, cells, "success"),
-            Heading("How the trials ended", 3),
-            outcomes,
-            *(
-                [Text(remark, small=True)]
-                if any("(" in c for r in outcomes.rows for c in r)
-                else []
-            ),
-            *_measures(cells, order),
-        ]
-    if hopeless:
-        blocks += [
-            Heading("Problems without a plan", 3),
-            tables.refusal_table(hopeless, order),
-        ]
-    if any(cell.run for cell in cells):
-        caption = "Median (mark), quartiles (bar) and 5 % to 95 % (line) over single trials."
-        for planned in (False, True):
-            alike = [c for c in cells if c.planned == planned and not c.commanded]
-            name = "spread-plans" if planned and len(alike) < len(cells) else "spread"
-            blocks += artist.charts(caption, charts.draw_spreads, alike, name)
-        blocks += [
-            Heading("Closest approaches of all trials that ran", 3),
-            tables.clearance_table(cells, order),
-        ]
-    solvable = [trial for trial in trials if not trial.hopeless]
-    blocks += _comparisons(
-        compare_variants(solvable, order), "variant", order.disturbances, "disturbance", artist
-    )
-    blocks += _comparisons(
-        compare_disturbances(solvable, order), "disturbance", order.variants, "variant", artist
-    )
-    blocks += _curves(cells, order, artist)
-    blocks += sections.failures(trials, order)
-    blocks += sections.unavoidable(trials, order)
-    chosen = worst_trials(trials, order)
-    drawn, remarks = pictures_of(chosen, artist, replay)
-    blocks += sections.worst(chosen, drawn, remarks)
-    return [*blocks, Heading("How to read this"), Bullets(notes_of(trials, order))]
-
-
-def _measures(cells: Sequence[Cell], order: Order) -> list[Block]:
-    """What was measured, of each kind of task that there is."""
+    order = table.order
+    cells = cells_of(table, "NOT unsolvable")
+    refused = cells_of(table, "unsolvable")
+    formations = [cell for cell in cells if not cell.planned and not cell.commanded]
     planned = [cell for cell in cells if cell.planned]
-    driven = [cell for cell in cells if not cell.planned and not cell.commanded]
     commanded = [cell for cell in cells if cell.commanded]
     walked = [cell for cell in cells if cell.in_physics]
-    blocks: list[Block] = []
-    paper = paper_table(planned)
-    if paper is not None:
-        blocks += [Heading("Beside the paper's Table I"), paper, Text(PAPER_NOTE, small=True)]
-    if driven:
-        heading = Heading("Time, formation, clearance")
-        blocks += [heading, tables.measure_table(driven, order)]
-    if planned:
-        blocks += [Heading("Length, time, planning"), plan_measure_table(planned, order)]
-    if commanded:
-        blocks += [Heading("As they were told"), commanded_table(commanded, order)]
-    if walked:
-        blocks += [Heading("Legs and bodies"), physics_table(walked, order)]
-    return blocks
+    failures = table.failures()
+    excused = table.trials("contacts > avoidable")
+    return {
+        "suite": suite.suite,
+        "about": plain(suite.about),
+        "facts": _facts(table),
+        "command": scrubbed(command),
+        "sentences": _sentences(table, cells),
+        "success": tables.success_table(cells, order) if cells else None,
+        "success_charts": artist.charts(
+            "Success in feasible worlds with 95 % interval, and how the failures ended.",
+            charts.draw_success,
+            cells,
+            "success",
+        ),
+        "outcomes": tables.outcome_table(cells, order) if cells else None,
+        "excused_outcomes": any(cell.excused for cell in cells),
+        "paper": tables.paper_table(planned),
+        "formations": tables.formation_table(formations, order) if formations else None,
+        "plans": tables.plan_table(planned, order) if planned else None,
+        "commanded": tables.commanded_table(commanded, order) if commanded else None,
+        "physics": tables.physics_table(walked, order) if walked else None,
+        "refusals": tables.refusal_table(refused, order) if refused else None,
+        "spread_charts": _spread_charts(cells, artist),
+        "clearances": tables.clearance_table(cells, order) if any(c.ran for c in cells) else None,
+        "comparisons": [
+            *_comparisons(table, "variant", artist),
+            *_comparisons(table, "disturbance", artist),
+        ],
+        "curves": _curves(table, cells, artist),
+        "failures": _failure_table(failures) if failures else None,
+        "excused_failures": len(table.trials("NOT success AND NOT feasible AND NOT unsolvable")),
+        "unavoidable": _unavoidable_table(excused) if excused else None,
+        "unavoidable_trials": len(excused),
+        "unavoidable_contacts": sum(trial.contacts - trial.avoidable for trial in excused),
+        "worst": shown_worst(table, lines, artist, replay),
+        "disturbed": len(order.disturbances) > 1,
+        **_kinds(table),
+    }
 
 
-def _comparisons(
-    found: Sequence[Comparison],
-    kind: str,
-    settings: Sequence[str],
-    setting: str,
-    artist: Artist,
-) -> list[Block]:
+def _kinds(table: TrialTable) -> dict[str, Any]:
+    """How many trials there are, and of which kinds."""
+    query = """
+        SELECT count(*), bool_or(NOT planned AND NOT commanded), bool_or(planned),
+            bool_or(commanded), bool_or(in_physics)
+        FROM trials
+    """
+    names = ("trials", "any_formation", "any_planned", "any_commanded", "any_physics")
+    return dict(zip(names, table.rows(query)[0], strict=True))
 
+
+def _facts(table: TrialTable) -> list[str]:
+    """What was run, how often, and with which versions."""
+    order = table.order
+    ((trials, worlds),) = table.rows(
+        "SELECT count(*), count(DISTINCT (scenario, seed)) FROM trials"
+    )
+    factors = [f"{count(worlds)} worlds"]
+    if len(order.disturbances) > 1:
+        factors.append(f"{len(order.disturbances)} disturbances")
+    if len(order.variants) > 1:
+        factors.append(f"{len(order.variants)} variants")
+    facts = [f"**Trials:** {count(trials)} ({' × '.join(factors)})"]
+    if order.variants:
+        facts.append(f"**Variants:** {', '.join(code(name) for name in order.variants)}")
+    if len(order.disturbances) > 1:
+        facts.append(f"**Disturbances:** {', '.join(code(name) for name in order.disturbances)}")
+    versions = [f"{name} {' and '.join(found)}" for name, found in table.versions().items()]
+    facts.append(f"**Versions:** {', '.join(versions) or 'not recorded, no trial ran'}")
+    return facts
+
+
+def _sentences(table: TrialTable, cells: Sequence[Cell]) -> list[str]:
+    """The verdict in a sentence per cell or, where they are many, over all scenarios."""
+    told = list(cells)
+    if len(cells) > MOST_SENTENCES:
+        told = cells_of(table, "NOT unsolvable", over_scenarios=True)
+    if len(told) > MOST_SENTENCES:
+        return []
+    return [_sentence(cell, table.order) for cell in told]
+
+
+def _sentence(cell: Cell, order: Order) -> str:
+    name = ", ".join(cell_names(cell, order))
+    what = "feasible problems solved" if cell.planned else "feasible worlds crossed"
+    if cell.commanded:
+        what = "tasks done"
+    if cell.feasible:
+        text = (
+            f"{count(cell.feasible_successes)} of {count(cell.feasible)} {what}: "
+            f"**{share(cell.feasible_successes, cell.feasible)}** "
+            f"{interval(cell.interval, cell.feasible)}"
+        )
+    else:
+        text = "no feasible world"
+    if not cell.ran:
+        return f"{name}: {text}; no trial ran."
+    hits = f"no avoidable collision in {count(cell.ran)} trials"
+    if cell.hit:
+        hits = f"**{count(cell.hit)} with an avoidable collision** in {count(cell.ran)} trials"
+    return f"{name}: {text}; {hits} (95 % bound {bound(cell.hit_bound, cell.ran)})."
+
+
+def _spread_charts(cells: Sequence[Cell], artist: Artist) -> list[Figure]:
+    if not any(cell.ran for cell in cells):
+        return []
+    caption = "Median (mark), quartiles (bar) and 5 % to 95 % (line) over single trials."
+    figures: list[Figure] = []
+    for planned in (False, True):
+        alike = [c for c in cells if c.planned == planned and not c.commanded]
+        name = "spread-plans" if planned and len(alike) < len(cells) else "spread"
+        figures += artist.charts(caption, charts.draw_spreads, alike, name)
+    return figures
+
+
+def _comparisons(table: TrialTable, factor: Factor, artist: Artist) -> list[ComparisonSection]:
+    """The section, if there is anything to compare."""
+    found = compare(table, factor)
     if not found:
         return []
-    firsts = references(found)
-    first = code(firsts[0]) if len(firsts) == 1 else "its reference"
-    blocks: list[Block] = [
-        Heading(f"{kind.capitalize()}s compared on the same worlds"),
-        Text(
-            f"Each {kind} against {first}: a positive difference is more of it than with {first}. "
-            f"“One only” counts the pairs in which it happened only with {first} / only with this "
-            f"{kind}."
-        ),
-    ]
-    several = len(settings) > 1
-    against = first if len(firsts) == 1 else "the reference"
-    other = f" The reference is {code(firsts[0])} unless a row names another." * (len(firsts) > 1)
+    firsts = references_of(found)
+    single = len(firsts) == 1
+    settings, setting = table.order.disturbances, "disturbance"
+    if factor == "disturbance":
+        settings, setting = table.order.variants, "variant"
+    figures: list[Figure] = []
     for part in settings if len(found) > MOST_ROWS else ("",):
-        rows = [comparison for comparison in found if part in ("", comparison.setting)]
+        rows: list[Comparison] = [one for one in found if part in ("", one.setting)]
         if rows:
-            where = f" {setting.capitalize()} {code(part)}." if part else ""
             caption = (
-                f"Mean paired differences to {against} with 95 % intervals; hollow where the "
-                f"interval includes zero.{other}{where}"
+                f"Mean paired differences to {code(firsts[0]) if single else 'the reference'} "
+                "with 95 % intervals; hollow where the interval includes zero."
             )
-            name = f"{kind}s-{part}" if part else f"{kind}s"
-            blocks += artist.figure(
-                caption, draw_comparisons, rows, several and not part, name=name
-            )
-    return blocks + comparison_tables(found, kind, setting if several else "")
+            if not single:
+                caption += f" The reference is {code(firsts[0])} unless a row names another."
+            if part:
+                caption += f" {setting.capitalize()} {code(part)}."
+            name = f"{factor}s-{part}" if part else f"{factor}s"
+            named = len(settings) > 1 and not part
+            figures += artist.chart(caption, charts.draw_comparisons, rows, named, name=name)
+    return [
+        ComparisonSection(
+            factor,
+            code(firsts[0]) if single else "its reference",
+            figures,
+            tables.comparison_tables(found, factor, setting if len(settings) > 1 else ""),
+        )
+    ]
 
 
-def _curves(cells: Sequence[Cell], order: Order, artist: Artist) -> list[Block]:
-
-    blocks: list[Block] = []
-    for scenario, curves in curves_of(cells).items():
-        axis = curves[0].axis
-        blocks.append(Heading(f"{code(scenario)} over {axis}", 3))
+def _curves(table: TrialTable, cells: Sequence[Cell], artist: Artist) -> list[CurveSection]:
+    order = table.order
+    sections = []
+    for scenario, curves in curves_of(table, cells).items():
+        figures: list[Figure] = []
         # Lines by variant; a chart per disturbance where both vary.
         crossed = len(order.variants) > 1 and len(order.disturbances) > 1
         for part in order.disturbances if crossed else ("",):
             shown = [curve for curve in curves if part in ("", curve.cell.disturbance)]
+            if not shown:
+                continue
             by_variant = len(order.variants) > 1
             labels = [c.cell.variant if by_variant else c.cell.disturbance for c in shown]
-            where = f" Disturbance {code(part)}." if part else ""
             third = "planning time" if shown[0].cell.planned else "formation error"
+            text = f"success; median time and {third}"
             if len(shown) <= FEW_CURVES:
-                what = f"success with 95 % interval; median and quartiles of time and {third}"
-            else:
-                what = f"success; median time and {third}"
-            caption = f"{code(scenario)}: {what} of the trials that succeeded.{where}"
+                text = f"success with 95 % interval; median and quartiles of time and {third}"
+            where = f" Disturbance {code(part)}." if part else ""
+            caption = f"{code(scenario)}: {text} of the trials that succeeded.{where}"
             name = f"curves-{scenario}-{part}" if part else f"curves-{scenario}"
-            blocks += artist.figure(caption, draw_curves, shown, labels, name=name)
-        blocks.append(Folded("The numbers", tables.curve_table(curves, order)))
-    return [Heading("Curves"), *blocks] if blocks else []
+            figures += artist.chart(caption, draw_curves, shown, labels, name=name)
+        numbers = tables.curve_table(curves, order)
+        sections.append(CurveSection(scenario, curves[0].axis, figures, numbers))
+    return sections
+
+
+def _failure_table(failed: Sequence[Trial]) -> Table:
+    """Failures that need not have been, by reason, with examples."""
+    rows = []
+    for outcome in in_order(Counter(trial.outcome for trial in failed)):
+        same = [trial for trial in failed if trial.outcome == outcome]
+        for reason, group in _by_reason(same):
+            rows.append((outcome, plain(reason) or "–", count(len(group)), _some(group)))
+    return table_of(("reason", "detail", "trials", "which"), rows, 2, last=True)
+
+
+def _unavoidable_table(touched: Sequence[Trial]) -> Table:
+    """Collisions that are not held against the planner, by reason, with examples."""
+    rows = [
+        (plain(reason) or "–", count(len(group)), _some(group))
+        for reason, group in _by_reason(touched)
+    ]
+    return table_of(("why", "trials", "which"), rows, 1, last=True)
+
+
+def _some(trials: Sequence[Trial]) -> str:
+    """The names of the first few."""
+    shown = ", ".join(code(trial.name) for trial in trials[:MOST_EXAMPLES])
+    more = len(trials) - MOST_EXAMPLES
+    return shown + (f" and {count(more)} more" if more > 0 else "")
+
+
+def _by_reason(trials: Sequence[Trial]) -> list[tuple[str, list[Trial]]]:
+    """Groups of the same reason but for its numbers, the largest first."""
+    groups: dict[str, list[Trial]] = {}
+    for trial in trials:
+        groups.setdefault(_NUMBER.sub("…", trial.reason), []).append(trial)
+    named = []
+    for common, members in groups.items():
+        texts = {trial.reason for trial in members}
+        named.append((texts.pop() if len(texts) == 1 else common, members))
+    return sorted(named, key=lambda item: (-len(item[1]), item[0]))
+
+
+def trial_list(trials: Sequence[Trial]) -> dict[str, Any]:
+    """All trials for the page: `columns`, each name with its decimals, or null for texts; `rows`.
+
+    Args:
+        trials: In the suite's order.
+    """
+    planned = bool(trials) and all(trial.planned for trial in trials)
+    whole = all(trial.level is None or trial.level.is_integer() for trial in trials)
+    columns: list[tuple[str, int | None, Callable[[Trial], Any]]] = [
+        ("trial", None, lambda t: t.name),
+        ("feasible", None, lambda t: "yes" if t.feasible else "no"),
+        ("success", None, lambda t: "yes" if t.success else "no"),
+        ("outcome", None, lambda t: t.outcome),
+        ("level", 0 if whole else 2, lambda t: t.level),
+        ("end (s)", 1, lambda t: _rounded(t.makespan if t.planned else t.duration, 2)),
+        ("over alone" if planned else "over bound", 2, lambda t: _rounded(t.time_ratio, 3)),
+        ("planned in (s)", 3, lambda t: _rounded(t.planning_time, 4))
+        if planned
+        else ("error (cm)", 1, lambda t: _rounded(t.formation_error, 2, 100.0)),
+        ("gap (m)", 3, lambda t: _rounded(t.gap, 4)),
+        ("collisions", 0, lambda t: t.contacts),
+        ("detail", None, lambda t: t.reason),
+    ]
+    return {
+        "columns": [[name, digits] for name, digits, _ in columns],
+        "rows": [[value(trial) for _, _, value in columns] for trial in trials],
+    }
+
+
+def _rounded(value: float | None, digits: int, factor: float = 1.0) -> float | None:
+    return None if value is None else round(factor * value, digits)

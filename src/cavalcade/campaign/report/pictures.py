@@ -1,4 +1,4 @@
-"""One trial in one panel: the ways the robots drove, and where it was tightest."""
+"""One trial in one panel: the driven paths, and where it was tightest."""
 
 from __future__ import annotations
 
@@ -52,14 +52,14 @@ class Tightest:
     gap: float
 
 
-def draw_way(
+def draw_paths(
     scenario: Scenario,
     world: World,
     recording: Recording,
     summary: Mapping[str, Any],
     path: Path,
 ) -> Path | None:
-    """Draw the driven ways over the world, bodies at start (white) and end, and the tightest place.
+    """Draw driven paths over the world, bodies at start (white) and end, and the tightest place.
 
     Bodies stand there as outlines, and moving obstacles are drawn, as they were at that moment.
 
@@ -106,7 +106,7 @@ def draw_way(
 
 
 def _draw_team(axes: Axes, scene: Scene, scale: float) -> None:
-    """Ways, bodies at the start in white, bodies at the end in colour; `scale` in points per m."""
+    """Paths, bodies at the start in white, bodies at the end in colour; `scale` in points per m."""
     for robot, model in enumerate(scene.models):
         color = style.robot_color(robot)
         axes.plot(

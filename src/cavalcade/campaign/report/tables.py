@@ -1,30 +1,73 @@
-"""The tables of the verdict: a row per scenario, disturbance and variant."""
+"""The tables of the report: a row per cell, per point of a curve, or per comparison."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 
-from cavalcade.campaign.report.blocks import Table, code, without_empty_columns
-from cavalcade.campaign.report.comparisons import ALL
-from cavalcade.campaign.report.curves import Curve
+from cavalcade.campaign.report.cells import ALL, Cell, Curve, in_order
+from cavalcade.campaign.report.comparisons import Comparison, Factor, Quantity, references_of
 from cavalcade.campaign.report.trials import Order
-from cavalcade.campaign.report.verdict import Cell, Spread, in_order
-from cavalcade.campaign.report.wording import NONE, bound, count, interval, number, share
-from cavalcade.campaign.statistics import wilson
+from cavalcade.campaign.report.wording import (
+    NONE,
+    bound,
+    code,
+    collision_text,
+    count,
+    difference,
+    interval,
+    number,
+    p_value,
+    share,
+    success_text,
+    value_text,
+)
+from cavalcade.campaign.statistics import PairedProportions, upper_bound, wilson
+
+_LONG = 40
+"""On the page a column with a text longer than this has its lines broken."""
+
+_CONFIDENCE = "[95\N{NO-BREAK SPACE}%]"
 
 
-def head_of(order: Order) -> tuple[str, ...]:
-    """Names of the columns that say which cell a row is about."""
-    head = ["scenario"]
-    if len(order.disturbances) > 1:
-        head.append("disturbance")
-    if len(order.variants) > 1:
-        head.append("variant")
-    return tuple(head)
+@dataclass(frozen=True)
+class Table:
+    """A table.
+
+    Attributes:
+        head: Column names.
+        rows: Cells as texts.
+        texts: Columns that hold texts rather than numbers, by index.
+    """
+
+    head: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    texts: frozenset[int]
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """Of each column: `number`, `text`, or `long` for a text with broken lines."""
+        found = []
+        for k in range(len(self.head)):
+            longest = max((len(row[k]) for row in self.rows), default=0)
+            text = "long" if longest > _LONG else "text"
+            found.append(text if k in self.texts else "number")
+        return tuple(found)
+
+
+def table_of(
+    head: Sequence[str], rows: Iterable[Sequence[str]], left: int, *, last: bool = False
+) -> Table:
+    """A table whose first `left` columns, and the last one if so said, are texts."""
+    return Table(
+        tuple(head),
+        tuple(tuple(row) for row in rows),
+        frozenset([*range(left), *([len(head) - 1] if last else [])]),
+    )
 
 
 def cell_names(cell: Cell, order: Order) -> tuple[str, ...]:
-    """The content of these columns."""
+    """Which cell it is: its scenario, and what else there are several of."""
     names = [cell.scenario if cell.scenario == ALL else code(cell.scenario)]
     if len(order.disturbances) > 1:
         names.append(code(cell.disturbance))
@@ -33,187 +76,371 @@ def cell_names(cell: Cell, order: Order) -> tuple[str, ...]:
     return tuple(names)
 
 
+def _head(order: Order) -> tuple[str, ...]:
+    """Names of the columns that say which cell a row is about."""
+    parts = (("disturbance", order.disturbances), ("variant", order.variants))
+    return ("scenario", *(name for name, values in parts if len(values) > 1))
+
+
+_Column = tuple[str, Callable[[Cell], str]]
+"""Its name, and its text for a cell."""
+
+
+def _cell_table(
+    cells: Sequence[Cell],
+    order: Order,
+    columns: Sequence[_Column],
+    *,
+    every: bool = False,
+    left: int = 0,
+    last: bool = False,
+) -> Table:
+    """A row per cell, with what says which cell it is in front.
+
+    Args:
+        cells: At least one.
+        order: Of rows.
+        columns: All others.
+        every: Keep columns that hold nothing but dashes.
+        left, last: How many of these columns are texts, and whether the last one is.
+    """
+    made = [(name, [text(cell) for cell in cells]) for name, text in columns]
+    shown = [(name, texts) for name, texts in made if every or any(t != NONE for t in texts)]
+    head = (*_head(order), *(name for name, _ in shown))
+    rows = [
+        (*cell_names(cell, order), *(texts[k] for _, texts in shown))
+        for k, cell in enumerate(cells)
+    ]
+    return table_of(head, rows, len(_head(order)) + left, last=last)
+
+
+def _spread(name: str, end: str, digits: int = 2, factor: float = 1.0) -> Callable[[Cell], str]:
+    """The column's text: one figure of a spread, such as its `median`."""
+    return lambda cell: number(getattr(cell.spread(name), end), digits, factor)
+
+
 def success_table(cells: Sequence[Cell], order: Order) -> Table:
     """Success and collisions."""
-    head = head_of(order)
-    rows = []
-    for cell in cells:
-        done, feasible, trials = cell.feasible_successes, len(cell.feasible), len(cell.trials)
-        rows.append(
-            (
-                *cell_names(cell, order),
-                count(trials),
-                count(feasible),
-                count(done) if feasible else NONE,
-                share(done, feasible),
-                interval(cell.interval, feasible),
-                share(len(cell.succeeded), trials),
-                count(cell.hit),
-                bound(cell.hit_bound, len(cell.run)),
-                count(cell.touched),
-            )
-        )
-    columns = (
-        *head,
-        "trials",
-        "feasible",
-        "succeeded",
-        "success",
-        "95 % interval",
-        "success of all",
-        "with avoidable collision",
-        "95 % bound",
-        "with any collision",
+    columns: Sequence[_Column] = (
+        ("trials", lambda c: count(c.trials)),
+        ("feasible", lambda c: count(c.feasible)),
+        ("succeeded", lambda c: count(c.feasible_successes) if c.feasible else NONE),
+        ("success", lambda c: share(c.feasible_successes, c.feasible)),
+        ("95 % interval", lambda c: interval(c.interval, c.feasible)),
+        ("success of all", lambda c: share(c.successes, c.trials)),
+        ("with avoidable collision", lambda c: count(c.hit)),
+        ("95 % bound", lambda c: bound(c.hit_bound, c.ran)),
+        ("with any collision", lambda c: count(c.touched)),
     )
-    return Table(columns, tuple(rows), len(head))
+    return _cell_table(cells, order, columns, every=True)
 
 
 def outcome_table(cells: Sequence[Cell], order: Order) -> Table:
     """How the trials ended, failures in worlds that cannot be crossed in brackets."""
-    head = head_of(order)
+
+    def ended(cell: Cell, outcome: str) -> str:
+        times, excused = cell.outcomes.get(outcome, 0), cell.excused.get(outcome, 0)
+        text = count(times) if times else NONE
+        return f"{text} ({count(excused)})" if excused else text
+
     seen = in_order({outcome: 1 for cell in cells for outcome in cell.outcomes})
-    rows = []
-    for cell in cells:
-        row = []
-        for outcome in seen:
-            ended = [trial for trial in cell.trials if trial.outcome == outcome]
-            hopeless = sum(not trial.feasible and not trial.success for trial in ended)
-            text = count(len(ended)) if ended else NONE
-            row.append(f"{text} ({count(hopeless)})" if hopeless else text)
-        rows.append((*cell_names(cell, order), *row))
-    return Table((*head, *seen), tuple(rows), len(head))
+    rows = [
+        (*cell_names(cell, order), *(ended(cell, outcome) for outcome in seen)) for cell in cells
+    ]
+    return table_of((*_head(order), *seen), rows, len(_head(order)))
 
 
-def measure_table(cells: Sequence[Cell], order: Order) -> Table:
-    """Time, formation and computing time."""
-    head = head_of(order)
-    rows = []
-    for cell in cells:
-        time, ratio, error = cell.time, cell.time_ratio, cell.formation_error
-        typical, slow = cell.spread("cycle_ms.p50"), cell.spread("cycle_ms.p99")
-        slowest = cell.spread("cycle_ms.max")
-        rows.append(
-            (
-                *cell_names(cell, order),
-                number(time.median, 1),
-                number(time.p95, 1),
-                number(ratio.median),
-                number(ratio.p95),
-                number(error.median, 1, 100.0),
-                number(error.p95, 1, 100.0),
-                number(typical.median, 1),
-                number(slow.median, 1),
-                number(slowest.most, 0),
-            )
-        )
+def formation_table(cells: Sequence[Cell], order: Order) -> Table:
+    """Time, formation and computing time of teams in formation."""
     columns = (
-        *head,
-        "time p50 (s)",
-        "p95",
-        "over lower bound p50",
-        "p95",
-        "formation error p50 (cm)",
-        "p95",
-        "cycle p50 (ms)",
-        "cycle p99 (ms)",
-        "slowest cycle (ms)",
+        ("time p50 (s)", _spread("time", "median", 1)),
+        ("p95", _spread("time", "p95", 1)),
+        ("over lower bound p50", _spread("time_ratio", "median")),
+        ("p95", _spread("time_ratio", "p95")),
+        ("formation error p50 (cm)", _spread("formation_error", "median", 1, 100.0)),
+        ("p95", _spread("formation_error", "p95", 1, 100.0)),
+        ("cycle p50 (ms)", _spread("cycle_p50", "median", 1)),
+        ("cycle p99 (ms)", _spread("cycle_p99", "median", 1)),
+        ("slowest cycle (ms)", _spread("cycle_max", "most", 0)),
     )
-    table = Table(columns, tuple(rows), len(head))
-    return without_empty_columns(table, range(len(head)))
+    return _cell_table(cells, order, columns)
 
 
-def refusal_table(cells: Sequence[Cell], order: Order) -> Table:
-    """Problems without a plan: how many were refused as they have to be, and how fast.
-
-    Args:
-        cells: Of such problems.
-        order: Of rows.
-    """
-    head = head_of(order)
-    rows = []
-    for cell in cells:
-        done, trials = len(cell.succeeded), len(cell.trials)
-        ended = ", ".join(f"{count(n)} {name}" for name, n in cell.outcomes.items())
-        time = cell.planning_time
-        rows.append(
-            (
-                *cell_names(cell, order),
-                _WORDS.get(cell.trials[0].expected, cell.trials[0].expected),
-                count(trials),
-                share(done, trials),
-                interval(wilson(done, trials), trials),
-                number(time.median, 4),
-                number(time.most, 4),
-                ended,
-            )
-        )
+def plan_table(cells: Sequence[Cell], order: Order) -> Table:
+    """Lengths, makespans and planning times of robots with individual goals."""
     columns = (
-        *head,
-        "has to be",
-        "trials",
-        "as it has to be",
-        "95 % interval",
-        "after (s) p50",
-        "slowest",
-        "ended",
+        ("average summed length (m)", _spread("length", "mean")),
+        ("over lower bound p50", _spread("length_ratio", "median", 3)),
+        ("p95", _spread("length_ratio", "p95", 3)),
+        ("makespan p50 (s)", _spread("time", "median", 1)),
+        ("over slowest alone p50", _spread("time_ratio", "median")),
+        ("p95", _spread("time_ratio", "p95")),
+        ("average planning time (s)", _spread("planning_time", "mean", 3)),
+        ("p50", _spread("planning_time", "median", 3)),
+        ("p99", _spread("planning_time", "p99", 3)),
+        ("slowest", _spread("planning_time", "most", 3)),
+        ("over single plans p50", _spread("single_time_ratio", "median")),
     )
-    return Table(columns, tuple(rows), len(head) + 1, words=(len(columns) - 1,))
+    return _cell_table(cells, order, columns)
 
 
-_WORDS = {
+def commanded_table(cells: Sequence[Cell], order: Order) -> Table:
+    """How robots followed commanded velocities; errors are the largest over a cell's trials."""
+    columns = (
+        ("time p50 (s)", _spread("duration", "median", 1)),
+        ("summed lengths p50 (m)", _spread("length", "median", 1)),
+        ("error of mean speed (%)", _spread("speed_error", "most", 2, 100.0)),
+        ("of mean yaw rate (%)", _spread("yaw_rate_error", "most", 2, 100.0)),
+        ("mean drift aside (m/s)", _spread("drift", "most", 3)),
+        ("spread of speed (m/s)", _spread("speed_rms", "most", 3)),
+    )
+    return _cell_table(cells, order, columns)
+
+
+def physics_table(cells: Sequence[Cell], order: Order) -> Table:
+    """Falls, and what bodies and joints went through."""
+    columns = (
+        ("trials", lambda cell: count(cell.ran)),
+        ("robots", lambda cell: count(cell.robots)),
+        ("simulated (s)", lambda cell: count(round(cell.seconds))),
+        ("with a fall", lambda cell: count(cell.fell)),
+        ("95 % bound", lambda cell: bound(upper_bound(cell.fell, cell.ran), cell.ran)),
+        ("crossed gap or step", lambda cell: count(cell.crossings) if cell.crossings else NONE),
+        ("strictly", lambda cell: share(cell.strict_crossings, cell.crossings)),
+        ("tilt p50 (rad)", _spread("tilt", "median")),
+        ("most", _spread("tilt", "most")),
+        ("torque p50", _spread("torque", "median")),
+        ("most", _spread("torque", "most")),
+        ("simulated over wall time", _spread("real_time_factor", "median", 1)),
+    )
+    return _cell_table(cells, order, columns)
+
+
+def clearance_table(cells: Sequence[Cell], order: Order) -> Table:
+    """Closest approaches over all trials that ran."""
+    distances = (
+        ("centre to obstacle (m)", "obstacle_distance"),
+        ("centre to centre (m)", "robot_distance"),
+        ("gap of footprints (m)", "gap"),
+    )
+    columns = [
+        (text, _spread(name, end, 3))
+        for label, name in distances
+        for text, end in ((f"{label} least", "least"), ("p5", "p5"), ("p50", "median"))
+    ]
+    return _cell_table(cells, order, columns)
+
+
+_HAS_TO_BE = {
     "infeasible": "proven infeasible",
     "unsolved": "infeasible, or budget spent",
     "refused": "refused as bad input",
 }
 
 
-def clearance_table(cells: Sequence[Cell], order: Order) -> Table:
-    """Closest approaches over all trials that ran."""
-    head = head_of(order)
-    keys = ("min_obstacle_distance_m", "min_robot_distance_m", "min_footprint_gap_m")
-    rows = []
-    for cell in cells:
-        spreads: list[Spread] = [cell.spread(key) for key in keys]
-        figures = [
-            number(end, 3) for spread in spreads for end in (spread.least, spread.p5, spread.median)
-        ]
-        rows.append((*cell_names(cell, order), *figures))
-    names = ("centre to obstacle (m)", "centre to centre (m)", "gap of footprints (m)")
-    columns = [text for name in names for text in (f"{name} least", "p5", "p50")]
-    table = Table((*head, *columns), tuple(rows), len(head))
-    return without_empty_columns(table, range(len(head)))
+def refusal_table(cells: Sequence[Cell], order: Order) -> Table:
+    """Problems without a plan: how many were refused as they have to be, and how fast."""
+    columns: Sequence[_Column] = (
+        ("has to be", lambda c: _HAS_TO_BE.get(c.expected, c.expected)),
+        ("trials", lambda c: count(c.trials)),
+        ("as it has to be", lambda c: share(c.successes, c.trials)),
+        ("95 % interval", lambda c: interval(wilson(c.successes, c.trials), c.trials)),
+        ("after (s) p50", _spread("planning_time", "median", 4)),
+        ("slowest", _spread("planning_time", "most", 4)),
+        ("ended", lambda c: ", ".join(f"{count(n)} {name}" for name, n in c.outcomes.items())),
+    )
+    return _cell_table(cells, order, columns, every=True, left=1, last=True)
+
+
+PAPER_GROUP = "random-goals"
+"""The group of worlds that follows the paper's protocol."""
+
+PAPER = (
+    ("sequential", "18.2", "0.094", "11/16"),
+    ("joint", "16.85", "1.067", "13/16"),
+    ("cbs", "15.12", "0.254", "5/5"),
+)
+"""Its Table I: method, average path length (m), average computing time (s), success."""
+
+
+def paper_table(cells: Sequence[Cell]) -> Table | None:
+    """What the paper reports, and the same figures of our methods; None without such worlds."""
+    ours = [cell for cell in cells if cell.scenario == PAPER_GROUP and cell.planned]
+    if not ours:
+        return None
+    head = (
+        "whose",
+        "method",
+        "average summed length (m)",
+        "average planning time (s)",
+        "success",
+        "length over bound, median",
+    )
+    rows = [("the paper's", code(method), *figures, NONE) for method, *figures in PAPER]
+    rows += [
+        (
+            "this campaign's",
+            code(cell.variant),
+            number(cell.spread("length").mean),
+            number(cell.spread("planning_time").mean, 3),
+            f"{cell.successes}/{cell.trials}",
+            number(cell.spread("length_ratio").median, 3),
+        )
+        for cell in ours
+    ]
+    return table_of(head, rows, 2)
 
 
 def curve_table(curves: Sequence[Curve], order: Order) -> Table:
     """The numbers behind the curves of one scenario."""
-    head = head_of(order)[1:]
-    rows = []
-    for curve in curves:
-        for point in curve.points:
-            error, time = point.formation_error.median, point.planning_time
-            last = [number(time.median, 3), number(time.p95, 3)]
-            rows.append(
-                (
-                    *cell_names(curve.cell, order)[1:],
-                    point.label,
-                    count(point.trials),
-                    share(point.successes, point.trials),
-                    interval(point.interval, point.trials),
-                    number(point.time_ratio.median),
-                    *(last if curve.cell.planned else [number(error, 1, 100.0)]),
-                )
-            )
-    measured: tuple[str, ...]
     if curves[0].cell.planned:
-        measured = ("makespan over slowest alone, median", "planning time (s), median", "p95")
+        columns: tuple[_Column, ...] = (
+            ("makespan over slowest alone, median", _spread("time_ratio", "median")),
+            ("planning time (s), median", _spread("solving_time", "median", 3)),
+            ("p95", _spread("solving_time", "p95", 3)),
+        )
     else:
-        measured = ("time over lower bound, median", "formation error, median (cm)")
-    columns = (
-        *head,
+        columns = (
+            ("time over lower bound, median", _spread("time_ratio", "median")),
+            ("formation error, median (cm)", _spread("formation_error", "median", 1, 100.0)),
+        )
+    head = (
+        *_head(order)[1:],
         curves[0].axis,
         "feasible trials",
         "success",
         "95 % interval",
-        *measured,
+        *(name for name, _ in columns),
     )
-    return Table(columns, tuple(rows), len(head))
+    rows = [
+        (
+            *cell_names(curve.cell, order)[1:],
+            point.label,
+            count(point.cell.trials),
+            share(point.cell.successes, point.cell.trials),
+            interval(point.cell.interval, point.cell.trials),
+            *(text(point.cell) for _, text in columns),
+        )
+        for curve in curves
+        for point in curve.points
+    ]
+    return table_of(head, rows, len(_head(order)) - 1)
+
+
+def proportion_table(
+    comparisons: Sequence[Comparison],
+    factor: Factor,
+    setting: str,
+    take: Callable[[Comparison], PairedProportions | None],
+    text: Callable[[PairedProportions], str],
+) -> Table:
+    """How often something happened under two treatments.
+
+    Args:
+        comparisons: At least one.
+        factor: What is compared.
+        setting: What the comparisons' setting is called; empty where there is only one.
+        take: What is compared of a comparison.
+        text: What that comes to.
+    """
+    references = references_of(comparisons)
+    several = len(references) > 1
+    names = _comparison_head(factor, setting, several)
+    head = (
+        *names,
+        "pairs",
+        "with reference" if several else code(references[0]),
+        f"this {factor}",
+        "one only",
+        f"difference (points) {_CONFIDENCE}",
+        "p",
+        "in words",
+    )
+    rows = [
+        (
+            *_comparison_names(comparison, setting, several),
+            count(found.pairs),
+            share(found.both + found.first_only, found.pairs),
+            share(found.both + found.second_only, found.pairs),
+            f"{count(found.first_only)} / {count(found.second_only)}",
+            difference(found.difference.scaled(100.0), 1),
+            p_value(found.p_value),
+            text(found),
+        )
+        for comparison in comparisons
+        if (found := take(comparison)) is not None
+    ]
+    return table_of(head, rows, len(names), last=True)
+
+
+def value_table(
+    comparisons: Sequence[Comparison], factor: Factor, setting: str, quantity: Quantity
+) -> Table:
+    """Differences of a quantity; arguments as of `proportion_table`."""
+    several = len(references_of(comparisons)) > 1
+    names = _comparison_head(factor, setting, several)
+    head = (
+        *names,
+        "pairs",
+        f"mean difference ({quantity.unit}) {_CONFIDENCE}",
+        f"median difference ({quantity.unit}) {_CONFIDENCE}",
+        "in words",
+    )
+    rows = [
+        (
+            *_comparison_names(comparison, setting, several),
+            count(found.pairs),
+            difference(found.mean.scaled(quantity.factor), quantity.digits + 1),
+            difference(found.median.scaled(quantity.factor), quantity.digits + 1),
+            value_text(found, quantity),
+        )
+        for comparison in comparisons
+        if (found := comparison.values.get(quantity)) is not None
+    ]
+    return table_of(head, rows, len(names), last=True)
+
+
+def comparison_tables(
+    comparisons: Sequence[Comparison], factor: Factor, setting: str
+) -> list[tuple[str, Table | None]]:
+    """Title and table of successes, collisions and each quantity; arguments as before.
+
+    The table of collisions is None where no trial of any pair had one.
+    """
+    hit = any(c.collision and c.collision.neither < c.collision.pairs for c in comparisons)
+    found: list[tuple[str, Table | None]] = [
+        (
+            "Success in feasible worlds",
+            proportion_table(comparisons, factor, setting, lambda c: c.success, success_text),
+        ),
+        (
+            "Trials with an avoidable collision",
+            proportion_table(comparisons, factor, setting, lambda c: c.collision, collision_text)
+            if hit
+            else None,
+        ),
+    ]
+    for quantity in dict.fromkeys(one for c in comparisons for one in c.values):
+        table = value_table(comparisons, factor, setting, quantity)
+        if table.rows:
+            found.append((f"{quantity.name.capitalize()}, where both succeeded", table))
+    return found
+
+
+def _comparison_head(factor: Factor, setting: str, several: bool) -> tuple[str, ...]:
+    """Names of the columns; the reference has one where there are several."""
+    return (
+        "scenario",
+        *([setting] if setting else []),
+        factor,
+        *(["reference"] if several else []),
+    )
+
+
+def _comparison_names(comparison: Comparison, setting: str, several: bool) -> tuple[str, ...]:
+    return (
+        ALL if comparison.scenario == ALL else code(comparison.scenario),
+        *([code(comparison.setting)] if setting else []),
+        code(comparison.second),
+        *([code(comparison.first)] if several else []),
+    )

@@ -1,172 +1,76 @@
-"""Trial lines as values that the report counts and compares."""
+"""The trials of `trials.parquet`, as the report counts, compares and lists them."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
 
-from cavalcade.campaign.draws.model import EXPECTED, SOLVED
 from cavalcade.campaign.methods import METHOD_VARIANTS
-from cavalcade.campaign.scrubbing import scrubbed
+from cavalcade.campaign.samplers import EXPECTED, SOLVED
+
+if TYPE_CHECKING:
+    from types import TracebackType
 
 NO_DISTURBANCE = "none"
+
+_FAILURE = "NOT success AND (feasible OR unsolvable OR avoidable > 0)"
+"""The trial failed where it need not have, or touched what it need not have."""
 
 
 @dataclass(frozen=True)
 class Trial:
-    """One line of `trials.jsonl`; keys that a line lacks get the values said here.
+    """One row of the table; what it lacks is None.
 
     Attributes:
-        name: Unique id.
+        name: Unique ID.
         scenario: The group of worlds it belongs to.
         variant: Of the planner.
         disturbance: `none` unless the suite names several.
-        seed: What its world was drawn from.
+        seed: Of its world.
         outcome: How it ended.
-        detail: One line about it, without paths.
+        reason: One line about it: the detail, else the checker's first violation.
         success: Arrived, and the checker found nothing that could have been avoided.
         feasible: The world can be crossed, by a test that does not use the planner.
-        level: Where the world lies on the suite's curve, or None.
-        level_name: What that is the number of.
-        contacts: Collisions that the checker found; of these
-        avoidable: could have been avoided.
-        violations: What the checker said first.
-        summary: The run's figures; empty where there are none.
-        expected: `solved`, or how a problem without a plan has to be refused, see `draws`.
-        time_ratio: Makespan over the longest lower bound at top speed; of plans for goals of
-            single robots over the makespan of the slowest robot alone.
-        length_ratio: Of such plans: summed lengths over summed lower bounds.
-        single_time_ratio: Of such plans: planning time over that of all robots alone.
-        planned: Whether the robots have goals of their own.
-        line: The line itself.
+        unsolvable: Infeasible by construction, so that refusing is the success.
+        planned: Whether the robots have individual goals.
+        ran: Whether there is a summary; without one the checker had nothing to judge.
+        level: Where the world lies on the suite's curve; `level_name` says what it measures.
+        contacts: Collisions that the checker found, of which `avoidable` could have been avoided.
+        gap: Smallest gap between footprints, or to an obstacle, m.
+        duration: Simulated time, s.
+        makespan: When the last robot was at its goal for good, s.
+        time_ratio: Makespan over the longest lower bound at top speed; with individual goals over
+            the makespan of the slowest robot alone.
+        length_ratio: With individual goals: summed lengths over summed lower bounds.
+        planning_time: s.
+        formation_error: Mean, m.
     """
 
     name: str
     scenario: str
     variant: str
-    disturbance: str = NO_DISTURBANCE
-    seed: int = 0
-    outcome: str = "unknown"
-    detail: str = ""
-    success: bool = False
-    feasible: bool = True
-    level: float | None = None
-    level_name: str | None = None
-    contacts: int = 0
-    avoidable: int = 0
-    violations: tuple[str, ...] = ()
-    summary: Mapping[str, Any] = field(default_factory=dict)
-    expected: str = SOLVED
-    time_ratio: float | None = None
-    length_ratio: float | None = None
-    single_time_ratio: float | None = None
-    planned: bool = False
-    line: Mapping[str, Any] = field(default_factory=dict, repr=False, compare=False)
-
-    @property
-    def world(self) -> tuple[str, int]:
-        """What trials of other variants and disturbances share with this one."""
-        return self.scenario, self.seed
-
-    def number(self, key: str) -> float | None:
-        """The summary's figure of that dotted key; None if it has none or it is not finite."""
-        value: Any = self.summary
-        for part in key.split("."):
-            value = value.get(part) if isinstance(value, Mapping) else None
-        return known(value)
-
-    def measured(self, key: str) -> float | None:
-        """What the campaign measured beside the summary; None if it has nothing of that key."""
-        said = self.line.get("measured")
-        return known(said.get(key)) if isinstance(said, Mapping) else None
-
-    @property
-    def commanded(self) -> bool:
-        """Whether the robots were told how to walk, without a planner."""
-        return self.summary.get("method") == "commands"
-
-    @property
-    def in_physics(self) -> bool:
-        """Whether the robots had legs and dynamics."""
-        return self.number("physics.max_tilt_rad") is not None
-
-    @property
-    def hopeless(self) -> bool:
-        """Whether there is no plan by construction, so that refusing is the success."""
-        return self.expected in EXPECTED
-
-    @property
-    def length(self) -> float | None:
-        """Summed length of the robots' ways, m; None unless it succeeded."""
-        lengths = self.summary.get("path_length_m") if self.success else None
-        if not isinstance(lengths, Sequence) or not lengths:
-            return None
-        parts = [known(length) for length in lengths]
-        return None if None in parts else sum(part for part in parts if part is not None)
-
-    @property
-    def said(self) -> str:
-        """What there is to say about how it ended: the detail, else the first violation."""
-        return self.detail or (self.violations[0] if self.violations else "")
-
-    @property
-    def gap(self) -> float | None:
-        """Smallest gap between footprints, or to an obstacle, m."""
-        return self.number("min_footprint_gap_m")
-
-    @property
-    def time(self) -> float | None:
-        """When the last robot was at its place for good, s; None unless it succeeded."""
-        if not self.success:
-            return None
-        makespan = self.number("makespan_s")
-        return makespan if makespan is not None else self.number("sim_time_s")
-
-
-def known(value: Any) -> float | None:
-    """The value as a finite number, else None."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return None
-    return float(value) if math.isfinite(value) else None
-
-
-def read_trials(lines: Iterable[Mapping[str, Any]]) -> list[Trial]:
-    """The trials of the lines; of several lines of one trial the last counts."""
-    latest = {str(line.get("trial")): line for line in lines}
-    return [_trial(name, line) for name, line in latest.items()]
-
-
-def _trial(name: str, line: Mapping[str, Any]) -> Trial:
-    summary = line.get("summary") or {}
-    level_name = line.get("level_name")
-    variant = str(line.get("variant") or "?")
-    planned = variant in METHOD_VARIANTS
-    measured = line.get("measured") or {}
-    return Trial(
-        name=name,
-        scenario=str(line.get("scenario") or "?"),
-        variant=variant,
-        disturbance=str(line.get("disturbance") or NO_DISTURBANCE),
-        seed=int(line.get("seed") or 0),
-        outcome=str(line.get("outcome") or "unknown"),
-        detail=scrubbed(str(line.get("detail") or "")),
-        success=line.get("success") is True,
-        feasible=line.get("feasible") is not False,
-        level=known(line.get("level")),
-        level_name=str(level_name) if level_name else None,
-        contacts=int(line.get("contacts") or 0),
-        avoidable=int(line.get("avoidable") or 0),
-        violations=tuple(scrubbed(str(text)) for text in line.get("violations") or ()),
-        summary=summary if isinstance(summary, Mapping) else {},
-        expected=str(line.get("expected") or SOLVED),
-        time_ratio=known(measured.get("makespan_ratio" if planned else "time_ratio")),
-        length_ratio=known(measured.get("length_ratio")),
-        single_time_ratio=known(measured.get("single_time_ratio")),
-        planned=planned,
-        line=line,
-    )
+    disturbance: str
+    seed: int
+    outcome: str
+    reason: str
+    success: bool
+    feasible: bool
+    unsolvable: bool
+    planned: bool
+    ran: bool
+    level: float | None
+    level_name: str | None
+    contacts: int
+    avoidable: int
+    gap: float | None
+    duration: float | None
+    makespan: float | None
+    time_ratio: float | None
+    length_ratio: float | None
+    planning_time: float | None
+    formation_error: float | None
 
 
 @dataclass(frozen=True)
@@ -184,38 +88,178 @@ class Order:
     references: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, suite: object, trials: Sequence[Trial]) -> Order:
+    def of(
+        cls,
+        suite: object,
+        scenarios: Iterable[str],
+        variants: Iterable[str],
+        disturbances: Iterable[str],
+    ) -> Order:
         """The suite's own order where it has one; names it does not know follow by the alphabet.
 
         Without an order of the suite, `cavalcade` and `none` come first among their kind.
+
+        Args:
+            suite: Its `worlds` (each with a `name`), `variants`, `disturbances` and `references`
+                are used, where it has them.
+            scenarios, variants, disturbances: Those that there are.
         """
         groups = getattr(suite, "worlds", None) or ()
-        named = [str(getattr(group, "name", "")) for group in groups]
-        variants = [str(name) for name in getattr(suite, "variants", None) or ("cavalcade",)]
-        disturbances = [
-            str(name) for name in getattr(suite, "disturbances", None) or (NO_DISTURBANCE,)
-        ]
         return cls(
-            _arranged(named, {trial.scenario for trial in trials}),
-            _arranged(variants, {trial.variant for trial in trials}),
-            _arranged(disturbances, {trial.disturbance for trial in trials}),
+            _arranged([str(getattr(group, "name", "")) for group in groups], set(scenarios)),
+            _arranged(getattr(suite, "variants", None) or ("cavalcade",), set(variants)),
+            _arranged(getattr(suite, "disturbances", None) or (NO_DISTURBANCE,), set(disturbances)),
             dict(getattr(suite, "references", None) or {}),
-        )
-
-    def sorted(self, trials: Iterable[Trial]) -> list[Trial]:
-        """The trials in the suite's order: scenario, seed, disturbance, variant."""
-        return sorted(
-            trials,
-            key=lambda trial: (
-                self.scenarios.index(trial.scenario),
-                trial.seed,
-                self.disturbances.index(trial.disturbance),
-                self.variants.index(trial.variant),
-                trial.name,
-            ),
         )
 
 
 def _arranged(named: Iterable[str], present: set[str]) -> tuple[str, ...]:
-    first = [name for name in dict.fromkeys(named) if name in present]
+    first = [name for name in dict.fromkeys(map(str, named)) if name in present]
     return (*first, *sorted(present - set(first)))
+
+
+class TrialTable:
+    """A campaign's table, open for queries. Use it as a context.
+
+    The queries read DuckDB's table `trials`: a row per trial with the attributes of `Trial`, the
+    further quantities that `_DERIVED` names, and `place`, its rank in the suite's order.
+
+    Attributes:
+        order: Of scenarios, variants and disturbances.
+
+    Args:
+        file: `trials.parquet`.
+        suite: That was run; see `Order.of`.
+    """
+
+    def __init__(self, file: Path, suite: object) -> None:
+        import duckdb
+
+        # One thread, so that what has no order of its own comes out the same every time.
+        self._connection = duckdb.connect(config={"threads": 1})
+        quoted = str(file).replace("'", "''")
+        # A folder named like `seed=3` is no column.
+        self._source = f"read_parquet('{quoted}', hive_partitioning = false)"
+        self._connection.execute(
+            f"CREATE TEMP TABLE unordered AS SELECT {_DERIVED} FROM {self._source}",
+            {"methods": list(METHOD_VARIANTS), "unsolvable": list(EXPECTED), "solved": SOLVED},
+        )
+        names = [
+            [name for (name,) in self.rows(f"SELECT DISTINCT {column} FROM unordered")]
+            for column in ("scenario", "variant", "disturbance")
+        ]
+        self.order = Order.of(suite, *names)
+        self._connection.execute(
+            """
+            CREATE TEMP TABLE trials AS
+            SELECT *, row_number() OVER (
+                ORDER BY scenario_at, seed, disturbance_at, variant_at, name
+            ) AS place
+            FROM (
+                SELECT *,
+                    list_position($scenarios, scenario) AS scenario_at,
+                    list_position($disturbances, disturbance) AS disturbance_at,
+                    list_position($variants, variant) AS variant_at
+                FROM unordered
+            )
+            ORDER BY place
+            """,
+            {
+                "scenarios": list(self.order.scenarios),
+                "disturbances": list(self.order.disturbances),
+                "variants": list(self.order.variants),
+            },
+        )
+
+    def __enter__(self) -> Self:
+        """Itself."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Close the table."""
+        self._connection.close()
+
+    def rows(self, query: str, parameters: Sequence[Any] = ()) -> list[tuple[Any, ...]]:
+        """What an SQL query gives; `?` in it stands for the parameters in turn."""
+        return self._connection.execute(query, list(parameters)).fetchall()
+
+    def trials(
+        self, where: str = "true", order_by: str = "place", limit: int | None = None
+    ) -> list[Trial]:
+        """Single trials, chosen and ordered by SQL expressions."""
+        columns = ", ".join(one.name for one in fields(Trial))
+        most = "" if limit is None else f"LIMIT {limit}"
+        query = f"SELECT {columns} FROM trials WHERE {where} ORDER BY {order_by} {most}"
+        return [Trial(*row) for row in self.rows(query)]
+
+    def failures(self, order_by: str = "place") -> list[Trial]:
+        """Those that failed where they need not have, or touched what they need not have."""
+        return self.trials(_FAILURE, order_by)
+
+    def versions(self) -> dict[str, list[str]]:
+        """By package, every version that a trial ran with; this package and Python first."""
+        named = self.rows(f"DESCRIBE SELECT COLUMNS('^versions\\.') FROM {self._source}")
+        found = {}
+        for column, *_ in named:
+            query = f'SELECT DISTINCT "{column}"::VARCHAR FROM {self._source} ORDER BY ALL'
+            found[column.removeprefix("versions.")] = [v for (v,) in self.rows(query) if v]
+        names = sorted(found, key=lambda name: (name != "cavalcade", name != "python", name))
+        return {name: found[name] for name in names if found[name]}
+
+
+_DERIVED = """
+    coalesce(trial, '?') AS name,
+    coalesce(scenario, '?') AS scenario,
+    coalesce(variant, '?') AS variant,
+    coalesce(disturbance, 'none') AS disturbance,
+    coalesce(seed, 0) AS seed,
+    coalesce(outcome, 'unknown') AS outcome,
+    coalesce(nullif(detail, ''), violations[1], '') AS reason,
+    coalesce(success, false) AS success,
+    coalesce(feasible, true) AS feasible,
+    coalesce(expected, $solved) AS expected,
+    expected IS NOT NULL AND list_contains($unsolvable, expected) AS unsolvable,
+    variant IS NOT NULL AND list_contains($methods, variant) AS planned,
+    coalesce(method = 'commands', false) AS commanded,
+    "physics.max_tilt_rad" IS NOT NULL AS in_physics,
+    reason IS NOT NULL AS ran,
+    level,
+    nullif(level_name, '') AS level_name,
+    coalesce(contacts, 0) AS contacts,
+    coalesce(avoidable, 0) AS avoidable,
+    min_footprint_gap_m AS gap,
+    min_obstacle_distance_m AS obstacle_distance,
+    min_robot_distance_m AS robot_distance,
+    sim_time_s AS duration,
+    makespan_s AS makespan,
+    CASE WHEN success THEN coalesce(makespan_s, sim_time_s) END AS time,
+    CASE WHEN planned THEN "measured.makespan_ratio" ELSE "measured.time_ratio" END AS time_ratio,
+    -- The summed length is known only where that of every robot is.
+    CASE WHEN success AND len(list_filter(path_length_m, lambda x: x IS NULL)) = 0
+        THEN list_sum(path_length_m) END AS length,
+    "measured.length_ratio" AS length_ratio,
+    "measured.single_time_ratio" AS single_time_ratio,
+    planning_time_s AS planning_time,
+    CASE WHEN success THEN planning_time_s END AS solving_time,
+    "formation_error_m.mean" AS formation_error,
+    "cycle_ms.p50" AS cycle_p50,
+    "cycle_ms.p99" AS cycle_p99,
+    "cycle_ms.max" AS cycle_max,
+    "commanded.speed_error" AS speed_error,
+    "commanded.yaw_rate_error" AS yaw_rate_error,
+    "commanded.rms_m_s" AS speed_rms,
+    "commanded.drift_m_s" AS drift,
+    falls,
+    robots,
+    "measured.crossings" AS crossings,
+    "measured.strict_crossings" AS strict_crossings,
+    "physics.max_tilt_rad" AS tilt,
+    "physics.max_torque_share" AS torque,
+    real_time_factor
+"""
+"""Columns of the table `trials`, from those of `trials.parquet`."""

@@ -1,4 +1,8 @@
-"""Figures as people read them."""
+"""Numbers and names as people read them.
+
+Texts of the report may hold `code` between backticks and **strong** words; anything that comes
+from trials goes through `code` or `plain` first.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +15,16 @@ NONE = "–"
 MINUS = "\N{MINUS SIGN}"
 NO_DIFFERENCE = "no difference shown"
 TOO_FEW = "too few pairs"
+
+
+def plain(text: str) -> str:
+    """The text with nothing in it that a document would take for markup."""
+    return text.replace("`", "'").replace("**", "* *")
+
+
+def code(text: str) -> str:
+    """The text as code."""
+    return f"`{plain(text) or ' '}`"
 
 
 def number(value: float | None, digits: int = 2, factor: float = 1.0) -> str:
@@ -78,7 +92,7 @@ def p_value(value: float) -> str:
     return f"{value:.3f}" if value < 0.1 else f"{value:.2f}"
 
 
-def success_words(found: PairedProportions) -> str:
+def success_text(found: PairedProportions) -> str:
     """What the comparison of successes comes to."""
     if found.difference.includes_zero:
         return NO_DIFFERENCE
@@ -86,7 +100,7 @@ def success_words(found: PairedProportions) -> str:
     return f"{'more' if found.difference.value > 0 else 'fewer'} successes by {points:.1f} points"
 
 
-def collision_words(found: PairedProportions) -> str:
+def collision_text(found: PairedProportions) -> str:
     """What the comparison of avoidable collisions comes to."""
     if found.difference.includes_zero:
         return NO_DIFFERENCE
@@ -94,7 +108,7 @@ def collision_words(found: PairedProportions) -> str:
     return f"{'more' if found.difference.value > 0 else 'fewer'} collisions by {points:.1f} points"
 
 
-def value_words(found: PairedValues, quantity: Quantity) -> str:
+def value_text(found: PairedValues, quantity: Quantity) -> str:
     """What the comparison of a quantity comes to."""
     if math.isinf(found.mean.high):
         return TOO_FEW

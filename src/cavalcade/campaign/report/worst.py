@@ -1,12 +1,25 @@
-"""The trials that deserve a look first."""
+"""The trials that deserve a look first, repeated for their pictures."""
 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from cavalcade.campaign.report.trials import Order, Trial
+from cavalcade.campaign.report.canvas import Artist, Figure
+from cavalcade.campaign.report.trials import Trial, TrialTable
+from cavalcade.campaign.report.wording import code, number, plain
+from cavalcade.errors import OutputError
+
+if TYPE_CHECKING:
+    from cavalcade.jobs import JobResult
+
+Replay = Callable[[Mapping[str, Any]], "JobResult | None"]
+"""Repeats the trial of a line in memory; None where it cannot be repeated. It is called for the few
+worst trials only."""
 
 MOST = 8
 """So many are shown."""
@@ -25,6 +38,9 @@ _SEVERITY = (
     "refused",
 )
 
+_VARYING = ("wall_time_s", "planning_time_s", "cycle_ms", "real_time_factor", "versions")
+"""Keys of a summary that a repetition may change."""
+
 
 @dataclass(frozen=True)
 class Worst:
@@ -34,63 +50,41 @@ class Worst:
     why: str
 
 
-def worst_trials(trials: Sequence[Trial], order: Order, most: int = MOST) -> list[Worst]:
+def worst_trials(table: TrialTable, most: int = MOST) -> list[Worst]:
     """Failures, then the smallest gap, then the longest time ratio.
 
     Of the failures one of each outcome comes first, collisions before all, and within an outcome
     those of the first variant. Failures in worlds that cannot be crossed count only where
     something was touched. Two places are kept for trials that succeeded.
     """
-    arranged = order.sorted(trials)
-    failures = _failures(arranged, order)
-    done = [trial for trial in arranged if trial.success]
-    by_gap = sorted(
-        (t for t in done if t.gap is not None), key=lambda t: t.gap if t.gap is not None else 0.0
-    )
-    by_time = sorted(
-        (t for t in done if t.time_ratio is not None), key=lambda t: -(t.time_ratio or 0.0)
-    )
+    failures = _in_turns(table)
+    closest = table.trials("success AND gap IS NOT NULL", "gap, place", most)
+    slowest = table.trials("success AND time_ratio IS NOT NULL", "time_ratio DESC, place", most)
     places = most - min(len(failures), max(most - 2, 1))
-    chosen = [Worst(trial, _why(trial)) for trial in failures[: most - places]]
-    closest = by_gap[: (places + 1) // 2]
-    chosen += [Worst(t, f"smallest gap of those that succeeded: {t.gap:.3f} m") for t in closest]
-    taken = {worst.trial.name for worst in chosen}
-    slow = [trial for trial in by_time if trial.name not in taken][: most - len(chosen)]
+    chosen = [
+        Worst(t, f"{t.outcome}: {t.reason}" if t.reason else t.outcome)
+        for t in failures[: most - places]
+    ]
     chosen += [
-        Worst(t, f"longest time of those that succeeded: {t.time_ratio:.2f} times {bound_of(t)}")
-        for t in slow
+        Worst(t, f"smallest gap of those that succeeded: {t.gap:.3f} m")
+        for t in closest[: (places + 1) // 2]
+    ]
+    taken = {worst.trial.name for worst in chosen}
+    chosen += [
+        Worst(t, f"longest time of those that succeeded: {t.time_ratio:.2f} times {_bound_of(t)}")
+        for t in [trial for trial in slowest if trial.name not in taken][: most - len(chosen)]
     ]
     return chosen
 
 
-def bound_of(trial: Trial) -> str:
-    """What its time is compared with."""
-    return "the slowest robot alone" if trial.planned else "the lower bound"
-
-
-def is_failure(trial: Trial) -> bool:
-    """Whether the trial failed where it need not have, or touched what it need not have."""
-    return not trial.success and (trial.feasible or trial.hopeless or trial.avoidable > 0)
-
-
-def _failures(trials: Sequence[Trial], order: Order) -> list[Trial]:
-    """In turns from each outcome, the gravest outcome first."""
+def _in_turns(table: TrialTable) -> list[Trial]:
+    """Failures in turns from each outcome, the gravest outcome first."""
     queues: dict[str, deque[Trial]] = {}
-    ranked = sorted(
-        (trial for trial in trials if is_failure(trial)),
-        key=lambda trial: (
-            _severity(trial),
-            order.variants.index(trial.variant),
-            trial.gap if trial.gap is not None else 0.0,
-        ),
-    )
-    for trial in ranked:
+    for trial in sorted(table.failures("variant_at, coalesce(gap, 0.0), place"), key=_severity):
         queues.setdefault(trial.outcome, deque()).append(trial)
     found = []
     while any(queues.values()):
-        for queue in queues.values():
-            if queue:
-                found.append(queue.popleft())
+        found += [queue.popleft() for queue in queues.values() if queue]
     return found
 
 
@@ -101,5 +95,123 @@ def _severity(trial: Trial) -> int:
     return _SEVERITY.index(trial.outcome) if known else len(_SEVERITY)
 
 
-def _why(trial: Trial) -> str:
-    return f"{trial.outcome}: {trial.said}" if trial.said else trial.outcome
+def _bound_of(trial: Trial) -> str:
+    """What its time is compared with."""
+    return "the slowest robot alone" if trial.planned else "the lower bound"
+
+
+@dataclass(frozen=True)
+class Shown:
+    """One of the worst trials as the report shows it.
+
+    Attributes:
+        name: Of the trial.
+        about: Why it is here, and what it measured.
+        command: Repeats it, given in the campaign's folder.
+        remark: On its repetition; may be empty.
+        figure: Its picture, or None.
+    """
+
+    name: str
+    about: str
+    command: str
+    remark: str
+    figure: Figure | None
+
+
+def shown_worst(
+    table: TrialTable,
+    lines: Mapping[str, Mapping[str, Any]],
+    artist: Artist,
+    replay: Replay | None,
+) -> list[Shown]:
+    """The worst trials, each with a picture where it can be repeated.
+
+    Args:
+        table: Of all trials.
+        lines: Of all trials, by their names.
+        artist: Draws.
+        replay: Repeats a trial, or None.
+    """
+    found = []
+    for worst in worst_trials(table):
+        trial, figure, remark = worst.trial, None, ""
+        if artist.folder is not None and replay is not None and trial.ran:
+            figure, remark = _repeat(trial, lines[trial.name], artist, replay)
+        about = f"{_capital(plain(worst.why))}. {_facts(trial)}"
+        command = f"cavalcade trial . {trial.name} --out worst/{trial.name}"
+        found.append(Shown(trial.name, about, command, remark, figure))
+    return found
+
+
+def _repeat(
+    trial: Trial, line: Mapping[str, Any], artist: Artist, replay: Replay
+) -> tuple[Figure | None, str]:
+    """The picture, or None, and a remark, which may be empty."""
+    caption = f"{code(trial.name)}: the plan."
+    if not trial.planned:
+        caption = (
+            f"{code(trial.name)}: driven paths, bodies at the start (white) and at the end "
+            "(coloured), goals; the ring marks the tightest place, outlines and moving "
+            "obstacles are as they were then."
+        )
+    try:
+        repeated = replay(line)
+        if repeated is None:
+            return None, ""
+        figure = artist.raster(caption, partial(_draw, repeated), f"worst-{trial.name}")
+    except OutputError:
+        raise
+    except Exception as error:  # one picture less is no reason to lose the report
+        return None, f"It could not be drawn: {type(error).__name__}."
+    same = figure is None or same_run(line["summary"], repeated.summary)
+    return figure, "" if same else "The repetition ended differently."
+
+
+def _draw(repeated: JobResult, path: Path) -> Path | None:
+    """Draw the driven paths, or the plan; None where there is nothing to draw."""
+    from cavalcade.campaign.report.pictures import draw_paths
+    from cavalcade.drawing.plans.scene import plan_scene
+    from cavalcade.drawing.plans.top_view import draw_top_view
+
+    scenario, world, recording = repeated.scenario, repeated.world, repeated.recording
+    if recording is not None:
+        return draw_paths(scenario, world, recording, repeated.summary, path)
+    if repeated.planned is None:
+        return None
+    return draw_top_view(plan_scene(scenario, world, repeated.planned), path)
+
+
+def same_run(first: Mapping[str, Any], second: Mapping[str, Any]) -> bool:
+    """Whether two summaries agree but for times of computing and versions."""
+    keys = (set(first) | set(second)) - set(_VARYING)
+    return all(first.get(key) == second.get(key) for key in keys)
+
+
+def _facts(trial: Trial) -> str:
+    """What was measured, in a sentence; empty where nothing was."""
+    parts = [] if trial.feasible or trial.unsolvable else ["the world is not feasible"]
+    if trial.level is not None:
+        name = trial.level_name or "level"
+        parts.append(f"{trial.level:g} {name}" if name.endswith("s") else f"{name} {trial.level:g}")
+    measured: Sequence[tuple[float | None, str]] = (
+        (trial.duration, f"{number(trial.duration, 1)} s simulated"),
+        (trial.makespan if trial.planned else None, f"makespan {number(trial.makespan, 1)} s"),
+        (trial.time_ratio, f"{number(trial.time_ratio)} times {_bound_of(trial)}"),
+        (trial.length_ratio, f"{number(trial.length_ratio, 3)} times the shortest paths"),
+        (
+            trial.planning_time if trial.planned else None,
+            f"planned in {number(trial.planning_time, 3)} s",
+        ),
+        (trial.gap, f"smallest gap {number(trial.gap, 3)} m"),
+    )
+    parts += [text for value, text in measured if value is not None]
+    if trial.contacts:
+        why = f" ({plain(trial.reason)})" if trial.success and trial.reason else ""
+        parts.append(f"contacts {trial.contacts}, avoidable {trial.avoidable}{why}")
+    text = ", ".join(parts)
+    return f"{_capital(text)}." if text else ""
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]

@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import html
+import json
+import re
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from markupsafe import Markup
+
 if TYPE_CHECKING:
     from cavalcade.campaign.report.document import Named
-    from cavalcade.campaign.report.repeating import Replay
+    from cavalcade.campaign.report.worst import Replay
 
 MARKDOWN, PAGE, FIGURES = "report.md", "report.html", "figures"
+
+_SPANS = re.compile(r"(`[^`]*`|\*\*[^*]+\*\*)")
+_SPECIAL = re.compile(r"([\\*_<>\[\]#~])")
 
 
 def write_report(
@@ -43,28 +51,98 @@ def write_report(
     Raises:
         OutputError: Something cannot be written. Each file is written whole or not at all.
     """
-    from cavalcade.campaign.report import markdown, page
-    from cavalcade.campaign.report.artist import Artist
-    from cavalcade.campaign.report.document import compose
-    from cavalcade.campaign.report.trial_list import all_trials
-    from cavalcade.campaign.report.trials import Order, read_trials
-    from cavalcade.campaign.table import write_table
+    from cavalcade.campaign.report.canvas import Artist
+    from cavalcade.campaign.report.document import document, trial_list
+    from cavalcade.campaign.report.trials import TrialTable
+    from cavalcade.campaign.table import scrubbed, write_table
     from cavalcade.drawing.style import make_directory
     from cavalcade.files import write_file
 
     place = Path(folder)
-    table = write_table(place, lines)
-    trials = read_trials(lines)
-    order = Order.of(suite, trials)
-    artist = Artist(make_directory(place / FIGURES) if pictures else None, order)
-    blocks = compose(suite, trials, order, command, artist, replay)
-    written = []
-    texts = (
-        (MARKDOWN, markdown.render(blocks)),
-        (PAGE, page.render(f"Campaign {suite.suite}", blocks, all_trials(trials, order))),
-    )
-    for name, text in texts:
+    file = write_table(place, lines)
+    latest = {scrubbed(str(line.get("trial"))): line for line in lines}
+    with TrialTable(file, suite) as table:
+        artist = Artist(make_directory(place / FIGURES) if pictures else None, table.order)
+        content = document(suite, table, latest, command, artist, replay)
+        trials = trial_list(table.trials())
+    for name, text in (
+        (MARKDOWN, rendered_markdown(content)),
+        (PAGE, rendered_page(content, trials)),
+    ):
         write_file(place / name, text)
-        written.append(place / name)
     artist.tidy()
-    return (*written, table, *(place / FIGURES / name for name in artist.names))
+    figures = (place / FIGURES / name for name in artist.names)
+    return (place / MARKDOWN, place / PAGE, file, *figures)
+
+
+def rendered_markdown(content: Mapping[str, Any]) -> str:
+    """The report as GitHub's Markdown; pictures are named as they lie beside it."""
+    text: str = _template("report.md.j2", markdown_text, autoescape=False).render(content)
+    return re.sub(r"\n{3,}", "\n\n", text).strip() + "\n"
+
+
+def rendered_page(content: Mapping[str, Any], trials: Mapping[str, Any]) -> str:
+    """The report as one page that needs no other file and no network.
+
+    Args:
+        content: Of the report.
+        trials: `columns`, a list of `[name, decimals or null for texts]`, and `rows`: all trials,
+            for the table that can be sorted and searched.
+    """
+    template = _template("report.html.j2", html_text, autoescape=True)
+    text: str = template.render(content, trial_list=trials, sections=[])
+    return text.strip() + "\n"
+
+
+def _template(name: str, inline: Callable[[str], str], autoescape: bool) -> Any:
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    from cavalcade.campaign.report.wording import code, count
+
+    environment = Environment(
+        loader=PackageLoader("cavalcade.campaign.report"),
+        autoescape=autoescape,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.policies["json.dumps_function"] = _json
+    environment.filters |= {
+        "inline": inline,
+        "code": code,
+        "count": count,
+        "bare": lambda text: re.sub(r"[`*\[\]]", "", text),
+        "anchor": _anchor,
+        "zip": zip,
+    }
+    return environment.get_template(name)
+
+
+def markdown_text(text: str) -> str:
+    """Markup of `code` and **strong** as it is; everything else so that it stays what it says."""
+    parts = _SPANS.split(" ".join(text.split()))
+    return "".join(
+        part if k % 2 else _SPECIAL.sub(r"\\\1", part).replace("&", "&amp;")
+        for k, part in enumerate(parts)
+    )
+
+
+def html_text(text: str) -> Markup:
+    """Markup of `code` and **strong** as elements, everything else as text."""
+    parts = _SPANS.split(text)
+    return Markup("".join(_element(p) if k % 2 else html.escape(p) for k, p in enumerate(parts)))
+
+
+def _element(text: str) -> str:
+    if text.startswith("`"):
+        return f"<code>{html.escape(text[1:-1])}</code>"
+    return f"<strong>{html.escape(text[2:-2])}</strong>"
+
+
+def _anchor(text: str) -> str:
+    return re.sub(r"[^a-z0-9]+", "-", re.sub(r"[`*]", "", text).lower()).strip("-") or "section"
+
+
+def _json(value: Any, **_: Any) -> str:
+    return json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":"))

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 STATES = {
     "partial": "Partial Goal",
     "final": "Final Goal",
-    "resolving": "resolving a stand-off",
+    "resolving": "resolving a deadlock",
     "paused": "paused",
     "stuck": "stuck",
     "infeasible": "infeasible",

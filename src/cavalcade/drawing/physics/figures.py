@@ -18,7 +18,7 @@ from cavalcade.drawing.physics.signals import (
     spread,
     torque_share,
 )
-from cavalcade.drawing.replay.physics_data import descriptions_of
+from cavalcade.drawing.physics.skeleton import descriptions_of
 from cavalcade.geometry import Array
 from cavalcade.geometry.constants import GRAVITY
 from cavalcade.recording.physics_track import PhysicsTrack

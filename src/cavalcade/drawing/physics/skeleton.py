@@ -3,15 +3,40 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cavalcade.errors import RecordingError
 from cavalcade.geometry import Array
 from cavalcade.robots.description import QuadrupedDescription
 
+if TYPE_CHECKING:
+    from cavalcade.recording.physics_track import PhysicsTrack
+    from cavalcade.scenario import Scenario
+
 LINKS = 13
 """The trunk, then per leg hip, thigh and calf."""
+
+
+def descriptions_of(scenario: Scenario, track: PhysicsTrack) -> list[QuadrupedDescription]:
+    """The mechanisms of the robots of a track.
+
+    Raises:
+        RecordingError: The track is empty, or not that of the scenario's robots.
+    """
+    if not len(track.time) or track.size != len(scenario.models):
+        raise RecordingError(
+            f"expected samples of {len(scenario.models)} robots, "
+            f"got {len(track.time)} of {track.size}",
+            key="track",
+        )
+    found = []
+    for model in scenario.models:
+        if model.description is None:
+            raise RecordingError(f"{model.name} has no legs in physics", key="track")
+        found.append(model.description)
+    return found
 
 
 def skeleton_of(description: QuadrupedDescription) -> dict[str, Any]:

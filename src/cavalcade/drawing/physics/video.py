@@ -13,14 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.drawing import style
-from cavalcade.drawing.replay.physics_data import descriptions_of
+from cavalcade.drawing.physics.skeleton import descriptions_of
 from cavalcade.errors import InputError
 from cavalcade.files import replacing
 from cavalcade.geometry import Array
 from cavalcade.recording.physics_track import PhysicsTrack
 
 if TYPE_CHECKING:
-    from cavalcade.fleet.physics.simulator import TeamSimulator
+    from cavalcade.fleet.mujoco.simulator import TeamSimulator
     from cavalcade.scenario import Scenario, World
 
 SUFFIXES = (".webp", ".gif")
@@ -77,10 +77,10 @@ def _frames(
     if "mujoco" not in sys.modules and not os.environ.get("DISPLAY"):
         # Read once, when MuJoCo is loaded; without a screen there is nothing else to draw with.
         os.environ.setdefault("MUJOCO_GL", "egl")
-    from cavalcade.fleet.physics.engine import load_mujoco
-    from cavalcade.fleet.physics.ground import PhysicsGround, movable_spans
-    from cavalcade.fleet.physics.settings import PhysicsSettings
-    from cavalcade.fleet.physics.simulator import TeamSimulator
+    from cavalcade.fleet.mujoco.engine import load_mujoco
+    from cavalcade.fleet.mujoco.ground import PhysicsGround, movable_spans
+    from cavalcade.fleet.mujoco.settings import PhysicsSettings
+    from cavalcade.fleet.mujoco.simulator import TeamSimulator
 
     mujoco = load_mujoco()
     ground = PhysicsGround.of_world(world)

@@ -1,0 +1,267 @@
+"""What a campaign is: a suite with everything said over it. Kept in `campaign.json`."""
+
+from __future__ import annotations
+
+import difflib
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from cavalcade.campaign.methods import changed, check_variant
+from cavalcade.campaign.samplers import DataFolder
+from cavalcade.campaign.shipped import find_suite, load_suite
+from cavalcade.campaign.suite import MOST_SEEDS, Suite, parse_suite, with_current_names
+from cavalcade.campaign.trial import Trial, check_worlds, trials_of
+from cavalcade.errors import InputError, RecordingError, ScenarioError
+from cavalcade.scenario.backends import BACKENDS
+from cavalcade.scenario.spellings import current_value
+from cavalcade.yaml_text import parse_yaml
+
+FILE = "campaign.json"
+_VARIANT, _METHOD, _BACKEND = "planner.variant", "planner.method", "execution.backend"
+
+
+@dataclass(frozen=True)
+class Definition:
+    """A suite with what the command line says over it.
+
+    Attributes:
+        suite: Its seeds and variants as they will be run.
+        overrides: `KEY=VALUE` texts over every scenario.
+        version: Of the package.
+        data: Where other projects' files are.
+        named_data: That folder as the user named it, None if nobody did.
+    """
+
+    suite: Suite
+    overrides: tuple[str, ...]
+    version: str
+    data: DataFolder
+    named_data: str | None = None
+
+    @cached_property
+    def trials(self) -> tuple[Trial, ...]:
+        """All trials in their order."""
+        return tuple(trials_of(self.suite, self.overrides, self.data))
+
+    def trial(self, trial_id: str) -> Trial:
+        """One of them.
+
+        Raises:
+            InputError: There is none of that ID.
+        """
+        for trial in self.trials:
+            if trial.id == trial_id:
+                return trial
+        near = _nearest(trial_id, [trial.id for trial in self.trials])
+        hint = f"; did you mean {' or '.join(near)}?" if near else ""
+        raise InputError(f"no such trial: {ascii(trial_id)[:80]}{hint}", key="ID")
+
+    def identity(self) -> dict[str, Any]:
+        """What makes two campaigns the same, as plain data."""
+        return {
+            "suite": self.suite.to_dict(),
+            "overrides": list(self.overrides),
+            "version": self.version,
+        }
+
+    @property
+    def fingerprint(self) -> str:
+        """Of the definition: the same for the same campaign, on every machine."""
+        text = json.dumps(self.identity(), sort_keys=True, ensure_ascii=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The content of `campaign.json`."""
+        return {
+            "fingerprint": self.fingerprint,
+            "version": self.version,
+            "overrides": list(self.overrides),
+            "data": self.named_data,
+            "suite": self.suite.to_dict(),
+        }
+
+
+def define_campaign(
+    suite: str | Path,
+    *,
+    overrides: Sequence[str] = (),
+    seed: int | None = None,
+    seeds: int | None = None,
+    data: str | Path | None = None,
+) -> Definition:
+    """The definition of a campaign.
+
+    Args:
+        suite: A shipped suite's name, or a file.
+        overrides: `KEY=VALUE` texts over every scenario; `planner.variant` and, for goals of
+            single robots, `planner.method` take the place of the suite's; so does
+            `execution.backend`.
+        seed: The first seed of every group, over the suite's.
+        seeds: How many worlds of each group at most, over the suite's.
+        data: The folder with the data of other projects.
+
+    Raises:
+        InputError: Something does not fit.
+    """
+    from cavalcade import __version__
+
+    found = _changed(load_suite(suite), seed, seeds)
+    found, rest = _with_variant(*_with_backend(found, overrides))
+    folder = DataFolder.find(data)
+    for index, group in enumerate(found.worlds):
+        if group.seeds is None and group.sampler.limit(folder) is None:
+            text = "missing; expected how many worlds are sampled"
+            raise ScenarioError(text, file=find_suite(suite), key=f"worlds[{index}].seeds")
+    return Definition(found, rest, __version__, folder, None if data is None else str(data))
+
+
+def check_definition(definition: Definition) -> None:
+    """See that there is something to run and that worlds and overrides fit, before anything is run.
+
+    The suite's data must be there.
+
+    Raises:
+        InputError: Something does not fit.
+    """
+    if not definition.trials:
+        raise InputError(
+            f"suite {definition.suite.name} has no world from seed {definition.suite.seed} on",
+            key="--seed",
+        )
+    check_worlds(definition.suite, definition.overrides, definition.data)
+
+
+def read_definition(folder: Path, data: str | Path | None = None) -> Definition:
+    """The definition of the campaign in a folder.
+
+    Args:
+        folder: Of the campaign.
+        data: The folder with the data of other projects; None for the one that was used.
+
+    Raises:
+        RecordingError: There is none, or it cannot be read.
+    """
+    said = read_definition_file(folder)
+    try:
+        suite = parse_suite(said["suite"], None)
+        overrides = tuple(str(text) for text in said["overrides"])
+        version = str(said["version"])
+        named = None if said["data"] is None else str(said["data"])
+    except (KeyError, TypeError, ValueError, InputError) as error:
+        text = f"not a campaign of this version: {error}"
+        raise RecordingError(text, file=folder / FILE) from None
+    named = str(data) if data is not None else named
+    return Definition(suite, overrides, version, DataFolder.find(named), named)
+
+
+def read_definition_file(folder: Path) -> dict[str, Any]:
+    """The content of `campaign.json`.
+
+    Raises:
+        RecordingError: There is none, or it cannot be read.
+    """
+    file = folder / FILE
+    if not file.is_file():
+        raise RecordingError(f"expected the folder of a campaign; it has no {FILE}", file=folder)
+    try:
+        said = json.loads(file.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise RecordingError(f"cannot be read: {error.strerror}", file=file) from None
+    except (ValueError, RecursionError):
+        raise RecordingError("expected JSON", file=file) from None
+    if not isinstance(said, dict):
+        raise RecordingError("expected a mapping", file=file)
+    return said
+
+
+def difference(definition: Definition, other: Mapping[str, Any]) -> str | None:
+    """How a definition differs from the content of a `campaign.json`; None if it is the same.
+
+    Where the data lie is no difference.
+    """
+    if other.get("fingerprint") == definition.fingerprint:
+        return None
+    mine, theirs = definition.to_dict(), other
+    suite = with_current_names(theirs["suite"]) if isinstance(theirs.get("suite"), dict) else {}
+    name = suite.get("suite")
+    if name != definition.suite.name:
+        return f"holds a campaign of suite {name}, not {definition.suite.name}"
+    if theirs.get("version") != definition.version:
+        return f"was begun with version {theirs.get('version')}, this is {definition.version}"
+    if theirs.get("overrides") != mine["overrides"]:
+        said = " ".join(map(str, theirs.get("overrides") or ())) or "none"
+        return f"was begun with other overrides (--set): {said}"
+    all_keys = {**mine["suite"], **suite}
+    keys = [key for key in all_keys if mine["suite"].get(key) != suite.get(key)]
+    if not keys:  # begun when keys of suites had other names
+        return None
+    return f"was begun with other values in suite {name}: {', '.join(keys)}"
+
+
+def _changed(suite: Suite, seed: int | None, seeds: int | None) -> Suite:
+    for key, value, least, most in (
+        ("--seed", seed, 0, 2**63 - 1),
+        ("--seeds", seeds, 1, MOST_SEEDS),
+    ):
+        if value is not None and not least <= value <= most:
+            raise InputError(
+                f"expected a whole number from {least} to {most}, got {value}", key=key
+            )
+    if seeds is not None:
+        suite = replace(suite, worlds=tuple(replace(group, seeds=seeds) for group in suite.worlds))
+    return suite if seed is None else replace(suite, seed=seed)
+
+
+def _with_backend(suite: Suite, overrides: Sequence[str]) -> tuple[Suite, tuple[str, ...]]:
+    """The suite with the backend that the overrides name, and the other ones."""
+    rest = []
+    for text in overrides:
+        key, _, value = str(text).partition("=")
+        if key.strip() == _BACKEND and value.strip() in BACKENDS:
+            suite = replace(suite, backend="mujoco" if value.strip() == "mujoco" else "ideal")
+        else:
+            rest.append(str(text))
+    return suite, tuple(rest)
+
+
+def _with_variant(suite: Suite, overrides: Sequence[str]) -> tuple[Suite, tuple[str, ...]]:
+    """The suite with the variant and the method that the overrides name, and the other ones.
+
+    A method is named so only for individual goals; it is left to scenarios otherwise.
+    """
+    said: dict[str, Any] = {}
+    rest = []
+    methods = any(group.sampler.individual_goals for group in suite.worlds)
+    for text in overrides:
+        key, separator, value = str(text).partition("=")
+        word = key.strip()
+        if separator and (word == _VARIANT or (word == _METHOD and methods)):
+            said[word] = parse_yaml(value, key=f"--set {word}")
+        else:
+            rest.append(str(text))
+    if not said:
+        return suite, tuple(rest)
+    method, variant = said.get(_METHOD), said.get(_VARIANT)
+    groups = []
+    for group in suite.worlds:
+        names = group.variants
+        if group.sampler.individual_goals:
+            names = changed(names, method, variant)
+        elif variant is not None:
+            variant = current_value(_VARIANT, variant)
+            check_variant(str(variant), False, f"--set {_VARIANT}")
+            names = (str(variant),)
+        groups.append(replace(group, variants=names))
+    variants = tuple(dict.fromkeys(name for group in groups for name in group.variants))
+    return replace(suite, worlds=tuple(groups), variants=variants, references={}), tuple(rest)
+
+
+def _nearest(word: str, ids: Sequence[str]) -> list[str]:
+    # Comparing with tens of thousands would take long; those that begin alike come first.
+    alike = [one for one in ids if one.startswith(word[:4])] or list(ids)
+    return difflib.get_close_matches(word[:120], alike[:5000], n=3)

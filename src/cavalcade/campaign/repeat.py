@@ -1,0 +1,95 @@
+"""One trial of a finished campaign again, bit for bit, with everything to look at."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from cavalcade.campaign.definition import read_definition
+from cavalcade.campaign.store import LINES
+from cavalcade.campaign.trial import Line, without_times
+from cavalcade.campaign.trial_runner import run_trial_into
+from cavalcade.errors import InputError, OutputError
+
+if TYPE_CHECKING:
+    from cavalcade.jobs import JobResult
+
+
+@dataclass(frozen=True)
+class Repeated:
+    """A trial that was run again.
+
+    Attributes:
+        line: Its line, as the campaign would have kept it.
+        ran: The run or plan; None where the trial has none.
+        before: The campaign's line of it, None if it has none yet.
+        same: Whether the lines are the same but for times; None without one to compare with.
+        version: Of the package that the campaign was run with.
+    """
+
+    line: Line
+    ran: JobResult | None
+    before: Line | None
+    same: bool | None
+    version: str
+
+
+def repeat_trial(
+    folder: str | Path,
+    trial_id: str,
+    out: str | Path,
+    *,
+    data: str | Path | None = None,
+    force: bool = False,
+    quiet: bool = True,
+) -> Repeated:
+    """Run one trial of a campaign with recording, figures and replay.
+
+    Args:
+        folder: Of the campaign.
+        trial_id: As it stands in `trials.jsonl`.
+        out: The folder for the results, missing or empty.
+        data: The folder with the data of other projects, if not where the campaign had it.
+        force: Replace what `out` holds.
+        quiet: Print nothing.
+
+    Raises:
+        InputError: There is no such campaign or trial, or its data are not there.
+        OutputError: `out` cannot be written, or is the campaign's own folder.
+    """
+    definition = read_definition(Path(folder), data)
+    missing = definition.suite.missing(definition.data)
+    if missing is not None:
+        raise InputError(missing)
+    trial = definition.trial(trial_id)
+    if Path(out).resolve() == Path(folder).resolve():
+        raise OutputError(f"{out}: holds the campaign itself; name another folder")
+    before = _line_of(Path(folder) / LINES, trial_id)
+    line, ran = run_trial_into(trial, Path(out), force=force, quiet=quiet)
+    # Through JSON, as the campaign's went.
+    line = json.loads(json.dumps(line, allow_nan=False))
+    same = None if before is None else without_times(before) == without_times(line)
+    return Repeated(line, ran, before, same, definition.version)
+
+
+def _line_of(file: Path, trial_id: str) -> Line | None:
+    try:
+        with file.open(encoding="utf-8", errors="replace") as stream:
+            for text in stream:
+                if trial_id in text:
+                    line = _parsed(text)
+                    if line is not None and line.get("trial") == trial_id:
+                        return line
+    except OSError:
+        pass
+    return None
+
+
+def _parsed(text: str) -> Line | None:
+    try:
+        line = json.loads(text)
+    except ValueError:
+        return None
+    return line if isinstance(line, dict) and isinstance(line.get("summary"), dict) else None

@@ -1,0 +1,47 @@
+"""Seeded samplers of worlds with a team and its task, and whether the task can be done at all."""
+
+from typing import Annotated
+
+from pydantic import Field
+
+from cavalcade.campaign.samplers.barn import BarnSampler
+from cavalcade.campaign.samplers.boxes import BoxesSampler
+from cavalcade.campaign.samplers.crowd import CrowdSampler
+from cavalcade.campaign.samplers.data import DataFolder
+from cavalcade.campaign.samplers.events import EventsSampler
+from cavalcade.campaign.samplers.generated import GeneratedSampler
+from cavalcade.campaign.samplers.infeasible import InfeasibleSampler
+from cavalcade.campaign.samplers.maps import MapsSampler
+from cavalcade.campaign.samplers.pairs import PairsSampler
+from cavalcade.campaign.samplers.passing import PassingSampler
+from cavalcade.campaign.samplers.sampler import EXPECTED, SOLVED, Instance, Sampler
+from cavalcade.campaign.samplers.shipped import ShippedSampler
+from cavalcade.campaign.samplers.terrain import TerrainSampler
+from cavalcade.campaign.samplers.walk import WalkSampler
+
+SamplerSection = Annotated[
+    GeneratedSampler
+    | BarnSampler
+    | MapsSampler
+    | CrowdSampler
+    | EventsSampler
+    | ShippedSampler
+    | PairsSampler
+    | PassingSampler
+    | BoxesSampler
+    | TerrainSampler
+    | InfeasibleSampler
+    | WalkSampler,
+    Field(discriminator="sampler"),
+]
+"""What a group of a suite says of its worlds; `sampler` tells which it is."""
+
+
+def unplanned(sampler: Sampler) -> Sampler:
+    """The same, but for what takes a planner to sample: good enough to see whether values fit."""
+    if isinstance(sampler, PairsSampler):
+        return sampler.model_copy(update={"keep": "any"})
+    return sampler
+
+
+__all__ = ["EXPECTED", "SOLVED", "DataFolder", "Instance", "Sampler", "SamplerSection", "unplanned"]

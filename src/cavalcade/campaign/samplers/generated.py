@@ -1,0 +1,241 @@
+"""Worlds of the seeded generators, which a team crosses."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import Field, Strict, model_validator
+
+from cavalcade.campaign.samplers.data import DataFolder
+from cavalcade.campaign.samplers.feasibility import STEP, DiscRegions
+from cavalcade.campaign.samplers.sampler import (
+    Area,
+    Counts,
+    Instance,
+    Lengths,
+    Pose,
+    Sampler,
+    sample_count,
+    sample_length,
+)
+from cavalcade.campaign.samplers.teams import TeamSection, fits, placed, sample_pose, scenario_data
+from cavalcade.errors import InputError
+from cavalcade.geometry import Array
+from cavalcade.scenario.fields import (
+    Fraction,
+    Length,
+    NotNegative,
+    Positive,
+    Size,
+    expected,
+)
+from cavalcade.scenario.ground import KIND_OPTIONS
+from cavalcade.world import GeneratedWorld, OccupancyMap, generate
+
+Kind = Literal["clutter", "forest", "rooms", "corridor"]
+
+LEVELS: Mapping[Kind, str] = MappingProxyType(
+    {
+        "clutter": "obstacles",
+        "forest": "trees",
+        "rooms": "width of the doors, m",
+        "corridor": "width of the corridor, m",
+    }
+)
+"""What each kind's curve runs over."""
+
+_STEPS: Mapping[Kind, float] = MappingProxyType(
+    {"clutter": STEP, "forest": STEP, "rooms": STEP, "corridor": 0.04}
+)
+"""Distance of the nodes of the test for feasibility, m: distances to a corridor's long walls take
+time, and it is either wide enough or not."""
+
+_TAG = 1
+_ATTEMPTS = 50
+_ZONE = 2.8
+"""The generators' own width of the zones for start and goal, m."""
+
+_SIDE = 4.0
+"""The generator's own side of a room, m."""
+
+
+class GeneratedSampler(Sampler):
+    """A generator's first sample per seed; whether it can be crossed is found out, not enforced.
+
+    Where an option takes a range, each world has a value from it. A world that leaves the team
+    no place to stand is sampled again. The options are those of the kind, see
+    `cavalcade.world.generators`; null is the generator's default.
+
+    `poses: middle` starts and ends where the generator says, or nearby in the same zone where the
+    team does not fit; `anywhere` samples place and yaw in the zones or, of rooms, in any two rooms
+    that are at least `apart` doors from each other.
+    """
+
+    sampler: Literal["generated"]
+    kind: Kind
+    size: Size
+    team: TeamSection
+    poses: Literal["middle", "anywhere"] = "middle"
+    apart: Annotated[int, Strict(), Field(ge=1, le=20)] = 2
+    timeout: Positive = 180.0
+    obstacles: Counts | None = None
+    zone: NotNegative | None = None
+    trees: Counts | None = None
+    spacing: Lengths | None = None
+    room: Length | None = None
+    door: Lengths | None = None
+    wall: Length | None = None
+    extra: Fraction | None = None
+    width: Lengths | None = None
+    bends: Counts | None = None
+    angle: NotNegative | None = None
+
+    @model_validator(mode="after")
+    def _known_options(self) -> Self:
+        known = KIND_OPTIONS[self.kind]
+        every = sorted(set().union(*(KIND_OPTIONS[kind] for kind in LEVELS)))
+        for name in every:
+            if name not in known and getattr(self, name) is not None:
+                raise expected(f"a {self.kind} has no such option", key=name, choices=known)
+        return self
+
+    @property
+    def level_name(self) -> str | None:
+        """What the curve runs over."""
+        return LEVELS[self.kind]
+
+    def sample(self, seed: int, data: DataFolder) -> Instance:
+        """World number `seed`.
+
+        Raises:
+            InputError: The options allow no world, or none with room for the team.
+        """
+        rng = np.random.default_rng([seed, _TAG, list(LEVELS).index(self.kind)])
+        refused = InputError(f"no {self.kind} of that size has room for the team", key="team")
+        for attempt in range(_ATTEMPTS):
+            options = self._options(rng)
+            number = int(rng.integers(2**31)) if attempt else seed
+            try:
+                world = generate(self.kind, self.size, number, require_feasible=False, **options)
+            except InputError as error:
+                refused = error
+                continue
+            instance = self._placed(rng, world, options, seed)
+            if instance is not None:
+                return instance
+        raise refused
+
+    def _options(self, rng: np.random.Generator) -> dict[str, Any]:
+        """The generator's options, one value each."""
+        found: dict[str, Any] = {}
+        for name in KIND_OPTIONS[self.kind]:
+            value = getattr(self, name)
+            if isinstance(value, tuple):
+                whole = isinstance(value[0], int)
+                value = sample_count(rng, value) if whole else sample_length(rng, value)
+            if value is not None:
+                found[name] = value
+        return found
+
+    def _placed(
+        self,
+        rng: np.random.Generator,
+        world: GeneratedWorld,
+        options: Mapping[str, Any],
+        seed: int,
+    ) -> Instance | None:
+        """The world with the team in it; None if it does not fit."""
+        ground = DiscRegions(
+            OccupancyMap.empty(world.size, world.resolution), world.shapes, step=_STEPS[self.kind]
+        )
+        slots = self.team.places()
+        hints: tuple[Pose | None, Pose | None] = (None, None)
+        if self.poses == "middle":
+            hints = (world.start, world.goal)
+        areas = self._areas(rng)
+        poses = [
+            _pose(rng, ground, slots, area, hint) for area, hint in zip(areas, hints, strict=True)
+        ]
+        if poses[0] is None or poses[1] is None:
+            return None
+        start, goal = poses[0], poses[1]
+        source = {
+            "kind": world.kind,
+            "size": list(world.size),
+            "seed": world.seed,
+            "require_feasible": False,
+            **options,
+        }
+        name = f"{self.kind}-{seed}"
+        return Instance(
+            scenario_data(name, {"generate": source}, self.team, start, goal, self.timeout, seed),
+            ground.connect(placed(start, slots), placed(goal, slots)),
+            self._level(world, options),
+        )
+
+    def _areas(self, rng: np.random.Generator) -> tuple[Area, Area]:
+        """Where the team starts and ends, m."""
+        if self.kind != "rooms":
+            return _end_zones(self.size, _ZONE if self.zone is None else self.zone)
+        side = _SIDE if self.room is None else self.room
+        return _two_rooms(rng if self.poses == "anywhere" else None, self.size, side, self.apart)
+
+    def _level(self, world: GeneratedWorld, options: Mapping[str, Any]) -> float | None:
+        """Where the world lies on the curve."""
+        if self.kind in ("clutter", "forest"):
+            return float(len(world.shapes))
+        value = options.get("door" if self.kind == "rooms" else "width")
+        return None if value is None else float(value)
+
+
+def _pose(
+    rng: np.random.Generator, ground: DiscRegions, slots: Array, area: Area, hint: Pose | None
+) -> Pose | None:
+    """The pose that is hinted at if the team fits there, else one from the area."""
+    if hint is None:
+        return sample_pose(rng, ground, slots, area)
+    hint = (round(hint[0], 4), round(hint[1], 4), round(hint[2], 4))
+    if fits(ground, hint, slots, None):
+        return hint
+    return sample_pose(rng, ground, slots, area, hint[2])
+
+
+def _end_zones(size: tuple[float, float], zone: float) -> tuple[Area, Area]:
+    """The zones of that width on the left and on the right of a world."""
+    width, height = size
+    return (0.0, 0.0, zone, height), (width - zone, 0.0, width, height)
+
+
+def _two_rooms(
+    rng: np.random.Generator | None, size: tuple[float, float], side: float, apart: int
+) -> tuple[Area, Area]:
+    """Two rooms of the rooms generator.
+
+    Args:
+        rng: Draws any two; None takes the first and the last, lower left and upper right.
+        size: Width and height of the world, m.
+        side: Wanted side of a room, m; the generator fits it to the world.
+        apart: Doors between them at least.
+
+    Raises:
+        InputError: There are no two such rooms.
+    """
+    cols, rows = (max(1, round(length / side)) for length in size)
+    pairs = [
+        (a, b)
+        for a in range(rows * cols)
+        for b in range(rows * cols)
+        if abs(a // cols - b // cols) + abs(a % cols - b % cols) >= apart
+    ]
+    if not pairs:
+        raise InputError(f"there are no rooms {apart} doors apart", key="apart")
+    chosen = (0, rows * cols - 1) if rng is None else pairs[int(rng.integers(len(pairs)))]
+    x, y = size[0] / cols, size[1] / rows
+    first, last = (
+        (room % cols * x, room // cols * y, (room % cols + 1) * x, (room // cols + 1) * y)
+        for room in chosen
+    )
+    return first, last

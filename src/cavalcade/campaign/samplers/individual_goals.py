@@ -1,0 +1,171 @@
+"""What the samplers of robots with individual goals have in common."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from cavalcade.campaign.samplers.feasibility import DiscRegions
+from cavalcade.campaign.samplers.sampler import Area, Pose, Sampler
+from cavalcade.geometry import Array
+from cavalcade.robots import MODELS, RobotModel
+from cavalcade.scenario.fields import NotNegative
+from cavalcade.scenario.settings import Budget
+from cavalcade.world import OccupancyMap, Shape
+
+Legged = Literal["spirit", "go1", "go2"]
+Models = Annotated[tuple[Legged, ...], Field(min_length=1, max_length=64)]
+
+_GRAIN = 0.05
+"""Distance of the nodes of the test for feasibility, m; the gaps here are much wider."""
+
+
+class IndividualGoalsSampler(Sampler):
+    """Keys and answers that all of these samplers share; `budget` is the planner's."""
+
+    budget: Budget = Budget()
+
+    @property
+    def individual_goals(self) -> bool:
+        """Each robot has a goal of its own."""
+        return True
+
+    def scenario_of(
+        self, name: str, world: Mapping[str, Any], robots: Sequence[Robot], seed: int
+    ) -> dict[str, Any]:
+        """A scenario as its file says it."""
+        scenario: dict[str, Any] = {
+            "version": 1,
+            "name": name,
+            "world": dict(world),
+            "robots": [
+                {"model": robot.model, "start": list(robot.start), "goal": list(robot.goal)}
+                for robot in robots
+            ],
+            "task": {"goals": "individual"},
+            "execution": {"seed": seed},
+        }
+        budget = self.budget.model_dump(mode="json", exclude_none=True)
+        return scenario | {"planner": {"budget": budget}} if budget else scenario
+
+
+class TeamSampler(IndividualGoalsSampler):
+    """With teams that are set down at random; footprints keep `gap` m from each other.
+
+    From the border they keep `border` m, however they are turned.
+    """
+
+    models: Models = ("spirit",)
+    gap: NotNegative = 0.05
+    border: NotNegative = 0.01
+
+    def models_of(self, seed: int, robots: int) -> list[str]:
+        """The models in turn, by the seed and by the robot."""
+        return [self.models[(seed + k) % len(self.models)] for k in range(robots)]
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A robot's model, start and goal; poses x, y, yaw in m and rad, map frame."""
+
+    model: str
+    start: Pose
+    goal: Pose
+
+
+def bodies_meet(one: RobotModel, at: Array, other: RobotModel, there: Array) -> NDArray[np.bool_]:
+    """Whether the footprints of two robots overlap at poses `(K, 3)`: `(K,)`.
+
+    Rectangles are apart if and only if they are along a side of one of them.
+    """
+    return _separation(one, at, other, there) < 0.0
+
+
+def _separation(one: RobotModel, at: Array, other: RobotModel, there: Array) -> Array:
+    """The widest gap along the sides `(K,)`, negative where bodies overlap, m."""
+    off = there[:, :2] - at[:, :2]
+    turn = there[:, 2] - at[:, 2]
+    c, s = np.abs(np.cos(turn)), np.abs(np.sin(turn))
+    found = np.full(len(at), -np.inf)
+    for mine, his, yaw in ((one, other, at[:, 2]), (other, one, there[:, 2])):
+        along = np.abs(np.cos(yaw) * off[:, 0] + np.sin(yaw) * off[:, 1])
+        across = np.abs(np.cos(yaw) * off[:, 1] - np.sin(yaw) * off[:, 0])
+        along -= (mine.length + c * his.length + s * his.width) / 2.0
+        across -= (mine.width + s * his.length + c * his.width) / 2.0
+        found = np.maximum(found, np.maximum(along, across))
+    return found
+
+
+def keeps_apart(model: str, pose: Pose, others: Sequence[tuple[str, Pose]], gap: float) -> bool:
+    """Whether a footprint keeps at least `gap` m from all others, for certain."""
+    here = np.array([pose])
+    return all(
+        _separation(MODELS[model], here, MODELS[name], np.array([other]))[0] >= gap
+        for name, other in others
+    )
+
+
+def sample_team(
+    rng: np.random.Generator,
+    models: Sequence[str],
+    areas: Sequence[Area],
+    gap: float,
+    solids: Sequence[Shape] = (),
+    yaws: Sequence[float] | None = None,
+    tries: int = 300,
+    border: float = 0.01,
+) -> list[Pose] | None:
+    """A pose for each robot with the whole body in its area; None where none is found.
+
+    Args:
+        rng: Source of all randomness.
+        models: Of the robots.
+        areas: For each robot x_min, y_min, x_max, y_max, m; the body stays inside at any yaw.
+        gap: Between footprints at least, m; also to solids, at any yaw.
+        solids: What stands.
+        yaws: The robots' yaws, rad; None samples them.
+        tries: For each robot.
+        border: Kept free between the body at any yaw and the border of its area, m.
+    """
+    found: list[tuple[str, Pose]] = []
+    for k, (name, area) in enumerate(zip(models, areas, strict=True)):
+        reach = math.hypot(MODELS[name].length, MODELS[name].width) / 2.0 + border
+        for _ in range(tries):
+            x = rng.uniform(area[0] + reach, max(area[2] - reach, area[0] + reach))
+            y = rng.uniform(area[1] + reach, max(area[3] - reach, area[1] + reach))
+            yaw = rng.uniform(-math.pi, math.pi)
+            pose = rounded((x, y, yaw if yaws is None else yaws[k]))
+            free = all(
+                float(shape.distance(np.array([pose[:2]]))[0]) >= reach + gap for shape in solids
+            )
+            if free and keeps_apart(name, pose, found, gap):
+                found.append((name, pose))
+                break
+        else:
+            return None
+    return [pose for _, pose in found]
+
+
+def rounded(pose: Sequence[float]) -> Pose:
+    """The pose in tenths of a millimetre and of a milliradian."""
+    x, y, yaw = (round(float(value), 4) for value in pose)
+    return x, y, yaw
+
+
+def discs_pass(size: tuple[float, float], solids: Sequence[Shape], robots: Sequence[Robot]) -> bool:
+    """Whether a disc of half its body's width gets each robot from its start to its goal."""
+    regions: dict[float, DiscRegions] = {}
+    for robot in robots:
+        radius = MODELS[robot.model].width / 2.0
+        if radius not in regions:
+            base = OccupancyMap.empty(size)
+            regions[radius] = DiscRegions(base, solids, radius=radius, step=_GRAIN)
+        if not regions[radius].connect([robot.start[:2]], [robot.goal[:2]]):
+            return False
+    return True

@@ -1,0 +1,111 @@
+"""What every sampler gives, and what a campaign asks of it."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import AfterValidator, BeforeValidator, Field, Strict
+
+from cavalcade.campaign.samplers.data import DataFolder
+from cavalcade.scenario.fields import Length, Section, expected
+
+SOLVED, INFEASIBLE, UNSOLVED, REFUSED = "solved", "infeasible", "unsolved", "refused"
+
+EXPECTED: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {INFEASIBLE: ("infeasible",), UNSOLVED: ("infeasible", "budget"), REFUSED: ("refused",)}
+)
+"""With which outcomes a trial succeeds in worlds that are infeasible by construction: where that
+can be proven at once, where it cannot, and where the scenario is bad input."""
+
+Area = tuple[float, float, float, float]
+"""x_min, y_min, x_max, y_max in m."""
+
+Pose = tuple[float, float, float]
+"""x, y, yaw in m and rad, map frame."""
+
+
+@dataclass(frozen=True)
+class Instance:
+    """A world with a team and its task.
+
+    Attributes:
+        scenario: As a scenario file says it; file names are absolute. A planner section is that
+            of the file it came from; its variant gives way to the trial's.
+        feasible: A disc of 0.30 m radius gets from every start to every slot at the goal, see
+            `feasibility`; with individual goals a disc of half the body's width gets from each
+            start to its goal. The planner has no part in it.
+        level: Where it lies on the suite's curve, such as how many obstacles there are; None if
+            there is no curve.
+        expected: `SOLVED`, or a key of `EXPECTED` where the world is infeasible by construction.
+    """
+
+    scenario: dict[str, Any]
+    feasible: bool
+    level: float | None = None
+    expected: str = SOLVED
+
+
+class Sampler(Section, ABC):
+    """Samples instances by seed. Samplers are sections of a suite file."""
+
+    @property
+    def individual_goals(self) -> bool:
+        """Whether each robot has a goal of its own, instead of a formation's."""
+        return False
+
+    @property
+    def level_name(self) -> str | None:
+        """Name of the curve's axis, with its unit; None if there is no curve."""
+        return None
+
+    def limit(self, data: DataFolder) -> int | None:
+        """How many different worlds there are; None if there is no end of them."""
+        return None
+
+    def missing(self, data: DataFolder) -> str | None:
+        """What data are absent, in one line; None if all are there."""
+        return None
+
+    @abstractmethod
+    def sample(self, seed: int, data: DataFolder) -> Instance:
+        """Instance number `seed`, always the same.
+
+        Raises:
+            InputError: The section's values allow no world, or data are missing or malformed.
+        """
+
+
+def _pair(value: Any) -> Any:
+    """A single number as the range that holds nothing else."""
+    if isinstance(value, list | tuple):
+        if len(value) != 2:
+            raise expected("expected a number or [least, most]")
+        return value
+    return (value, value)
+
+
+def _rising(value: tuple[Any, Any]) -> tuple[Any, Any]:
+    if value[0] > value[1]:
+        raise expected("expected [least, most]")
+    return value
+
+
+Count = Annotated[int, Strict(), Field(ge=0, le=10_000)]
+Counts = Annotated[tuple[Count, Count], BeforeValidator(_pair), AfterValidator(_rising)]
+Lengths = Annotated[tuple[Length, Length], BeforeValidator(_pair), AfterValidator(_rising)]
+"""`Counts` and `Lengths` may be given as one number or as a range to sample from."""
+
+
+def sample_count(rng: np.random.Generator, bounds: tuple[int, int]) -> int:
+    """A whole number, both bounds included."""
+    return int(rng.integers(bounds[0], bounds[1] + 1))
+
+
+def sample_length(rng: np.random.Generator, bounds: tuple[float, float]) -> float:
+    """A length in whole millimetres, m."""
+    return round(float(rng.uniform(*bounds)), 3)

@@ -1,0 +1,189 @@
+"""One robot among others: the planner that coordinators call, one robot at a time."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from cavalcade.coordination.budget import Budget
+from cavalcade.coordination.problem import TeamProblem
+from cavalcade.coordination.solution import RobotPath
+from cavalcade.geometry import Array
+from cavalcade.lattice.collision import Margins, Others, move_free, place_free, pose_free
+from cavalcade.lattice.motion_limits import footprint
+from cavalcade.lattice.planner import (
+    MARGINS,
+    NOBODY,
+    TRACK_STEP,
+    SpaceTimePlanner,
+    TimedPath,
+    others_of,
+)
+from cavalcade.lattice.primitives import DURATION
+
+EFFORT = 20_000
+"""Expansions that one call may take; more are tried only where everything else has failed."""
+
+_CRAMPED = 50
+"""A search that ends within so few expansions was shut in: the margins are what is too large."""
+
+_LATE = 1e9
+"""When everybody stands for good, s."""
+
+
+class Span(NamedTuple):
+    """What a robot has to avoid: a track of another robot while it lasts.
+
+    Attributes:
+        robot: The other robot.
+        track: Its poses `(K, 3)` every `TRACK_STEP` s; it stands at the last for good.
+        begin, end: s.
+        scale: Of its body's length and width: a smaller one asks for less space than it needs.
+    """
+
+    robot: int
+    track: Array
+    begin: float = 0.0
+    end: float = math.inf
+    scale: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class RobotPlanner(ABC):
+    """Plans one robot of the team at a time.
+
+    Attributes:
+        problem: The team's.
+    """
+
+    problem: TeamProblem
+
+    @abstractmethod
+    def plan(
+        self, robot: int, spans: Sequence[Span], budget: Budget, effort: int = EFFORT
+    ) -> RobotPath | None:
+        """The cheapest path found that avoids all spans; None if there is none.
+
+        Args:
+            robot: Which one.
+            spans: What to avoid.
+            budget: What is used is taken from it.
+            effort: Iterations at most.
+        """
+
+    @abstractmethod
+    def delayed(
+        self, robot: int, spans: Sequence[Span], delay: float, budget: Budget
+    ) -> RobotPath | None:
+        """The same, standing at the start for `delay` s first."""
+
+    def standing(self, robot: int) -> Array:
+        """The track `(1, 3)` of a robot that stays at its start."""
+        return np.array(self.problem.starts[robot])[None]
+
+    def refusal(self, robot: int) -> str:
+        """A proof, found on the way, that the robot has no path even alone; else empty."""
+        return ""
+
+
+@dataclass(frozen=True, eq=False)
+class FlatPlanner(RobotPlanner):
+    """Robots of any kind on ground that is even, or walked on as if it were.
+
+    Attributes:
+        lattice: The search.
+    """
+
+    lattice: SpaceTimePlanner
+
+    def plan(
+        self, robot: int, spans: Sequence[Span], budget: Budget, effort: int = EFFORT
+    ) -> RobotPath | None:
+        """See `RobotPlanner`."""
+        others = others_among(self.problem, spans)
+        for margins in MARGINS:
+            if margins is not MARGINS[-1] and not self._keeps(robot, others, margins):
+                continue
+            before = budget.used
+            path = self._search(robot, others, margins, budget, effort)
+            if path is not None:
+                return RobotPath(path, self.lattice.cost(path))
+            if budget.spent or (margins is MARGINS[1] and budget.used - before > _CRAMPED):
+                break
+        return None
+
+    def delayed(
+        self, robot: int, spans: Sequence[Span], delay: float, budget: Budget
+    ) -> RobotPath | None:
+        """See `RobotPlanner`."""
+        others = others_among(self.problem, spans)
+        skip = round(delay / TRACK_STEP)
+        delay = skip * TRACK_STEP
+        scene = self.lattice.scene(self.problem.models[robot], others, MARGINS[-1])
+        stand = np.zeros(6)
+        stand[DURATION] = delay
+        if not move_free(scene, self.problem.starts[robot], stand, 0.0, True):
+            return None
+        later = _later(others, skip)
+        for margins in MARGINS:
+            path = self._search(robot, later, margins, budget, EFFORT)
+            if path is not None:
+                path = replace(path, moves=np.concatenate([stand[None], path.moves]))
+                return RobotPath(path, self.lattice.cost(path))
+        return None
+
+    def _keeps(self, robot: int, others: Others, margins: Margins) -> bool:
+        """Whether start and goal keep the margins: otherwise no search with them can end well."""
+        shape, grid = footprint(self.problem.models[robot]), self.lattice.grid
+        for pose, time in ((self.problem.starts[robot], 0.0), (self.problem.goals[robot], _LATE)):
+            if not pose_free(grid, shape, *pose, margins.ground):
+                return False
+            if not place_free(others, shape, pose, time, margins.others):
+                return False
+        return True
+
+    def _search(
+        self, robot: int, others: Others, margins: Margins, budget: Budget, effort: int
+    ) -> TimedPath | None:
+        problem = self.problem
+        path, _, expansions = self.lattice.plan(
+            problem.models[robot],
+            np.array(problem.starts[robot]),
+            np.array(problem.goals[robot]),
+            others,
+            budget.most(effort),
+            margins,
+        )
+        budget.spend(expansions)
+        return path
+
+
+def others_among(problem: TeamProblem, spans: Sequence[Span]) -> Others:
+    """What is to be avoided, as kernels take it."""
+    if not spans:
+        return NOBODY
+    models = [problem.models[span.robot] for span in spans]
+    rows = [(k, span.begin, span.end) for k, span in enumerate(spans)]
+    others = others_of([span.track for span in spans], models, rows)
+    others.shapes[:, :2] *= np.array([span.scale for span in spans])[:, None]
+    return others
+
+
+def spans_of(paths: Iterable[tuple[int, RobotPath]]) -> list[Span]:
+    """The whole paths of other robots, to be avoided from the start and for good."""
+    return [Span(robot, path.track) for robot, path in paths]
+
+
+def _later(others: Others, skip: int) -> Others:
+    """The others as seen by a clock that starts `skip` steps later."""
+    if not len(others.spans):
+        return others
+    first = min(skip, others.tracks.shape[1] - 1)
+    spans = others.spans.copy()
+    spans[:, 1:] -= skip * others.step
+    return others._replace(tracks=np.ascontiguousarray(others.tracks[:, first:]), spans=spans)

@@ -1,0 +1,282 @@
+"""Robots that walk: leg control and rigid-body physics behind the interface of every fleet."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cavalcade.errors import InputError
+from cavalcade.fleet.mujoco._postures import find_falls, planar_poses, planar_velocities
+from cavalcade.fleet.mujoco.ground import PhysicsGround
+from cavalcade.fleet.mujoco.leaping import APPROACH, Leapers
+from cavalcade.fleet.mujoco.sampling import Sampler, Samples
+from cavalcade.fleet.mujoco.sensing import Sensing, SensingErrors
+from cavalcade.fleet.mujoco.settings import PhysicsSettings
+from cavalcade.fleet.mujoco.simulator import TeamSimulator
+from cavalcade.fleet.protocol import Fall, LeapRequest, Observation
+from cavalcade.fleet.radio import CommandDelay, LocalisationNoise, Radio, start_poses
+from cavalcade.geometry import Array
+from cavalcade.lattice.ground import Ground
+from cavalcade.locomotion.control import LegControl
+from cavalcade.locomotion.settings import GaitSettings
+from cavalcade.robots.model import RobotModel
+from cavalcade.scenario import ObstacleSpan
+
+MOST_TILT = 1.0
+"""A robot whose trunk has rolled or pitched by more has fallen, rad."""
+
+LEAST_HEIGHT = 0.4
+"""A robot whose trunk is lower has fallen; of its standing height."""
+
+_CAUSES = ("", "tilt", "height")
+
+
+class MujocoFleet:
+    """Robots on legs that follow body velocities as well as they can.
+
+    Within `advance` leg control and physics take turns, 500 times a second. A robot that has got
+    no command for 0.5 s stops and stands. Poses are those of the trunk, seen from above.
+
+    Args:
+        models: One model per robot, each with a description.
+        poses: `(N, 3)` start poses x, y, yaw in the map frame, m and rad; the robots stand.
+        ground: What they walk on and run into; level without end by default.
+        footing: The same ground as legs' control knows it, and
+        origin: the pose of its grid in the map.
+        obstacles: Of `ground.movable`: where each of them is when, on the clock less its start.
+        physics: Of the simulated world.
+        noise: Errors of the reported poses.
+        delay: Delay and loss of messages.
+        sensing: Errors of the state that leg control works with.
+        gait: How they walk.
+        seed: Of the noise, the jitter and the losses.
+        time: The clock at the start, s.
+
+    Attributes:
+        simulator, control: What it is made of.
+
+    Raises:
+        InputError: MuJoCo is missing, a robot has no description, the numbers of models and poses
+            differ, or a pose is not finite.
+    """
+
+    def __init__(
+        self,
+        models: Sequence[RobotModel],
+        poses: ArrayLike,
+        *,
+        ground: PhysicsGround | None = None,
+        footing: Ground | None = None,
+        origin: Sequence[float] = (0.0, 0.0, 0.0),
+        obstacles: Sequence[ObstacleSpan] = (),
+        physics: PhysicsSettings | None = None,
+        noise: LocalisationNoise | None = None,
+        delay: CommandDelay | None = None,
+        sensing: SensingErrors | None = None,
+        gait: GaitSettings | None = None,
+        seed: int = 0,
+        time: float = 0.0,
+    ) -> None:
+        start = start_poses(poses, len(models))
+        self.simulator = TeamSimulator(models, start, ground, physics)
+        self.control = LegControl(models, footing, origin, gait)
+        self._step = self.simulator.settings.step
+        errors = sensing or SensingErrors()
+        self._sensing = None if errors.none else Sensing(errors, self._step, seed)
+        self._start = self._time = float(time)
+        self._steps = 0
+        standing = [robot.stand_height for robot in self.simulator.descriptions]
+        self._lowest = LEAST_HEIGHT * np.array(standing)
+        self._obstacles = tuple(obstacles)
+        self._places: list[tuple[float, float] | None] = [None] * len(self._obstacles)
+        self._place_obstacles(0.0)
+        self._falls: dict[int, Fall] = {}
+        self._judged = 0
+        self._sampler = Sampler(self.simulator, self._time)
+        # One time per robot; leg control takes that as well as one for all.
+        self._heard: Any = np.full(len(models), self._time)
+        self._radio = Radio(self.true_poses(), self._time, noise, delay, seed)
+        self.control.begin(self._time, self.simulator.qpos)
+        terrain = self.simulator.ground.terrain
+        fronts = [robot.joint_offsets[0, 0, 0] for robot in self.simulator.descriptions]
+        heights = None if terrain is None else terrain.heights_at
+        self._leapers = Leapers(self.control, np.array(fronts), heights)
+        self._judge()
+        self._compile(LegControl(models, footing, origin, gait))
+
+    @property
+    def size(self) -> int:
+        """Number of robots."""
+        return self.simulator.size
+
+    @property
+    def time(self) -> float:
+        """The fleet's clock, s; physics is at most half a step of its own off."""
+        return self._time
+
+    @property
+    def falls(self) -> tuple[Fall, ...]:
+        """The first fall of each robot that fell, in order of time."""
+        return tuple(self._falls.values())
+
+    def observe(self) -> Observation:
+        """The newest pose report of every robot and when it was measured."""
+        return self._radio.observation(self._time)
+
+    def true_poses(self) -> Array:
+        """`(N, 3)` true poses of the trunks now, seen from above."""
+        return planar_poses(self.simulator.qpos)
+
+    def true_velocities(self) -> Array:
+        """`(N, 3)` true velocities of the trunks now, map frame: m/s, m/s, rad/s."""
+        return planar_velocities(self.simulator.qpos, self.simulator.qvel)
+
+    @property
+    def approach(self) -> float:
+        """How long before a take-off, in planned time, robots are to be handed over, s."""
+        return APPROACH
+
+    @property
+    def leaping(self) -> NDArray[np.bool_]:
+        """`(N,)` which robots were handed over and have not been given back."""
+        return self._leapers.leaping
+
+    @property
+    def leap_failed(self) -> NDArray[np.bool_]:
+        """Whether the last leap of each robot `(N,)` failed."""
+        return self._leapers.failed.copy()
+
+    def leap(self, robot: int, request: LeapRequest) -> None:
+        """Take a robot over: it walks to where it can leap from, leaps, and stands.
+
+        Raises:
+            InputError: No such robot, or one that is leaping.
+        """
+        self._leapers.take(robot, request)
+
+    def samples(self) -> Samples:
+        """What happened to bodies, joints and feet so far, 50 times a second."""
+        return self._sampler.samples()
+
+    def send(self, commands: ArrayLike) -> None:
+        """Command body-frame velocities `(N, 3)`: m/s, m/s, rad/s. They hold for 0.5 s.
+
+        Raises:
+            InputError: Another shape, or a value that is not finite; nothing is sent then.
+        """
+        self._hear(self._radio.send(commands, self._time), self._time)
+
+    def advance(self, dt: float) -> None:
+        """Let `dt` seconds pass; every robot that answers then reports its pose.
+
+        Raises:
+            InputError: `dt` is not positive and finite, or physics has become unstable.
+        """
+        if not (math.isfinite(dt) and dt > 0.0):
+            raise InputError("expected a positive time step", key="dt")
+        self._time += dt
+        until = round((self._time - self._start) / self._step)
+        simulator, control, sampler = self.simulator, self.control, self._sampler
+        sensing, radio = self._sensing, self._radio
+        while self._steps < until:
+            now = self._start + self._steps * self._step
+            if radio.busy:
+                self._hear(radio.deliver(now), now)
+            state = simulator.qpos, simulator.qvel, simulator.foot_forces
+            if sensing is not None:
+                state = sensing.measured(state)
+            if self._obstacles:
+                self._place_obstacles(self._steps * self._step)
+            if self._leapers.due(now):
+                self._steer(now, state[0])
+            simulator.step(control.step(now, *state))
+            self._steps += 1
+            if sampler.step():
+                self._judge()
+        radio.report(self.true_poses(), self._time)
+
+    def push(self, robot: int, force: ArrayLike, duration: float) -> None:
+        """Push a trunk with the force `(3,)`, map frame, N, for so many seconds from now on."""
+        self.simulator.push(robot, force, duration)
+
+    def silence(self, robot: int) -> None:
+        """The robot stops answering: no more reports; it stops and stands."""
+        self._radio.silence(robot)
+        self._stop(robot)
+
+    def revive(self, robot: int) -> None:
+        """The robot answers and listens again, from where it stands."""
+        self._radio.revive(robot)
+
+    def disable(self, robot: int) -> None:
+        """The robot stops, stands and ignores commands, but can still be located."""
+        self._radio.disable(robot)
+        self._stop(robot)
+
+    def enable(self, robot: int) -> None:
+        """The robot listens to commands again."""
+        self._radio.enable(robot)
+
+    def state_bytes(self) -> bytes:
+        """The state of physics to the last bit, to compare runs."""
+        return self.simulator.state_bytes()
+
+    def _compile(self, control: LegControl) -> None:
+        """Let kernels be compiled before anybody's clock runs; `control` is used up."""
+        simulator = self.simulator
+        control.begin(self._time, simulator.qpos)
+        control.step(self._time, simulator.qpos, simulator.qvel, simulator.foot_forces)
+
+    def _stop(self, robot: int) -> None:
+        reached = np.zeros(self.size, dtype=bool)
+        reached[robot] = True
+        self._hear(reached, self._time)
+
+    def _hear(self, reached: NDArray[np.bool_], now: float) -> None:
+        """Hand over what robots `reached` `(N,)` were told; the others' last command ages."""
+        if reached.any():
+            self._heard[reached] = now
+            self.control.command(self._leapers.overrule(self._radio.commands), self._heard)
+
+    def _steer(self, now: float, qpos: Array) -> None:
+        """Command those robots that were handed over to leap."""
+        self._heard[self._leapers.steer(now, qpos)] = now
+        self.control.command(self._leapers.overrule(self._radio.commands), self._heard)
+
+    def _place_obstacles(self, time: float) -> None:
+        """Move those obstacles that are elsewhere, or away, by `time` s."""
+        for number, span in enumerate(self._obstacles):
+            there = span.start <= time + 1e-9 and time + 1e-9 < span.end
+            place = span.offset_at(time) if there else None
+            if place != self._places[number]:
+                self._places[number] = place
+                self.simulator.place_obstacle(number, place)
+
+    def _judge(self) -> None:
+        """Look for falls in the newest sample.
+
+        Raises:
+            InputError: Physics has become unstable: what it shows is no motion of robots.
+        """
+        trouble = self.simulator.trouble
+        if trouble is not None:
+            raise InputError(
+                f"MuJoCo became unstable ({trouble}) by {self._sampler.time:.2f} s; expected "
+                "gentler pushes and obstacles, or another model",
+                key="physics",
+            )
+        qpos = self._sampler.qpos
+        below = self.simulator.ground.heights_at(qpos[:, :2])
+        found = find_falls(qpos, below, self._lowest, MOST_TILT)
+        causes = {int(robot): _CAUSES[found[robot]] for robot in found.nonzero()[0]}
+        for contact in self._sampler.contacts[self._judged :]:
+            if contact.part == "trunk" and contact.other == "ground":
+                causes.setdefault(contact.robot, "trunk")
+        self._judged = len(self._sampler.contacts)
+        for robot, cause in sorted(causes.items()):
+            if robot not in self._falls:
+                self._falls[robot] = Fall(self._sampler.time, robot, cause)

@@ -1,0 +1,177 @@
+"""A user's own MuJoCo model as a robot."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cavalcade.fleet.mujoco.engine import load_mujoco
+from cavalcade.fleet.mujoco.own_model import AXES, OwnModel, links_of, read_own_model, zero_state
+from cavalcade.robots.description import (
+    BodyShape,
+    JointDescription,
+    LegDescription,
+    PartName,
+    QuadrupedDescription,
+    ShapeKind,
+)
+from cavalcade.robots.inertial import Inertial, Vector, combined
+from cavalcade.robots.model import RobotModel
+
+_BENT = 0.61
+"""Height of a standing hip over the foot's centre, of the leg's length; as Go1 stands."""
+
+_PARTS: tuple[PartName, ...] = ("trunk", "hip", "thigh", "calf")
+
+
+def own_robot(file: str | Path, like: RobotModel) -> RobotModel:
+    """The robot of a MuJoCo model; see `cavalcade.fleet.mujoco.own_model` for what it must be.
+
+    Masses, joints, torques and shapes are those of the file. It says nothing of the speed of
+    motors, which is not limited therefore.
+
+    Args:
+        file: MJCF.
+        like: Whose footprint, speeds and parameters for planning it gets.
+
+    Raises:
+        InputError: MuJoCo is missing, the file cannot be read, or it is no such quadruped.
+    """
+    description = describe(read_own_model(file), Path(file))
+    return replace(like, name=description.name, source=str(file), description=description)
+
+
+def describe(own: OwnModel, file: Path) -> QuadrupedDescription:
+    """The description of a user's model."""
+    model, data = own.model, zero_state(own.model)
+    links = links_of(model, own.joints)
+    bodies = _inertials(model, data, links)
+    places = [np.zeros(3), *(data.xanchor[model.joint(name).id] for name in own.joints)]
+    legs = []
+    for leg in range(4):
+        joints = []
+        for part in range(3):
+            number = 3 * leg + part
+            parent = 0 if part == 0 else number
+            offset = _vector(places[1 + number] - places[parent])
+            joints.append(_joint(own, number, offset))
+        first = 1 + 3 * leg
+        foot = data.geom_xpos[model.geom(own.feet[leg]).id] - places[first + 2]
+        legs.append(
+            LegDescription(
+                (joints[0], joints[1], joints[2]),
+                (bodies[first], bodies[first + 1], bodies[first + 2]),
+                _vector(foot),
+            )
+        )
+    radius = float(model.geom(own.feet[0]).size[0])
+    hip, thigh, calf = legs[0].joints
+    length = math.hypot(*calf.offset[::2]) + math.hypot(*legs[0].foot[::2])
+    looks, solids = _shapes(own, data, links, places)
+    return QuadrupedDescription(
+        name=file.stem,
+        trunk=bodies[0],
+        legs=(legs[0], legs[1], legs[2], legs[3]),
+        foot_radius=radius,
+        stand_height=_BENT * length + radius - hip.offset[2] - thigh.offset[2],
+        looks=looks,
+        solids=solids,
+        source=str(file),
+        file=str(file),
+    )
+
+
+def _joint(own: OwnModel, number: int, offset: Vector) -> JointDescription:
+    joint = own.model.joint(own.joints[number])
+    torque = own.torques[number]
+    lower, upper = (float(value) for value in joint.range)
+    dof = int(joint.dofadr[0])
+    return JointDescription(
+        offset,
+        AXES[number % 3],
+        lower,
+        upper,
+        torque,
+        math.inf,
+        damping=float(np.ravel(own.model.dof_damping[dof])[0]),
+        friction=float(own.model.dof_frictionloss[dof]),
+        armature=float(own.model.dof_armature[dof]),
+        stall_torque=torque,
+        no_load_speed=math.inf,
+    )
+
+
+def _inertials(model: Any, data: Any, links: dict[int, int]) -> list[Inertial]:
+    """Of the trunk and the links, each with all bodies that are fixed to it, in its frame."""
+    pieces: list[list[Inertial]] = [[] for _ in links]
+    for body in range(1, model.nbody):
+        link = links[int(model.body_weldid[body])]
+        mass = float(model.body_mass[body])
+        if mass <= 0.0:
+            continue
+        turn = data.ximat[body].reshape(3, 3)
+        i = turn @ np.diag(model.body_inertia[body]) @ turn.T
+        moments = (i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2])
+        xx, yy, zz, xy, xz, yz = (float(value) for value in moments)
+        place = _vector(data.xipos[body] - _origin(model, data, link, links))
+        pieces[link].append(Inertial(mass, place, (xx, yy, zz, xy, xz, yz)))
+    return [combined(part) for part in pieces]
+
+
+def _origin(model: Any, data: Any, link: int, links: dict[int, int]) -> Any:
+    """Where a link's joint is; the trunk's own origin."""
+    if link == 0:
+        return np.zeros(3)
+    body = next(body for body, index in links.items() if index == link)
+    return data.xanchor[int(model.body_jntadr[body])]
+
+
+def _shapes(
+    own: OwnModel, data: Any, links: dict[int, int], places: list[Any]
+) -> tuple[tuple[BodyShape, ...], tuple[BodyShape, ...]]:
+    """What the robot looks like and what of it touches; meshes as the boxes around them."""
+    mujoco = load_mujoco()
+    model = own.model
+    named: dict[int, ShapeKind] = {
+        int(mujoco.mjtGeom.mjGEOM_SPHERE): "sphere",
+        int(mujoco.mjtGeom.mjGEOM_CAPSULE): "capsule",
+        int(mujoco.mjtGeom.mjGEOM_CYLINDER): "cylinder",
+    }
+    looks, solids = [], []
+    for geom in range(model.ngeom):
+        link = links[int(model.body_weldid[model.geom_bodyid[geom]])]
+        foot = str(model.geom(geom).name) in own.feet
+        kind = named.get(int(model.geom_type[geom]), "box")
+        place, size = data.geom_xpos[geom] - places[link], model.geom_size[geom]
+        if kind == "box":
+            turn = data.geom_xmat[geom].reshape(3, 3)
+            place = place + turn @ model.geom_aabb[geom, :3]
+            size = model.geom_aabb[geom, 3:]
+        rotation = np.zeros(4)
+        mujoco.mju_mat2Quat(rotation, data.geom_xmat[geom])
+        w, x, y, z = (float(value) for value in rotation)
+        shape = BodyShape(
+            "foot" if foot else _PARTS[0 if link == 0 else 1 + (link - 1) % 3],
+            -1 if link == 0 else (link - 1) // 3,
+            kind,
+            _vector(size),
+            _vector(place),
+            (w, x, y, z),
+            _vector(model.geom_rgba[geom, :3]),
+        )
+        touches = model.geom_contype[geom] or model.geom_conaffinity[geom]
+        if touches:
+            solids.append(shape)
+        # By MuJoCo's custom geoms of groups 3 to 5 are not drawn.
+        if model.geom_group[geom] < 3:
+            looks.append(shape)
+    return tuple(looks or solids), tuple(solids)
+
+
+def _vector(values: Any) -> Vector:
+    x, y, z = (float(value) for value in values)
+    return x, y, z

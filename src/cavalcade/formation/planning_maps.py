@@ -1,0 +1,177 @@
+"""The planner's view of the world: distances, velocity maps, what is connected with what.
+
+Everything here is in the grid's own frame: x, y in m from the lower-left corner of cell [0, 0].
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from cavalcade.eikonal import TravelGrid, surface_distance, velocity_map
+from cavalcade.formation._placement import FreeSpace, fitting_shift, values_at
+from cavalcade.formation.settings import FormationSettings
+from cavalcade.geometry import Array, transform_points
+
+
+class PlanningMaps:
+    """Maps of one state of the world.
+
+    Args:
+        occupied: `(rows, cols)` cells with obstacles.
+        cell: Cell size, m.
+        settings: Inflation and safe distances.
+        radius: Inflation radius, m; the settings' unless a path needs less.
+
+    Attributes:
+        distance: `(rows, cols)` from each cell's centre to the nearest obstacle's surface, m.
+        speed_b: `(rows, cols)` the paper's W_B.
+        leader, follower: W_A and W_B, prepared for marching.
+    """
+
+    def __init__(
+        self,
+        occupied: NDArray[np.bool_],
+        cell: float,
+        settings: FormationSettings,
+        radius: float | None = None,
+        distance: Array | None = None,
+    ) -> None:
+        self.occupied = occupied
+        self.cell = cell
+        self.settings = settings
+        self.radius = settings.r_max if radius is None else radius
+        self.distance = surface_distance(occupied, cell) if distance is None else distance
+        self.speed_b = velocity_map(self.distance, self.radius, settings.d_safe_b)
+        self.leader = TravelGrid(velocity_map(self.distance, self.radius, settings.d_safe_a), cell)
+        self.follower = TravelGrid(self.speed_b, cell, beside=self.leader)
+        self._labels: NDArray[np.int32] | None = None
+
+    def tightened(self, radius: float) -> PlanningMaps:
+        """The same world for robots inflated by another radius."""
+        # Distances that were renewed piecewise are cut off where the maps saturate.
+        known = self.distance if radius <= self.radius else None
+        return PlanningMaps(self.occupied, self.cell, self.settings, radius, known)
+
+    def changed(self, occupied: NDArray[np.bool_]) -> PlanningMaps:
+        """The maps after some cells changed; distances are renewed only near the change."""
+        rows, cols = np.nonzero(occupied != self.occupied)
+        if len(rows) == 0:
+            return self
+        # Beyond this distance from a change, the saturated maps stay as they are.
+        safe = max(self.settings.d_safe_a, self.settings.d_safe_b)
+        reach = int(np.ceil((self.radius + safe) / self.cell)) + 2
+        height, width = occupied.shape
+        top, left = max(rows.min() - reach, 0), max(cols.min() - reach, 0)
+        bottom, right = min(rows.max() + reach + 1, height), min(cols.max() + reach + 1, width)
+        if (bottom - top) * (right - left) > 0.5 * occupied.size:
+            return PlanningMaps(occupied, self.cell, self.settings, self.radius)
+        t, lf = max(top - reach, 0), max(left - reach, 0)
+        b, rt = min(bottom + reach, height), min(right + reach, width)
+        window = surface_distance(occupied[t:b, lf:rt], self.cell, border=False)
+        # Where the window ends inside the map nothing is known beyond it, but that is far away.
+        distance = self.distance.copy()
+        inner = window[top - t : bottom - t, left - lf : right - lf]
+        far = (reach - 1) * self.cell
+        distance[top:bottom, left:right] = np.minimum(
+            np.minimum(inner, self._border(top, bottom, left, right)), far
+        )
+        return PlanningMaps(occupied, self.cell, self.settings, self.radius, distance)
+
+    def _border(self, top: int, bottom: int, left: int, right: int) -> Array:
+        """Distance to the map's border of the cells of a window."""
+        rows, cols = self.occupied.shape
+        r = np.arange(top, bottom) + 0.5
+        c = np.arange(left, right) + 0.5
+        return self.cell * np.minimum(
+            np.minimum(r, rows - r)[:, None], np.minimum(c, cols - c)[None, :]
+        )
+
+    def clearance(self, points: Array) -> Array:
+        """Distance `(N,)` from points `(N, 2)` to the nearest obstacle: that of their cells; m."""
+        rows, cols = self._cells(points)
+        return self.distance[rows, cols]
+
+    def speed_at(self, points: Array) -> Array:
+        """W_B `(N,)` in the cells of points `(N, 2)`; 0 off the map."""
+        return values_at(self.speed_b, np.ascontiguousarray(points), self.cell)
+
+    def distance_at(self, point: Array) -> float:
+        """Distance from the cell of a point `(2,)` to the nearest obstacle, m; 0 off the map."""
+        return float(values_at(self.distance, np.ascontiguousarray(point)[None], self.cell)[0])
+
+    def component(self, point: Array) -> int:
+        """Number of the connected free region a point stands in or next to; 0 if in none."""
+        labels = self.regions()
+        rows, cols = self._cells(np.asarray(point)[None])
+        here = int(labels[rows[0], cols[0]])
+        if here == 0:
+            near = self.follower.nearest_free(point, reach=2.0 * self.settings.d_safe_b)
+            if near is not None:
+                rows, cols = self._cells(near[None])
+                here = int(labels[rows[0], cols[0]])
+        return here
+
+    def with_bodies(self, poses: Array, length: float, width: float) -> PlanningMaps:
+        """The maps with standing robots as obstacles to go around.
+
+        Args:
+            poses: `(K, 3)` x, y, yaw.
+            length, width: Of their footprints, m.
+        """
+        occupied = self.occupied.copy()
+        step = 0.5 * self.cell
+        along = np.arange(-length / 2, length / 2 + step, step)
+        across = np.arange(-width / 2, width / 2 + step, step)
+        body = np.stack(np.meshgrid(along, across), axis=-1).reshape(-1, 2)
+        for pose in poses:
+            index = np.floor(transform_points(pose, body) / self.cell).astype(int)
+            inside = ((index >= 0) & (index < (occupied.shape[1], occupied.shape[0]))).all(axis=1)
+            occupied[index[inside, 1], index[inside, 0]] = True
+        return self.changed(occupied)
+
+    def placement(
+        self, slots: Array, region: int | None, reach: float, body: Array, needed: float
+    ) -> Array | None:
+        """The smallest shift `(2,)` with which every slot takes a robot, in one free region.
+
+        Args:
+            slots: `(N, 2)` wanted places, m.
+            region: Number of the region; None for any.
+            reach: Largest shift, m.
+            body: `(K, 2)` centres of discs that cover a robot, from its centre, turned to the
+                goal's heading, m.
+            needed: Clearance of these centres, m.
+
+        Returns:
+            The shift in m, zero if the slots fit as they are, or None if none fits.
+        """
+        space = FreeSpace(self.regions(), self.distance, self.cell)
+        bodies = slots[:, None] + body[None]
+        wanted = -1 if region is None else region
+
+        def first_fit(shifts: Array) -> Array | None:
+            found = fitting_shift(shifts, slots, bodies, wanted, needed, space)
+            return None if found < 0 else np.asarray(shifts[found])
+
+        unmoved = first_fit(np.zeros((1, 2)))
+        if unmoved is not None or reach < self.cell:
+            return unmoved
+        span = int(np.ceil(reach / self.cell))
+        steps = np.arange(-span, span + 1) * self.cell
+        shifts = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
+        length = np.hypot(shifts[:, 0], shifts[:, 1])
+        shifts, length = shifts[length <= reach], length[length <= reach]
+        return first_fit(shifts[np.argsort(length, kind="stable")])
+
+    def regions(self) -> NDArray[np.int32]:
+        """Numbers `(rows, cols)` of the connected free regions, 0 where there is none."""
+        if self._labels is None:
+            self._labels = ndimage.label(self.speed_b > 0.0)[0]
+        return self._labels
+
+    def _cells(self, points: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        index = np.floor(np.asarray(points) / self.cell).astype(np.int64)
+        rows, cols = self.occupied.shape
+        return np.clip(index[:, 1], 0, rows - 1), np.clip(index[:, 0], 0, cols - 1)

@@ -1,0 +1,15 @@
+from .control import LegControl as LegControl
+from .footholds import leg_lengths as leg_lengths
+from .footholds import longest_leg as longest_leg
+from .footholds import plan_footholds as plan_footholds
+from .gait import FRONT_LEFT as FRONT_LEFT
+from .gait import FRONT_RIGHT as FRONT_RIGHT
+from .gait import REAR_LEFT as REAR_LEFT
+from .gait import REAR_RIGHT as REAR_RIGHT
+from .gait import stances as stances
+from .leap import LeapManoeuvre as LeapManoeuvre
+from .leap import LeapSettings as LeapSettings
+from .mpc import MpcProblem as MpcProblem
+from .mpc import MpcSolution as MpcSolution
+from .mpc import solve_mpc as solve_mpc
+from .settings import GaitSettings as GaitSettings
