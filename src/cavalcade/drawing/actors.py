@@ -101,16 +101,19 @@ def draw_team_goal(axes: Axes, goal: Array) -> None:
 def draw_heading(axes: Axes, pose: Array, length: float = 0.55) -> None:
     """A small arrow for a goal's place and heading."""
     tip = transform_points(pose, [(length, 0.0)])[0]
-    draw_arrow(axes, pose[:2], tip, style.GREY, "-|>,head_length=0.22,head_width=0.11", 3)
+    draw_arrow(axes, pose, tip, style.GREY, "-|>,head_length=0.22,head_width=0.11", 3)
 
 
 def draw_arrow(
     axes: Axes, start: Array, tip: Array, color: str, head: str = "-|>", zorder: float = 1.35
 ) -> None:
-    """A thin arrow between two places."""
-    arrow = {"arrowstyle": head, "color": color, "linewidth": 0.6, "shrinkA": 0, "shrinkB": 0}
-    axes.annotate("", xy=tuple(tip), xytext=tuple(start), arrowprops=arrow, annotation_clip=True,
-                  zorder=zorder)  # fmt: skip
+    """A thin arrow between two places, as far as it lies on the map."""
+    from matplotlib.patches import FancyArrowPatch
+
+    look: Any = {"arrowstyle": head, "color": color, "linewidth": 0.6, "mutation_scale": 8.0}
+    arrow = FancyArrowPatch(tuple(start[:2]), tuple(tip), shrinkA=0, shrinkB=0, **look)
+    arrow.set_zorder(zorder)
+    axes.add_patch(arrow)
 
 
 def label_places(poses: Array, models: Sequence[RobotModel], view: Array, gap: float) -> Array:

@@ -32,7 +32,7 @@ def obstacle_distances(scene: Scene, world: World) -> Array:
         if there.any():
             offset = track.offset_at(scene.time[there])[:, None, :]
             moved = (scene.poses[there][..., :2] - offset).reshape(-1, 2)
-            away = np.asarray(track.shape.distance(moved)).reshape(-1, robots)
+            away = np.asarray(track.solid.distance(moved)).reshape(-1, robots)
             result[there] = np.minimum(result[there], away)
     return result
 
@@ -77,7 +77,7 @@ def _border_distance(grid: OccupancyMap, points: Array) -> Array:
     return np.asarray(inside.min(axis=1))
 
 
-def _cell_distance(grid: OccupancyMap, points: Array, neighbours: int = 16) -> Array:
+def _cell_distance(grid: OccupancyMap, points: Array) -> Array:
     """Distance `(K,)` in m to the nearest occupied cell as a square; 0.0 inside."""
     from scipy.ndimage import binary_erosion
     from scipy.spatial import cKDTree
@@ -89,7 +89,7 @@ def _cell_distance(grid: OccupancyMap, points: Array, neighbours: int = 16) -> A
     rim = cells & ~binary_erosion(cells, border_value=1)
     local = grid.to_local(points)
     centres = (np.argwhere(rim if rim.any() else cells)[:, ::-1] + 0.5) * grid.resolution
-    count = min(neighbours, len(centres))
+    count = min(16, len(centres))
     _, index = cKDTree(centres).query(local, k=count)
     gap = np.abs(centres[np.asarray(index).reshape(len(points), count)] - local[:, None, :])
     gap = np.maximum(gap - grid.resolution / 2.0, 0.0)

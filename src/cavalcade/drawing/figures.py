@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 from cavalcade.drawing.formation.arrival_field import draw_arrival_field
 from cavalcade.drawing.formation.over_time import draw_obstacle_distance, draw_pair_distance
 from cavalcade.drawing.formation.sequence import draw_sequence
-from cavalcade.drawing.physics.gait import draw_gait
-from cavalcade.drawing.physics.legs import draw_legs
+from cavalcade.drawing.physics.legs import draw_gait, draw_legs
 from cavalcade.drawing.physics.signals import descriptions_of
 from cavalcade.drawing.plans.footholds import draw_footholds
 from cavalcade.drawing.plans.profile import draw_profile

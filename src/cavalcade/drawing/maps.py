@@ -9,9 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.drawing import style
-from cavalcade.drawing.scene import Arena, Track
+from cavalcade.drawing.outlines import shape_ring
+from cavalcade.drawing.scene import Arena
 from cavalcade.geometry import Array
 from cavalcade.locomotion.footholds import LEAST_TRAVERSABILITY
+from cavalcade.recording.frames import ObstacleTrack
 from cavalcade.world import Terrain
 
 if TYPE_CHECKING:
@@ -143,24 +145,24 @@ def _fill_rings(axes: Axes, rings: Iterable[Array], **options: Any) -> None:
         axes.add_patch(PathPatch(Path.make_compound_path(*paths), **options))
 
 
-def draw_tracks(axes: Axes, tracks: Iterable[Track], time: float) -> None:
+def draw_tracks(axes: Axes, tracks: Iterable[ObstacleTrack], time: float) -> None:
     """Obstacles of events as they stand at that time, with the way they came."""
     for track in tracks:
         if not track.start <= time < track.end:
             continue
-        offset = track.offset_at(time)
+        ring, offset = shape_ring(track.solid), track.offset_at(time)
         add_polygon(
             axes,
-            track.ring + offset,
+            ring + offset,
             facecolor="#d9b8a5",
             edgecolor=style.MOVER,
             linewidth=0.6,
             hatch="//////",
             zorder=1.15,
         )
-        travelled = track.ring.mean(axis=0) + track.offset[track.time <= time]
+        travelled = track.offset[track.time <= time]
         if len(travelled) > 1:
-            way = np.vstack([travelled, track.ring.mean(axis=0) + offset])
+            way = ring.mean(axis=0) + np.vstack([travelled, offset])
             axes.plot(*way.T, color=style.MOVER, linewidth=0.6, linestyle=":", zorder=1.14)
 
 

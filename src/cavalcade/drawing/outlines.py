@@ -21,17 +21,19 @@ def shape_ring(shape: Shape, corners: int = 64) -> Array:
     if isinstance(shape, Box):
         return rectangle_corners((*shape.center, shape.yaw), *shape.size)
     if isinstance(shape, Circle):
-        angles = np.linspace(0.0, 2.0 * np.pi, corners, endpoint=False)
-        return shape.radius * np.column_stack([np.cos(angles), np.sin(angles)]) + shape.center
+        return _circle(shape.radius, corners) + shape.center
     return np.asarray(shape.points, dtype=float)
 
 
-def body_ring(pose: Array, model: RobotModel, corners: int = 40) -> Array:
+def _circle(radius: float, corners: int) -> Array:
+    angles = np.linspace(0.0, 2.0 * np.pi, corners, endpoint=False)
+    return radius * np.column_stack([np.cos(angles), np.sin(angles)])
+
+
+def body_ring(pose: Array, model: RobotModel) -> Array:
     """The footprint's outline `(K, 2)`, not closed."""
     if model.round:
-        angles = np.linspace(0.0, 2.0 * np.pi, corners, endpoint=False)
-        ring = 0.5 * model.length * np.column_stack([np.cos(angles), np.sin(angles)])
-        return np.asarray(ring + pose[:2])
+        return np.asarray(_circle(0.5 * model.length, 40) + pose[:2])
     return rectangle_corners(pose, model.length, model.width)
 
 

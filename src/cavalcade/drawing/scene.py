@@ -12,9 +12,10 @@ import numpy as np
 from cavalcade.drawing.outlines import cell_rings, shape_ring
 from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import Trajectory
+from cavalcade.metrics.clearance import fixed_shapes
 from cavalcade.recording.status import PlannerStatus
 from cavalcade.robots import RobotModel
-from cavalcade.world import OccupancyMap, Shape, Terrain, shape_from_mapping
+from cavalcade.world import OccupancyMap, Shape, Terrain
 from cavalcade.world.occupancy import UNKNOWN
 
 if TYPE_CHECKING:
@@ -26,33 +27,6 @@ _T = TypeVar("_T")
 
 DEFAULT_RADIUS = 0.30
 """The paper's inflation radius in m, where the scenario does not set another one."""
-
-
-@dataclass(frozen=True)
-class Track:
-    """An obstacle that came, went or moved.
-
-    Attributes:
-        shape: At its first place, map frame.
-        ring: `(K, 2)` its outline there.
-        start, end: Seconds between which it was there.
-        time: `(M,)` s, and
-        offset: `(M, 2)` m: how far it was from its first place.
-    """
-
-    shape: Shape
-    ring: Array
-    start: float
-    end: float
-    time: Array
-    offset: Array
-
-    def offset_at(self, time: float | Array) -> Array:
-        """Displacement `(..., 2)` in m at the given times."""
-        if len(self.time) == 0:
-            return np.zeros((*np.shape(time), 2))
-        columns = [np.interp(time, self.time, self.offset[:, axis]) for axis in (0, 1)]
-        return np.stack(columns, axis=-1)
 
 
 @dataclass(frozen=True)
@@ -130,7 +104,7 @@ class Scene(_Team):
     """
 
     fixed: tuple[Shape, ...]
-    tracks: tuple[Track, ...]
+    tracks: tuple[ObstacleTrack, ...]
     radius: float
     time: Array
     poses: Array
@@ -211,18 +185,14 @@ def arena_of(world: World, shapes: Sequence[Shape]) -> Arena:
 
 def scene_of(scenario: Scenario, world: World, recording: Recording) -> Scene:
     """Gather the scene of a recording of one cycle or more."""
-    tracks = tuple(_track(track) for track in recording.obstacles)
     # A shape of the world that an event moves or removes is drawn by its track alone.
-    fixed = list(world.shapes)
-    for track in tracks:
-        if track.start <= 0.0 and track.shape in fixed:
-            fixed.remove(track.shape)
+    fixed = fixed_shapes(world, recording)
     radius = scenario.planner.r_max
     return Scene(
         name=str(scenario.name),
         arena=arena_of(world, fixed),
         fixed=tuple(fixed),
-        tracks=tracks,
+        tracks=recording.obstacles,
         models=scenario.models,
         radius=DEFAULT_RADIUS if radius is None else float(radius),
         time=np.asarray(recording.time, dtype=float),
@@ -245,16 +215,4 @@ def plan_scene(scenario: Scenario, world: World, made: PlanResult) -> PlanScene:
         goals=np.array(scenario.goals, dtype=float).reshape(-1, 3),
         paths=made.trajectories,
         footholds=made.footholds,
-    )
-
-
-def _track(track: ObstacleTrack) -> Track:
-    shape = shape_from_mapping(track.shape)
-    return Track(
-        shape=shape,
-        ring=shape_ring(shape),
-        start=float(track.start),
-        end=float(track.end),
-        time=np.asarray(track.time, dtype=float),
-        offset=np.asarray(track.offset, dtype=float).reshape(-1, 2),
     )

@@ -21,7 +21,7 @@ from cavalcade.geometry.distances import (
 from cavalcade.recording.frames import ObstacleTrack, Recording
 from cavalcade.robots import RobotModel
 from cavalcade.scenario import World
-from cavalcade.world import Circle, OccupancyMap, Polygon, Shape, shape_from_mapping
+from cavalcade.world import Circle, OccupancyMap, Polygon, Shape
 
 STEP = 0.01
 """Between two recorded poses others are interpolated so that nothing moves farther, m."""
@@ -75,7 +75,7 @@ def clearance(world: World, recording: Recording, models: Sequence[RobotModel]) 
     time, poses = _finer(recording)
     best = np.array([np.inf, np.inf])
     events = 0
-    fixed = _solids(_fixed_shapes(world, recording))
+    fixed = _solids(fixed_shapes(world, recording))
     cells = _cells(world.base)
     for robot, model in enumerate(models):
         own = np.ascontiguousarray(poses[:, robot])
@@ -122,8 +122,8 @@ def _finer(recording: Recording) -> tuple[Array, Array]:
     farthest = np.hypot(change[..., 0], change[..., 1]) + _BODY_REACH * np.abs(change[..., 2])
     longest = farthest.max(initial=0.0)
     for track in recording.obstacles:
-        moved = [np.diff(np.interp(time, track.time, track.offset[:, axis])) for axis in (0, 1)]
-        longest = max(longest, np.hypot(*moved).max())
+        moved = np.diff(track.offset_at(time), axis=0)
+        longest = max(longest, np.hypot(*moved.T).max())
     parts = int(np.clip(np.ceil(longest / STEP), 1, _MOST_PARTS))
     part = np.arange(parts) / parts
     fine = poses[:-1, None] + part[None, :, None, None] * change[:, None]
@@ -132,11 +132,9 @@ def _finer(recording: Recording) -> tuple[Array, Array]:
     return np.concatenate([fine_time.reshape(-1), time[-1:]]), joined
 
 
-def _fixed_shapes(world: World, recording: Recording) -> list[Shape]:
+def fixed_shapes(world: World, recording: Recording) -> list[Shape]:
     """The shapes at the start that no track accounts for."""
-    tracked = [
-        shape_from_mapping(track.shape) for track in recording.obstacles if track.start <= 0.0
-    ]
+    tracked = [track.solid for track in recording.obstacles if track.start <= 0.0]
     shapes = list(world.shapes)
     for shape in tracked:
         if shape in shapes:
@@ -178,10 +176,9 @@ def _judge_track(
     if not there.any():
         return contact
     relative = poses[there].copy()
-    for axis in (0, 1):
-        relative[:, axis] -= np.interp(time[there], track.time, track.offset[:, axis])
+    relative[:, :2] -= track.offset_at(time[there])
     touching = np.zeros(len(relative), dtype=bool)
-    _solids([shape_from_mapping(track.shape)]).judge(relative, model, best, touching)
+    _solids([track.solid]).judge(relative, model, best, touching)
     contact[there] = touching
     return contact
 

@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from cavalcade.geometry import Array
 from cavalcade.recording.status import PlannerStatus
+from cavalcade.world import shape_from_mapping
 
 if TYPE_CHECKING:
     from cavalcade.recording.physics_track import PhysicsTrack
-    from cavalcade.world import OccupancyMap
+    from cavalcade.world import OccupancyMap, Shape
 
 
 @dataclass(frozen=True)
@@ -94,3 +95,15 @@ class ObstacleTrack:
     end: float
     time: Array
     offset: Array
+
+    @property
+    def solid(self) -> Shape:
+        """Its exact shape at its first place, map frame."""
+        return shape_from_mapping(self.shape)
+
+    def offset_at(self, time: float | Array) -> Array:
+        """Displacement `(..., 2)` in m from its first place at the given times."""
+        if len(self.time) == 0:
+            return np.zeros((*np.shape(time), 2))
+        columns = [np.interp(time, self.time, self.offset[:, axis]) for axis in (0, 1)]
+        return np.stack(columns, axis=-1)

@@ -1,4 +1,4 @@
-"""How well the legs carried a run in physics out: speeds, height of the trunk, torques."""
+"""What the legs did in a run in physics: speeds, height of the trunk, torques, and the gait."""
 
 from __future__ import annotations
 
@@ -17,17 +17,29 @@ from cavalcade.drawing.charts import (
     draw_note,
     stacked_panels,
 )
-from cavalcade.drawing.physics.signals import peaks, planar_speed, spread, torque_share
+from cavalcade.drawing.physics.signals import (
+    LOADED,
+    busiest_window,
+    loaded_spans,
+    peaks,
+    planar_speed,
+    spread,
+    torque_share,
+)
 from cavalcade.geometry import Array
+from cavalcade.geometry.constants import GRAVITY
 from cavalcade.recording.physics_track import PhysicsTrack
 from cavalcade.robots.description import QuadrupedDescription
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-MARGINS = style.Margins(left=0.47, right=0.34, bottom=0.34, top=0.24)
-MOST_ROWS = 8
+_MARGINS = style.Margins(left=0.47, right=0.34, bottom=0.34, top=0.24)
+_MOST_ROWS = 8
 """Robots with a row of their own."""
+
+_WINDOW = 3.0
+"""Of the gait diagram, s."""
 
 _COMMANDED = "#9aa0a6"
 
@@ -40,11 +52,11 @@ def draw_legs(
     path: Path,
 ) -> Path:
     """Draw it a page wide; times `(K,)` and commands `(K, N, 3)` may be known."""
-    rows = min(track.size, MOST_ROWS)
+    rows = min(track.size, _MOST_ROWS)
     heights, gaps = [0.42] * rows + [1.0, 1.0], [0.05] * (rows - 1) + [0.16] * 2
     span = (float(track.time[0]), float(track.time[-1]))
     with style.paper_style():
-        figure, panels = stacked_panels(style.PAGE, MARGINS, heights, gaps, span)
+        figure, panels = stacked_panels(style.PAGE, _MARGINS, heights, gaps, span)
         _draw_speeds(panels[:rows], track, commands)
         _draw_height(panels[rows], track, [one.stand_height for one in robots])
         _draw_torques(panels[rows + 1], track, np.array([one.torque_limits for one in robots]))
@@ -58,7 +70,26 @@ def draw_legs(
         return style.save(figure, path)
 
 
-def number_row(axes: Axes, robot: int) -> None:
+def draw_gait(
+    name: str, track: PhysicsTrack, robots: Sequence[QuadrupedDescription], path: Path
+) -> Path:
+    """Draw it a page wide, robot by robot; bars as strong as what they carry."""
+    rows = min(track.size, _MOST_ROWS)
+    heights, gaps = [0.56] * rows, [0.09] * (rows - 1)
+    span = busiest_window(track, _WINDOW)
+    with style.paper_style():
+        figure, panels = stacked_panels(style.PAGE, _MARGINS, heights, gaps, span)
+        for robot, axes in enumerate(panels):
+            _draw_feet(axes, track, robot, GRAVITY * robots[robot].mass)
+            axes.set_xlim(*span)
+            _number_row(axes, robot)
+        panels[0].set_title(f"{name}: feet that carry", loc="left", pad=3)
+        panels[0].set_title("full colour: half the weight", loc="right", pad=3, fontsize=7,
+                            color=style.GREY)  # fmt: skip
+        return style.save(figure, path)
+
+
+def _number_row(axes: Axes, robot: int) -> None:
     """The robot's number on the right of its row."""
     axes.annotate(str(robot), (1.0, 0.5), xytext=(4, 0), xycoords="axes fraction",
                   textcoords="offset points", va="center", fontsize=8, fontweight="bold",
@@ -85,7 +116,7 @@ def _draw_speeds(
         axes.set_ylim(0.0, top)
         axes.set_yticks(np.arange(0.0, top, step))
         draw_grid(axes, "y")
-        number_row(axes, robot)
+        _number_row(axes, robot)
         _mark_events(axes, track, robot)
     rows = len(panels)
     panels[rows // 2].set_ylabel("speed (m/s)", labelpad=3, y=0.5 if rows % 2 else 1.06)
@@ -143,3 +174,29 @@ def _mark_events(axes: Axes, track: PhysicsTrack, robot: int) -> None:
         axes.annotate("fell", (fall, 1.0), xycoords=axes.get_xaxis_transform(), xytext=(2, -2),
                       textcoords="offset points", va="top", fontsize=7,
                       color=style.LIMIT)  # fmt: skip
+
+
+def _draw_feet(axes: Axes, track: PhysicsTrack, robot: int, weight: float) -> None:
+    from matplotlib.colors import to_rgb
+
+    start, end = axes.get_xlim()
+    force = track.foot_forces[:, robot, :, 2]
+    color = np.array(to_rgb(style.robot_color(robot)))
+    inside = (track.time > start - 0.1) & (track.time < end + 0.1)
+    rows = np.flatnonzero(inside)
+    share = np.clip(force[rows] / (0.5 * weight), 0.0, 1.0)
+    strength = np.where(force[rows] >= LOADED, 0.18 + 0.82 * share, 0.0).T[..., None]
+    image = 1.0 - strength * (1.0 - color)
+    # A sample tells of the time since the one before.
+    edges = np.concatenate([[track.time[max(rows[0] - 1, 0)]], track.time[rows]])
+    for leg in range(4):
+        axes.pcolormesh(edges, [leg - 0.39, leg + 0.39], image[leg][None], rasterized=True)
+        for first, last in loaded_spans(track.time, force[:, leg]):
+            if last > start and first < end:
+                axes.plot([first, last, last, first, first],
+                          [leg - 0.39, leg - 0.39, leg + 0.39, leg + 0.39, leg - 0.39],
+                          color=0.75 * color, linewidth=0.4)  # fmt: skip
+    axes.set_ylim(3.6, -0.6)
+    axes.set_yticks(range(4), ("FL", "FR", "RL", "RR"))
+    axes.tick_params(axis="y", length=0)
+    draw_grid(axes, "x")

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cavalcade.drawing.distances import neighbour_distances, obstacle_distances
-from cavalcade.drawing.outlines import simplified
+from cavalcade.drawing.outlines import shape_ring, simplified
 from cavalcade.drawing.replay.ground import prism
 from cavalcade.drawing.replay.packing import rounded, steps
 from cavalcade.drawing.scene import Scene
@@ -64,7 +64,7 @@ def run_data(
         "series": None if individual else _series(scene, world),
         "movers": [
             {
-                **prism(track.ring, world.terrain),
+                **prism(shape_ring(track.solid), world.terrain),
                 "start": round(track.start, 3),
                 "end": round(track.end, 3) if np.isfinite(track.end) else None,
                 "time": rounded(track.time, 3),
