@@ -11,7 +11,6 @@ from cavalcade.geometry.trajectory import FLIGHT, LANDING, TAKE_OFF, WALK, Traje
 STILL = 0.01
 """A body slower than this stands, m/s and rad/s."""
 
-
 STANDS, WALKS, FLIES, TURNS = 0, 1, 2, 3
 
 

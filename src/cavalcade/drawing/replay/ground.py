@@ -169,19 +169,12 @@ def _greedy(mask: NDArray[np.bool_]) -> NDArray[np.int64]:
 
 
 def _is_ear(ring: Array, left: list[int], a: int, b: int, c: int) -> bool:
-    if _side(ring[a], ring[b], ring[c]) <= 0.0:
-        return False
-    for k in left:
-        if k in (a, b, c):
-            continue
-        p = ring[k]
-        if (
-            _side(ring[a], ring[b], p) >= 0.0
-            and _side(ring[b], ring[c], p) >= 0.0
-            and _side(ring[c], ring[a], p) >= 0.0
-        ):
-            return False
-    return True
+    """Whether b is a convex corner and no other point lies in the triangle or on its edge."""
+    corners = (ring[a], ring[b], ring[c])
+    edges = tuple(zip(corners, (*corners[1:], corners[0]), strict=True))
+    return _side(*corners) > 0.0 and not any(
+        all(_side(*edge, ring[k]) >= 0.0 for edge in edges) for k in left if k not in (a, b, c)
+    )
 
 
 def _side(a: Array, b: Array, p: Array) -> float:
