@@ -10,8 +10,8 @@ import numpy as np
 
 from cavalcade.checking.physics.record import RobotRecord
 from cavalcade.checking.physics.rotations import roll_pitch_yaw
-from cavalcade.checking.plans.stretches import excesses
 from cavalcade.checking.report import Violation
+from cavalcade.checking.stretches import excesses
 from cavalcade.checking.tracks import Track
 from cavalcade.geometry import wrap_angle
 

@@ -1,4 +1,7 @@
-"""Contacts that should not be, from the recording and from geometry: one must know of the other."""
+"""Contacts that should not be, from the recording and from geometry, and falls.
+
+What geometry shows the recording must know of.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +11,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from cavalcade.checking.physics.floor import Floor
 from cavalcade.checking.physics.record import RobotRecord, Touch
-from cavalcade.checking.physics.stretches import stretches
 from cavalcade.checking.physics.touching import Overlap
 from cavalcade.checking.report import Kind, Violation
+from cavalcade.checking.stretches import stretches
+from cavalcade.robots.description import QuadrupedDescription
 
 DEEP = 0.001
 """Parts that lie deeper in something than this, m, touch it."""
@@ -26,6 +31,14 @@ ON_CALVES = 0.2
 
 BODY = ("trunk", "hip", "thigh")
 """Parts that have no business on the ground."""
+
+TIPPED = 1.0
+"""A trunk tilted by more has fallen, rad."""
+
+LOW = 0.4
+"""A trunk below this part of the standing height, for `FOR_GOOD` s, lies."""
+
+FOR_GOOD = 0.1
 
 
 def recorded_contacts(record: RobotRecord) -> list[Violation]:
@@ -69,6 +82,28 @@ def hidden_contacts(record: RobotRecord, overlaps: Iterable[Overlap]) -> list[Vi
                 result[key] = found
             break
     return list(result.values())
+
+
+def check_upright(
+    record: RobotRecord, description: QuadrupedDescription, floor: Floor
+) -> list[Violation]:
+    """One violation per fall, at the moment it is certain: a trunk tips over, or lies."""
+    tilt = np.arccos(np.clip(record.turn[:, 2, 2], -1.0, 1.0))
+    low, _ = floor.range_at(record.base[:, :2], 0.0)
+    height = (record.base[:, 2] - low) / description.stand_height
+    result = []
+    lies = np.zeros(len(tilt), dtype=bool)
+    for begin, end in stretches(height < LOW):
+        lies[begin:end] = record.time[begin:end] - record.time[begin] >= FOR_GOOD - 1e-9
+    for begin, _ in stretches((tilt > TIPPED) | lies):
+        tipped = tilt[begin] > TIPPED
+        how = f"tilted by {tilt[begin]:.2f} rad" if tipped else f"{height[begin]:.2f} of its height"
+        text = f"robot {record.robot} has fallen: its trunk is {how}"
+        value, limit = (tilt[begin], TIPPED) if tipped else (height[begin], LOW)
+        result.append(
+            Violation("fall", float(record.time[begin]), (record.robot,), text, float(value), limit)
+        )
+    return result
 
 
 def touched(record: RobotRecord) -> NDArray[np.bool_]:

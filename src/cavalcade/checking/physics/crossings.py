@@ -9,10 +9,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from cavalcade.checking.heights import Ground, Heights, ground_around
 from cavalcade.checking.physics.floor import floor_of
 from cavalcade.checking.physics.leaps import Leap, judge_leap
 from cavalcade.checking.physics.record import RobotRecord
-from cavalcade.checking.plans.heights import Ground, Heights, ground_around
 from cavalcade.checking.report import Violation
 from cavalcade.geometry import Array
 from cavalcade.robots.description import QuadrupedDescription

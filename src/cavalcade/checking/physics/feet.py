@@ -7,13 +7,12 @@ from numpy.typing import NDArray
 
 from cavalcade.checking.physics.floor import Floor
 from cavalcade.checking.physics.kinematics import CALVES, Posture
-from cavalcade.checking.physics.momentum import GRAVITY
 from cavalcade.checking.physics.record import RobotRecord
 from cavalcade.checking.physics.rotations import turns
-from cavalcade.checking.physics.stretches import stretches
-from cavalcade.checking.plans.stretches import excesses
 from cavalcade.checking.report import Violation
+from cavalcade.checking.stretches import excesses, stretches
 from cavalcade.geometry import Array
+from cavalcade.geometry.constants import GRAVITY
 from cavalcade.robots.description import LEGS
 
 TOUCHING = 2.0

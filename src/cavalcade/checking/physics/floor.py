@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.checking.plans.heights import Ground, Heights, ground_around
+from cavalcade.checking.heights import Ground, Heights, ground_around
 from cavalcade.geometry import Array
 
 _AROUND = np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]], dtype=float)

@@ -7,11 +7,11 @@ from numpy.typing import NDArray
 
 from cavalcade.checking.physics.feet import standing
 from cavalcade.checking.physics.kinematics import Posture
-from cavalcade.checking.physics.momentum import GRAVITY
 from cavalcade.checking.physics.record import RobotRecord
-from cavalcade.checking.plans.stretches import excesses
 from cavalcade.checking.report import Violation
+from cavalcade.checking.stretches import excesses
 from cavalcade.geometry import Array
+from cavalcade.geometry.constants import GRAVITY
 from cavalcade.robots.description import JOINTS, LEGS, QuadrupedDescription
 
 TORQUE = 1e-3

@@ -7,7 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cavalcade.checking.physics.contacts import hidden_contacts, recorded_contacts, touched
+from cavalcade.checking.physics.contacts import (
+    check_upright,
+    hidden_contacts,
+    recorded_contacts,
+    touched,
+)
 from cavalcade.checking.physics.feet import FRICTION, check_feet
 from cavalcade.checking.physics.floor import Floor
 from cavalcade.checking.physics.joints import check_joints
@@ -20,7 +25,6 @@ from cavalcade.checking.physics.touching import (
     obstacle_overlaps,
     robot_overlaps,
 )
-from cavalcade.checking.physics.upright import check_upright
 from cavalcade.checking.report import Violation
 from cavalcade.checking.solids import Scene
 from cavalcade.geometry import Array

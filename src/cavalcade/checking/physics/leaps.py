@@ -13,8 +13,8 @@ from cavalcade.checking.physics.floor import Floor
 from cavalcade.checking.physics.kinematics import posture
 from cavalcade.checking.physics.record import RobotRecord
 from cavalcade.checking.physics.rotations import roll_pitch_yaw
-from cavalcade.checking.physics.stretches import stretches
 from cavalcade.checking.physics.touching import ground_overlaps
+from cavalcade.checking.stretches import stretches
 from cavalcade.geometry import Array
 from cavalcade.robots.description import QuadrupedDescription
 

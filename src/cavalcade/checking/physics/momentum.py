@@ -17,12 +17,10 @@ from numpy.typing import NDArray
 
 from cavalcade.checking.physics.kinematics import Posture
 from cavalcade.checking.physics.record import RobotRecord
-from cavalcade.checking.physics.stretches import stretches
-from cavalcade.checking.plans.stretches import excesses
 from cavalcade.checking.report import Kind, Violation
+from cavalcade.checking.stretches import excesses, stretches
 from cavalcade.geometry import Array
-
-GRAVITY = 9.81
+from cavalcade.geometry.constants import GRAVITY
 
 WEIGHT = 0.03
 """Mean vertical force may differ from the weight (and the change of momentum) by this fraction."""

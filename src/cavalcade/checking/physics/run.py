@@ -3,24 +3,30 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import combinations
 from typing import Any
 
 import numpy as np
 
-from cavalcade.checking.contact import find_contacts
+from cavalcade.checking.contact import FARTHEST, find_contacts
+from cavalcade.checking.heights import Heights
 from cavalcade.checking.motion import bodies, common_clock
 from cavalcade.checking.physics.claims import check_counts, check_distances, check_poses
-from cavalcade.checking.physics.distances import obstacle_distance, pair_distance
-from cavalcade.checking.physics.figures import measured
-from cavalcade.checking.physics.floor import floor_of
+from cavalcade.checking.physics.contacts import touched
+from cavalcade.checking.physics.feet import slides
+from cavalcade.checking.physics.floor import Floor, floor_of
 from cavalcade.checking.physics.judge import Conditions, Push, judge_robots
+from cavalcade.checking.physics.kinematics import posture
+from cavalcade.checking.physics.momentum import carried_part
 from cavalcade.checking.physics.record import RobotRecord
-from cavalcade.checking.plans.heights import Heights
 from cavalcade.checking.report import PhysicsFigures, Violation
 from cavalcade.checking.solids import Scene
 from cavalcade.checking.tracks import Track
 from cavalcade.errors import RecordingError
+from cavalcade.geometry import Array
+from cavalcade.robots import RobotModel
 from cavalcade.robots.description import QuadrupedDescription
 from cavalcade.scenario import Scenario
 
@@ -36,19 +42,9 @@ def judge_motion(
     scene: Scene,
     heights: Heights | None,
 ) -> tuple[list[Violation], float, PhysicsFigures]:
-    """Violations of bodies, joints and contacts and of what is claimed.
+    """Violations of bodies, joints, contacts and claims; smallest gap of footprints, m; figures.
 
     Footprints may touch here: of robots with legs and walls, their solid parts count.
-
-    Args:
-        scenario: A resolved one.
-        tracks, records: What is recorded of each robot.
-        summary: What the run says of itself.
-        scene: What robots may run into.
-        heights: Of the ground; None where it is level.
-
-    Returns:
-        Them, the smallest gap of footprints in m, and figures.
 
     Raises:
         RecordingError: A robot has no description.
@@ -67,20 +63,21 @@ def judge_motion(
         result += _short(record, track)
     ticks = common_clock(tracks, scene.solids)
     end, robots = float(ticks[-1]), len(records)
+    kinds = [violation.kind for violation in result]
     counts = {
-        "falls": sum(violation.kind == "fall" for violation in result),
-        "robot_robot": sum(violation.kind == "robot-robot" for violation in result),
-        "robot_obstacle": sum(violation.kind == "robot-obstacle" for violation in result),
+        "falls": kinds.count("fall"),
+        "robot_robot": kinds.count("robot-robot"),
+        "robot_obstacle": kinds.count("robot-obstacle"),
     }
     result += check_counts(summary, counts, end, robots)
     _, gap = find_contacts(scene, bodies(tracks, scenario.models, ticks), ticks)
     distances = {
-        "min_robot_distance_m": pair_distance(tracks, ticks),
-        "min_obstacle_distance_m": obstacle_distance(scene, tracks, scenario.models, ticks),
+        "min_robot_distance_m": _pair_distance(tracks, ticks),
+        "min_obstacle_distance_m": _obstacle_distance(scene, tracks, scenario.models, ticks),
         "min_footprint_gap_m": gap if gap < 1.0 else np.inf,
     }
     result += check_distances(summary, distances, end, robots)
-    return result, gap, measured(records, descriptions, floor)
+    return result, gap, _measured(records, descriptions, floor)
 
 
 def _pushes(scenario: Scenario) -> tuple[Push, ...]:
@@ -130,3 +127,41 @@ def _short(record: RobotRecord, track: Track) -> list[Violation]:
         return []
     text = f"robot {record.robot} has poses for {missing:.2f} s without its body"
     return [Violation("samples", float(record.time[-1]), (record.robot,), text, missing, SPARSE)]
+
+
+def _pair_distance(tracks: tuple[Track, ...], ticks: Array) -> float:
+    """Smallest distance in m of two robots' centres that move evenly; inf for one robot."""
+    least = np.inf
+    places = [track.at(ticks)[:, :2] for track in tracks]
+    for one, two in combinations(places, 2):
+        begin, change = (one - two)[:-1], np.diff(one - two, axis=0)
+        square = np.maximum((change * change).sum(axis=1), 1e-300)
+        part = np.clip(-(begin * change).sum(axis=1) / square, 0.0, 1.0)
+        closest = np.hypot(*(begin + part[:, None] * change).T)
+        least = min(least, float(closest.min()))
+    return least
+
+
+def _obstacle_distance(
+    scene: Scene, tracks: tuple[Track, ...], models: tuple[RobotModel, ...], ticks: Array
+) -> float:
+    """Smallest distance in m of a centre to obstacles, map and border; inf beyond 1 m."""
+    points = tuple(replace(model, length=0.0, width=0.0, round=True) for model in models)
+    _, gap = find_contacts(scene, bodies(tracks, points, ticks), ticks, among=False)
+    return gap if gap < FARTHEST else np.inf
+
+
+def _measured(
+    records: Sequence[RobotRecord], descriptions: Sequence[QuadrupedDescription], floor: Floor
+) -> PhysicsFigures:
+    """The figures of a team."""
+    carried: list[float | None] = []
+    torque, slide = 0.0, 0.0
+    for record, description in zip(records, descriptions, strict=True):
+        links = posture(record, description, floor=floor)
+        nothing = np.zeros((len(record.time) - 1, 3))
+        carried.append(carried_part(record, links, nothing, touched(record)))
+        ratio = np.abs(record.torques) / description.torque_limits
+        torque = max(torque, float(ratio.max(initial=0.0)))
+        slide = max(slide, float(slides(record, links).max(initial=0.0)))
+    return PhysicsFigures(tuple(carried), torque, slide)

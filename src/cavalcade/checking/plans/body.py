@@ -10,9 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.checking.plans.heights import Ground
+from cavalcade.checking.heights import Ground
 from cavalcade.checking.plans.motion import LANDING, TAKE_OFF, WALK, Motion
-from cavalcade.checking.plans.stretches import excesses, shortfalls
 from cavalcade.checking.report import Violation
 from cavalcade.geometry import Array
 from cavalcade.robots.legs import LegModel
@@ -46,7 +45,7 @@ def check_body(
         clearance: `(T,)` as `belly_clearance` gives it, m.
     """
     words = "has its belly {value:.3f} m above the ground; the least is {limit:.3f} m"
-    low = shortfalls("belly", motion.robot, motion.time, clearance, legs.h_min, words, BELLY_SLACK)
+    low = motion.shortfalls("belly", clearance, legs.h_min, words, BELLY_SLACK)
     return low + _reach(motion, legs, ground) + _carried(motion, legs, ground)
 
 
@@ -67,15 +66,8 @@ def _reach(motion: Motion, legs: LegModel, ground: Ground | None) -> list[Violat
         high = np.stack([_hip_heights(motion, legs, ground, p, end) for p in pitches])
         most = np.where(motion.phase == WALK, high[0], high.min(axis=0))
         words = f"has a {name} hip {{value:.3f}} m above the ground; legs reach {{limit:.3f}} m"
-        result += excesses(
-            "reach",
-            motion.robot,
-            motion.time,
-            np.where(pushing, most, 0.0),
-            legs.h_max,
-            words,
-            REACH_SLACK,
-        )
+        high = np.where(pushing, most, 0.0)
+        result += motion.excesses("reach", high, legs.h_max, words, REACH_SLACK)
     return result
 
 
@@ -89,15 +81,7 @@ def _carried(motion: Motion, legs: LegModel, ground: Ground | None) -> list[Viol
         hips = ground.best_at(_hips(motion, legs, end)).min(axis=1)
         worst = np.where(_pushing(motion, end), np.minimum(worst, hips), worst)
     words = "stands on ground of traversability {value:.2f}; the least is {limit:.2f}"
-    return shortfalls(
-        "traversability",
-        motion.robot,
-        motion.time,
-        worst,
-        LEAST_TRAVERSABILITY,
-        words,
-        GROUND_BAND,
-    )
+    return motion.shortfalls("traversability", worst, LEAST_TRAVERSABILITY, words, GROUND_BAND)
 
 
 def _pushing(motion: Motion, end: float) -> Bools:

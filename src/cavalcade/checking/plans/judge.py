@@ -10,17 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.checking.contact import find_contacts
+from cavalcade.checking.heights import Heights, ground_around, read_heights
 from cavalcade.checking.motion import bodies, common_clock
 from cavalcade.checking.plans.body import belly_clearance, check_body
 from cavalcade.checking.plans.claims import check_figures, check_goal, check_missing, check_start
 from cavalcade.checking.plans.drives import check_driven
 from cavalcade.checking.plans.footholds import check_footholds
-from cavalcade.checking.plans.heights import Ground, Heights, ground_around
 from cavalcade.checking.plans.legged import check_legged, top_speed
 from cavalcade.checking.plans.motion import FLIGHT, Motion
 from cavalcade.checking.plans.structure import read_motions
-from cavalcade.checking.plans.terrainfile import read_heights
-from cavalcade.checking.report import Figures, Report, Violation
+from cavalcade.checking.report import Figures, Report, Violation, make_report
 from cavalcade.checking.solids import Scene, build_scene
 from cavalcade.geometry import Array
 from cavalcade.robots import RobotModel
@@ -60,8 +59,7 @@ def judge_plan(
         violations += _alone(scenario, motion, models[motion.robot], heights, bellies)
     gap = np.inf
     if known:
-        place = None if heights is None else (heights.size, heights.origin)
-        contacts, gap = _contacts(build_scene(scenario, place), models, known, solved)
+        contacts, gap = _contacts(build_scene(scenario, heights), models, known, solved)
         violations += contacts
     if solved:
         for motion in known:
@@ -69,8 +67,7 @@ def judge_plan(
         violations += check_missing(motions, spoken_of)
         if figures:
             violations += check_figures(motions, summary)
-    ordered = tuple(sorted(violations, key=lambda violation: violation.time))
-    return Report(ordered, _figures(known, models, gap, bellies) if known else None)
+    return make_report(violations, _figures(known, models, gap, bellies) if known else None)
 
 
 def _alone(
@@ -87,18 +84,15 @@ def _alone(
     violations = check_start(motion, model, scenario.starts[motion.robot])
     if model.legs is None or model.drive != "legged":
         return violations + check_driven(motion, model)
-    ground = _ground(motion, heights)
+    ground = None
+    if heights is not None:
+        places = np.vstack((motion.position[:, :2], motion.footholds[:, 3:5]))
+        ground = ground_around(heights, places)
     violations += check_legged(motion, model, scenario.planner.variant == "published")
     clearance = belly_clearance(motion, model.legs, ground)
     bellies.append(float(clearance.min()))
     violations += check_body(motion, model.legs, ground, clearance)
     return violations + check_footholds(motion, model.legs, ground)
-
-
-def _ground(motion: Motion, heights: Heights | None) -> Ground | None:
-    if heights is None:
-        return None
-    return ground_around(heights, np.vstack((motion.position[:, :2], motion.footholds[:, 3:5])))
 
 
 def _contacts(
@@ -138,22 +132,14 @@ def _figures(
     def largest(values: Array) -> float:
         return float(values.max(initial=0.0))
 
-    tops = [top_speed(models[motion.robot]) for motion in motions]
-    moving = [motion for motion in motions if len(motion.time) > 1]
     return Figures(
         robots=len(motions),
-        duration_s=max(float(motion.time[-1]) for motion in motions),
+        duration_s=max(float(m.time[-1]) for m in motions),
         min_footprint_gap_m=gap,
-        max_speed_ratio=max(
-            largest(np.hypot(motion.velocity[:, 0], motion.velocity[:, 1])) / top
-            for motion, top in zip(motions, tops, strict=True)
-        ),
-        max_yaw_rate=max((largest(np.abs(m.yaw_rate)) for m in moving), default=0.0),
-        max_acceleration=max(
-            (largest(np.hypot(m.acceleration[:, 0], m.acceleration[:, 1])) for m in moving),
-            default=0.0,
-        ),
-        max_yaw_acceleration=max((largest(_yaw_accelerations(m)) for m in moving), default=0.0),
+        max_speed_ratio=max(largest(m.speed) / top_speed(models[m.robot]) for m in motions),
+        max_yaw_rate=max(largest(np.abs(m.yaw_rate)) for m in motions),
+        max_acceleration=max(largest(np.hypot(*m.acceleration[:, :2].T)) for m in motions),
+        max_yaw_acceleration=max(largest(_yaw_accelerations(m)) for m in motions),
         min_belly_clearance_m=min(bellies, default=None),
     )
 

@@ -11,7 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cavalcade.errors import InputError, RecordingError
 from cavalcade.geometry import Array, inverse_transform_points
+from cavalcade.scenario import Scenario, build_world
 
 SMOOTH, STEEP, LEVEL = 0.2, 0.15, 0.4
 """Radii in m of the smoothed height, of the fit that judges slopes, and of that to the smoothed
@@ -110,6 +112,31 @@ class Ground:
         """Places in cells from the centre of cell [0, 0], x and y."""
         local = inverse_transform_points(self.origin, places.reshape(-1, 2))
         return local.reshape(places.shape) / self.cell - 0.5
+
+
+def read_heights(scenario: Scenario) -> Heights | None:
+    """The raw heights of a scenario's ground; None where it is level.
+
+    Of the world that the scenario makes only the heights are used, and where it has none:
+    smoothing, slopes, pits and traversability are the checker's own.
+
+    Raises:
+        RecordingError: They cannot be made.
+    """
+    if not scenario.world.has_heights:
+        return None
+    try:
+        terrain = build_world(scenario).terrain
+    except InputError as error:
+        raise RecordingError(str(error)) from error
+    if terrain is None:
+        return None
+    from scipy.ndimage import binary_erosion
+
+    # The world tells holes with the margin that feet keep from them; here that is taken off.
+    margin = disc(HOLE / terrain.resolution)
+    holes = binary_erosion(terrain.traversability <= 0.0, margin, border_value=1)
+    return Heights(terrain.height, terrain.resolution, terrain.origin, holes)
 
 
 def ground_around(heights: Heights, places: Array) -> Ground:
