@@ -203,8 +203,7 @@ def _slot_errors(places: Array, slots: Array, goal_moved: float) -> Array:
     _, taken = linear_sum_assignment((gaps * gaps).sum(axis=-1))
     rest = places - slots[taken]
     best = _best_shift(rest, goal_moved) if goal_moved > 0.0 else np.zeros(2)
-    errors: Array = np.hypot(*(rest - best).T)
-    return errors
+    return np.hypot(*(rest - best).T)
 
 
 def _best_shift(rest: Array, most: float) -> Array:

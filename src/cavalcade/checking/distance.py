@@ -83,8 +83,7 @@ def _holds_origin(a: Array, b: Array) -> NDArray[np.bool_]:
     spans = (a[..., 1] > 0.0) != (b[..., 1] > 0.0)
     turn = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
     right = np.where(b[..., 1] > a[..., 1], turn > 0.0, turn < 0.0)
-    odd: NDArray[np.bool_] = (spans & right).sum(axis=1) % 2 == 1
-    return odd
+    return (spans & right).sum(axis=1) % 2 == 1
 
 
 def overlapping(

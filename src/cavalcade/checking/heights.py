@@ -200,16 +200,14 @@ def _pits(height: Array, cell: float) -> NDArray[np.bool_]:
         return np.zeros(height.shape, dtype=bool)
     width = 2 * round(PIT_WIDTH / cell / 2.0) + 1
     rim = minimum_filter(maximum_filter(height, width, mode="nearest"), width, mode="nearest")
-    pits: NDArray[np.bool_] = rim - height >= PIT_DEPTH
-    return pits
+    return rim - height >= PIT_DEPTH
 
 
 def disc(radius: float) -> NDArray[np.bool_]:
     """The cells within `radius` cells of the middle one."""
     reach = int(radius + 1e-9)
     y, x = np.mgrid[-reach : reach + 1, -reach : reach + 1]
-    within: NDArray[np.bool_] = x * x + y * y <= radius * radius + 1e-9
-    return within
+    return x * x + y * y <= radius * radius + 1e-9
 
 
 def _mean(field: Array, radius: float) -> Array:
@@ -256,5 +254,4 @@ def _bilinear(field: Array, cells: Array) -> Array:
     row, col, right, above, s, t = _around(field.shape, cells)
     low = field[row, col] * (1.0 - s) + field[row, right] * s
     high = field[above, col] * (1.0 - s) + field[above, right] * s
-    value: Array = low * (1.0 - t) + high * t
-    return value
+    return low * (1.0 - t) + high * t

@@ -40,8 +40,7 @@ class Body:
     @property
     def turning(self) -> Array:
         """`(T,)` bound on how far a point of the footprint moves about the centre, m."""
-        turn: Array = float(np.hypot(*self.half)) * np.abs(self.change[:, 2])
-        return turn
+        return float(np.hypot(*self.half)) * np.abs(self.change[:, 2])
 
     @property
     def bounds(self) -> Array:
@@ -51,8 +50,7 @@ class Body:
 
     def at(self, interval: NDArray[np.int64], fraction: Array) -> Array:
         """Poses `(M, 3)` at fractions `(M,)` of intervals `(M,)`."""
-        pose: Array = self.begin[interval] + fraction[:, None] * self.change[interval]
-        return pose
+        return self.begin[interval] + fraction[:, None] * self.change[interval]
 
 
 def common_clock(tracks: tuple[Track, ...], solids: tuple[Solid, ...]) -> Array:

@@ -150,5 +150,4 @@ def slides(record: RobotRecord, posture: Posture) -> Array:
 
 
 def _along(vectors: Array, normals: Array) -> Array:
-    part: Array = vectors - (vectors * normals).sum(axis=-1, keepdims=True) * normals
-    return part
+    return vectors - (vectors * normals).sum(axis=-1, keepdims=True) * normals

@@ -51,8 +51,7 @@ class Posture:
     @cached_property
     def soles(self) -> Array:
         """Where the feet touch the ground, or would, `(T, 4, 3)` m."""
-        soles: Array = self.feet - self.radius * self.normals
-        return soles
+        return self.feet - self.radius * self.normals
 
     @cached_property
     def weight(self) -> float:
@@ -62,8 +61,7 @@ class Posture:
     @cached_property
     def center(self) -> Array:
         """Centre of mass `(T, 3)` of the whole robot, m."""
-        center: Array = np.einsum("l,tlx->tx", self.mass, self.centers) / self.weight
-        return center
+        return np.einsum("l,tlx->tx", self.mass, self.centers) / self.weight
 
     @cached_property
     def velocity(self) -> Array:
@@ -136,5 +134,4 @@ def posture(
 
 
 def _middle(values: Array) -> Array:
-    middle: Array = 0.5 * (values[1:] + values[:-1])
-    return middle
+    return 0.5 * (values[1:] + values[:-1])

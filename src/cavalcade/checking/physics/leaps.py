@@ -58,8 +58,7 @@ class Leap:
     def past(self, places: Array) -> Array:
         """How far `(...)` places `(..., 2)` are past the edge, m; negative before it."""
         direction = np.array([np.cos(self.heading), np.sin(self.heading)])
-        distance: Array = (places - np.array(self.edge)) @ direction
-        return distance
+        return (places - np.array(self.edge)) @ direction
 
 
 @dataclass(frozen=True)

@@ -103,8 +103,7 @@ def _grain(record: RobotRecord, pushes: Array, weight: float) -> Array:
     sudden = np.full(len(forces), SUDDEN * weight / 8.0)
     sudden[1:] += change / 4.0
     sudden[:-1] += change / 4.0
-    grain: Array = sudden * record.steps
-    return grain
+    return sudden * record.steps
 
 
 def _steps(record: RobotRecord, posture: Posture) -> Array:
@@ -116,8 +115,7 @@ def _steps(record: RobotRecord, posture: Posture) -> Array:
     rate = np.abs(np.diff(record.joints, axis=0)) / record.steps[:, None]
     fastest = rate.reshape(-1, 4, 3).max(axis=2)
     mass = posture.mass[1:].reshape(4, 3).sum(axis=1)
-    error: Array = 0.5 * SIMULATED * LEG * (mass * fastest**2).sum(axis=1)
-    return error
+    return 0.5 * SIMULATED * LEG * (mass * fastest**2).sum(axis=1)
 
 
 def _until_middle(impulse: Array) -> Array:
@@ -181,5 +179,4 @@ def _window(
 
 
 def _middle(values: Array) -> Array:
-    middle: Array = 0.5 * (values[1:] + values[:-1])
-    return middle
+    return 0.5 * (values[1:] + values[:-1])

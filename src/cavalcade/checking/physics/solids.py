@@ -48,8 +48,7 @@ def balls_of(shape: BodyShape, posture: Posture) -> Balls:
 def middle_of(shape: BodyShape, posture: Posture) -> Array:
     """Where a solid's centre is, `(T, 3)` m."""
     link = shape.link
-    middle: Array = posture.place[:, link] + posture.turn[:, link] @ np.array(shape.position)
-    return middle
+    return posture.place[:, link] + posture.turn[:, link] @ np.array(shape.position)
 
 
 def radius_of(shape: BodyShape) -> float:
@@ -71,8 +70,7 @@ def distance_to(
     """
     turn = posture.turn[rows, shape.link] @ matrices(np.array(shape.rotation))
     local = (places - middle_of(shape, posture)[rows][:, None]) @ turn
-    distance: Array = _DISTANCES[shape.kind](local, np.array(shape.size))
-    return distance
+    return _DISTANCES[shape.kind](local, np.array(shape.size))
 
 
 def _filled(shape: BodyShape) -> tuple[Array, float]:
@@ -101,14 +99,12 @@ def _axis(half: float, spacing: float) -> Array:
 
 
 def _to_sphere(local: Array, size: Array) -> Array:
-    distance: Array = np.linalg.norm(local, axis=-1) - size[0]
-    return distance
+    return np.linalg.norm(local, axis=-1) - size[0]
 
 
 def _to_capsule(local: Array, size: Array) -> Array:
     along = np.maximum(np.abs(local[..., 2]) - size[1], 0.0)
-    distance: Array = np.sqrt(local[..., 0] ** 2 + local[..., 1] ** 2 + along**2) - size[0]
-    return distance
+    return np.sqrt(local[..., 0] ** 2 + local[..., 1] ** 2 + along**2) - size[0]
 
 
 def _to_cylinder(local: Array, size: Array) -> Array:
@@ -124,8 +120,7 @@ def _to_box(local: Array, size: Array) -> Array:
 
 def _from_excess(beyond: Array) -> Array:
     outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=-1)
-    distance: Array = outside + np.minimum(beyond.max(axis=-1), 0.0)
-    return distance
+    return outside + np.minimum(beyond.max(axis=-1), 0.0)
 
 
 _DISTANCES: dict[str, Callable[[Array, Array], Array]] = {

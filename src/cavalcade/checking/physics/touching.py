@@ -110,8 +110,7 @@ def robot_overlaps(
 
 def _near(bounds: Array, place: Array) -> NDArray[np.bool_]:
     away = np.maximum(np.maximum(bounds[:2] - place, place - bounds[2:]), 0.0)
-    near: NDArray[np.bool_] = np.hypot(*away.T) < NEAR
-    return near
+    return np.hypot(*away.T) < NEAR
 
 
 def _in_outline(
@@ -128,8 +127,7 @@ def _in_outline(
 def _outline_distance(places: Array, points: Array) -> Array:
     """Signed distances `(...)` of places `(..., 2)` from a polygon or a point `(P, 2)`."""
     if len(points) == 1:
-        single: Array = np.linalg.norm(places - points[0], axis=-1)
-        return single
+        return np.linalg.norm(places - points[0], axis=-1)
     least = np.full(places.shape[:-1], np.inf)
     inside = np.zeros(places.shape[:-1], dtype=bool)
     for a, b in zip(points, np.roll(points, -1, axis=0), strict=True):
@@ -140,5 +138,4 @@ def _outline_distance(places: Array, points: Array) -> Array:
         turn = edge[0] * to[..., 1] - edge[1] * to[..., 0]
         spans = (a[1] > places[..., 1]) != (b[1] > places[..., 1])
         inside ^= spans & ((turn > 0.0) == (b[1] > a[1]))
-    distance: Array = np.where(inside, -least, least)
-    return distance
+    return np.where(inside, -least, least)

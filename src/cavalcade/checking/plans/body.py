@@ -53,8 +53,7 @@ def belly_clearance(motion: Motion, legs: LegModel, ground: Ground | None) -> Ar
     """`(T,)` m, of the lowest of the five points, over the ground below it."""
     pitches = _pitches(motion, ground)
     clear = np.stack([_clearance(motion, legs, ground, pitch) for pitch in pitches])
-    kindest: Array = np.where(motion.phase == WALK, clear[0], clear.max(axis=0))
-    return kindest
+    return np.where(motion.phase == WALK, clear[0], clear.max(axis=0))
 
 
 def _reach(motion: Motion, legs: LegModel, ground: Ground | None) -> list[Violation]:
@@ -91,8 +90,7 @@ def _pushing(motion: Motion, end: float) -> Bools:
     only the phase after is asked.
     """
     leap = TAKE_OFF if end < 0.0 else LANDING
-    pushing: Bools = (motion.phase == WALK) | (motion.phase == leap)
-    return pushing
+    return (motion.phase == WALK) | (motion.phase == leap)
 
 
 def _pitches(motion: Motion, ground: Ground | None) -> tuple[Array, ...]:

@@ -164,8 +164,7 @@ def _out_of_reach(motion: Motion, legs: LegModel, ground: Ground | None) -> list
 def _needed(phase: NDArray[np.int64], leg: NDArray[np.int64]) -> NDArray[np.bool_]:
     """Whether the leg must reach: in take-off the front, in landing the rear may hang."""
     hanging = ((phase == TAKE_OFF) & (leg < 2)) | ((phase == LANDING) & (leg >= 2))
-    needed: NDArray[np.bool_] = ~hanging & (phase != FLIGHT)
-    return needed
+    return ~hanging & (phase != FLIGHT)
 
 
 def _distances(
@@ -185,5 +184,4 @@ def _distances(
     if ground is not None:
         z = z + ground.slope_at(place[:, :2], yaw) * forward
     foot = motion.footholds[which, 3:]
-    away: Array = np.sqrt((x - foot[:, 0]) ** 2 + (y - foot[:, 1]) ** 2 + (z - foot[:, 2]) ** 2)
-    return away
+    return np.sqrt((x - foot[:, 0]) ** 2 + (y - foot[:, 1]) ** 2 + (z - foot[:, 2]) ** 2)

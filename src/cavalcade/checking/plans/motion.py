@@ -56,20 +56,17 @@ class Motion:
     @property
     def mean_velocity(self) -> Array:
         """`(T - 1, 2)` over each interval, from positions, m/s."""
-        mean: Array = np.diff(self.position[:, :2], axis=0) / self.steps[:, None]
-        return mean
+        return np.diff(self.position[:, :2], axis=0) / self.steps[:, None]
 
     @property
     def acceleration(self) -> Array:
         """`(T - 1, 3)` mean over each interval, m/s²."""
-        mean: Array = np.diff(self.velocity, axis=0) / self.steps[:, None]
-        return mean
+        return np.diff(self.velocity, axis=0) / self.steps[:, None]
 
     @property
     def yaw_rate(self) -> Array:
         """`(T - 1,)` mean over each interval, rad/s."""
-        mean: Array = np.diff(self.yaw) / self.steps
-        return mean
+        return np.diff(self.yaw) / self.steps
 
     @property
     def track(self) -> Track:
