@@ -6,7 +6,7 @@ import numpy as np
 
 from cavalcade.campaign.judging import records_of
 from cavalcade.checking.heights import read_heights
-from cavalcade.checking.physics.crossings import leap_reason
+from cavalcade.checking.physics.leaps import leap_reason
 from cavalcade.recording.frames import Recording
 from cavalcade.scenario import Scenario
 

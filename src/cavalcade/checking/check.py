@@ -20,7 +20,7 @@ from cavalcade.checking.contact import find_contacts
 from cavalcade.checking.heights import read_heights
 from cavalcade.checking.limits import TOLERANCE, Effort, exceeded, measure, with_own_limits
 from cavalcade.checking.motion import bodies, common_clock
-from cavalcade.checking.physics.crossings import check_leaps
+from cavalcade.checking.physics.leaps import check_leaps
 from cavalcade.checking.physics.record import RobotRecord, read_records
 from cavalcade.checking.physics.run import judge_motion
 from cavalcade.checking.plans import judge_plan, read_plan

@@ -72,10 +72,8 @@ def _edges_cross(half: Array, a: Array, b: Array) -> NDArray[np.bool_]:
     inside = np.abs(a) <= half
     enter = np.where(flat, np.where(inside, -np.inf, np.inf), np.minimum(one, two))
     leave = np.where(flat, np.where(inside, np.inf, -np.inf), np.maximum(one, two))
-    crossed: NDArray[np.bool_] = (
-        np.maximum(enter.max(axis=-1), 0.0) <= np.minimum(leave.min(axis=-1), 1.0)
-    ).any(axis=1)
-    return crossed
+    crossed = np.maximum(enter.max(axis=-1), 0.0) <= np.minimum(leave.min(axis=-1), 1.0)
+    return crossed.any(axis=1)
 
 
 def _holds_origin(a: Array, b: Array) -> NDArray[np.bool_]:
@@ -120,10 +118,9 @@ def overlapping(
 def _meet(one: Array, two: Array) -> NDArray[np.bool_]:
     """Whether boxes `(A, 4)` and `(B, 4)` overlap, `(A, B)`."""
     a, b = one[:, None], two[None]
-    met: NDArray[np.bool_] = (
+    return (
         (a[..., 0] <= b[..., 2])
         & (b[..., 0] <= a[..., 2])
         & (a[..., 1] <= b[..., 3])
         & (b[..., 1] <= a[..., 3])
     )
-    return met

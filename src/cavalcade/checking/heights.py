@@ -103,10 +103,7 @@ class Ground:
         """The kindest traversability `(...)` next to places `(..., 2)`."""
         cells = np.rint(self._cells(places)).astype(np.int64)
         rows, cols = self.best.shape
-        best: Array = self.best[
-            np.clip(cells[..., 1], 0, rows - 1), np.clip(cells[..., 0], 0, cols - 1)
-        ]
-        return best
+        return self.best[cells[..., 1].clip(0, rows - 1), cells[..., 0].clip(0, cols - 1)]
 
     def _cells(self, places: Array) -> Array:
         """Places in cells from the centre of cell [0, 0], x and y."""

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cavalcade.checking.heights import Ground, Heights, ground_around
-from cavalcade.checking.physics.crossings import find_leap
+from cavalcade.checking.physics.leaps import find_leap
 from cavalcade.geometry import transform_points
 
 

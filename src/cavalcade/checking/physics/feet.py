@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.checking.physics.floor import Floor
-from cavalcade.checking.physics.kinematics import CALVES, Posture
+from cavalcade.checking.physics.kinematics import CALVES, Posture, middles
 from cavalcade.checking.physics.record import RobotRecord
 from cavalcade.checking.physics.rotations import turns
 from cavalcade.checking.report import Violation
@@ -117,7 +117,7 @@ def _parts(record: RobotRecord, posture: Posture) -> tuple[Array, Array]:
     On an edge the normal is not known; there both are none.
     """
     even = posture.even[1:] & posture.even[:-1]
-    normals = 0.5 * (posture.normals[1:] + posture.normals[:-1])
+    normals = middles(posture.normals)
     force = np.where(even[..., None], record.forces[1:], 0.0)
     return (force * normals).sum(axis=-1), _along(force, normals)
 
@@ -128,7 +128,7 @@ def slips(record: RobotRecord, posture: Posture) -> Array:
     A foot is a ball that rolls as its calf turns: its centre moves, what touches the ground does
     not. A foot whose friction is used up may slide against it; on an edge nothing is said.
     """
-    normals = 0.5 * (posture.normals[1:] + posture.normals[:-1])
+    normals = middles(posture.normals)
     rolled = np.cross(turns(posture.turn[:, CALVES]), posture.radius * normals)
     moved = _along(np.diff(posture.feet, axis=0) - rolled, normals)
     pressing, along = _parts(record, posture)

@@ -73,7 +73,7 @@ class Posture:
         """Mean angular momentum `(T - 1, 3)` about the centre of mass between samples, N m s."""
         step = np.diff(self.time)[:, None, None]
         speed = np.diff(self.centers, axis=0) / step - self.velocity[:, None]
-        arm = _middle(self.centers) - _middle(self.center)[:, None]
+        arm = middles(self.centers) - middles(self.center)[:, None]
         orbit = np.einsum("l,tlx->tx", self.mass, np.cross(arm, speed))
         # A rotation in the middle of an interval, near enough: the inertia of one of its ends.
         own = np.zeros_like(orbit)
@@ -133,5 +133,6 @@ def posture(
     )
 
 
-def _middle(values: Array) -> Array:
+def middles(values: Array) -> Array:
+    """Values `(T - 1, ...)` in the middle of each interval between `(T, ...)`."""
     return 0.5 * (values[1:] + values[:-1])

@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.checking.physics.kinematics import Posture
+from cavalcade.checking.physics.kinematics import Posture, middles
 from cavalcade.checking.physics.record import RobotRecord
 from cavalcade.checking.report import Kind, Violation
 from cavalcade.checking.stretches import excesses, stretches
@@ -64,7 +64,7 @@ def check_momentum(
     linear, turning = _missing(record, posture, pushes)
     weight = mass * GRAVITY
     result = _mean_force(record, _carried(record, linear, weight, unknown))
-    middle = 0.5 * (record.time[1:] + record.time[:-1])
+    middle = middles(record.time)
     edge = _grain(record, pushes, weight) + _steps(record, posture)
     rules: tuple[tuple[Kind, Array, Array, float], ...] = (
         ("momentum", linear, edge, DRIFT * weight),
@@ -88,10 +88,10 @@ def _missing(record: RobotRecord, posture: Posture, pushes: Array) -> tuple[Arra
     step = record.steps[:, None]
     gravity = np.array([0.0, 0.0, -GRAVITY * posture.weight])
     force = record.forces[1:].sum(axis=1) + pushes + gravity
-    center = _middle(posture.center)
-    soles = _middle(posture.soles)
+    center = middles(posture.center)
+    soles = middles(posture.soles)
     moment = np.cross(soles - center[:, None], record.forces[1:]).sum(axis=1)
-    moment += np.cross(_middle(posture.centers[:, 0]) - center, pushes)
+    moment += np.cross(middles(posture.centers[:, 0]) - center, pushes)
     linear = posture.weight * posture.velocity - _until_middle(force * step)
     return linear, posture.spin - _until_middle(moment * step)
 
@@ -135,7 +135,7 @@ def carried_part(
 def _carried(
     record: RobotRecord, balance: Array, weight: float, unknown: NDArray[np.bool_]
 ) -> float | None:
-    middle = 0.5 * (record.time[1:] + record.time[:-1])
+    middle = middles(record.time)
     missing, span = 0.0, 0.0
     for begin, end in stretches(~unknown):
         missing += float(balance[begin, 2] - balance[end - 1, 2])
@@ -176,7 +176,3 @@ def _window(
         f"{cause} on its feet accounts for; {{limit:.2f}} could be the recording's grain"
     )
     return excesses(kind, robot, middle[first], gap, limit, words)
-
-
-def _middle(values: Array) -> Array:
-    return 0.5 * (values[1:] + values[:-1])

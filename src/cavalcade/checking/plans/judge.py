@@ -1,7 +1,8 @@
-"""The verdict on a plan."""
+"""The verdict on a plan: what it is, whether the scenario asks for it, what it says of itself."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -9,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cavalcade.checking.arrival import DISTANCE, TURN
 from cavalcade.checking.contact import find_contacts
 from cavalcade.checking.heights import Heights, ground_around, read_heights
 from cavalcade.checking.motion import bodies, common_clock
 from cavalcade.checking.plans.body import belly_clearance, check_body
-from cavalcade.checking.plans.claims import check_figures, check_goal, check_missing, check_start
 from cavalcade.checking.plans.drives import check_driven
 from cavalcade.checking.plans.footholds import check_footholds
 from cavalcade.checking.plans.legged import check_legged, top_speed
@@ -21,9 +22,18 @@ from cavalcade.checking.plans.motion import FLIGHT, Motion
 from cavalcade.checking.plans.structure import read_motions
 from cavalcade.checking.report import Figures, Report, Violation, make_report
 from cavalcade.checking.solids import Scene, build_scene
-from cavalcade.geometry import Array
+from cavalcade.geometry import Array, wrap_angle
 from cavalcade.robots import RobotModel
 from cavalcade.scenario import Scenario
+
+Pose = tuple[float, float, float]
+
+START = (1e-3, 1e-3)
+"""How far a plan may begin from the scenario's start, m and rad."""
+
+_SLACK = 1e-3
+_SHARE = 1e-3
+"""Figures of the summary may be off by this much, or by this fraction."""
 
 
 def judge_plan(
@@ -63,10 +73,10 @@ def judge_plan(
         violations += contacts
     if solved:
         for motion in known:
-            violations += check_goal(motion, models[motion.robot], scenario.goals[motion.robot])
-        violations += check_missing(motions, spoken_of)
+            violations += _check_goal(motion, models[motion.robot], scenario.goals[motion.robot])
+        violations += _check_missing(motions, spoken_of)
         if figures:
-            violations += check_figures(motions, summary)
+            violations += _check_figures(motions, summary)
     return make_report(violations, _figures(known, models, gap, bellies) if known else None)
 
 
@@ -81,7 +91,7 @@ def _alone(
 
     The least clearance of its belly goes into `bellies`.
     """
-    violations = check_start(motion, model, scenario.starts[motion.robot])
+    violations = _check_start(motion, model, scenario.starts[motion.robot])
     if model.legs is None or model.drive != "legged":
         return violations + check_driven(motion, model)
     ground = None
@@ -147,3 +157,89 @@ def _figures(
 def _yaw_accelerations(motion: Motion) -> Array:
     dt = motion.steps
     return np.abs(np.diff(motion.yaw_rate)) / ((dt[1:] + dt[:-1]) / 2.0)
+
+
+def _heads(model: RobotModel) -> bool:
+    """Whether it matters where the robot looks: not for one that goes in all directions."""
+    return not model.drive.startswith("integrator")
+
+
+def _check_start(motion: Motion, model: RobotModel, start: Pose) -> list[Violation]:
+    """A plan that does not begin where the scenario says."""
+    distance, turn = _apart(motion, 0, start)
+    if distance <= START[0] and (turn <= START[1] or not _heads(model)):
+        return []
+    text = f"robot {motion.robot} begins {distance:.3f} m and {turn:.3f} rad from its start"
+    return [Violation("start", 0.0, (motion.robot,), text, distance, START[0])]
+
+
+def _check_goal(motion: Motion, model: RobotModel, goal: Pose) -> list[Violation]:
+    """A plan that is said to solve the problem, but ends elsewhere."""
+    distance, turn = _apart(motion, -1, goal)
+    end, robot = float(motion.time[-1]), motion.robot
+    result = []
+    if distance > DISTANCE + _SLACK:
+        text = f"robot {robot} ends {distance:.3f} m from its goal"
+        result.append(Violation("arrival", end, (robot,), text, distance, DISTANCE))
+    if _heads(model) and turn > TURN + _SLACK:
+        text = f"robot {robot} ends turned by {turn:.3f} rad from its goal"
+        result.append(Violation("arrival", end, (robot,), text, turn, TURN))
+    return result
+
+
+def _check_missing(motions: tuple[Motion | None, ...], spoken_of: set[int]) -> list[Violation]:
+    """Robots without motion in a plan that is said to solve the problem.
+
+    Args:
+        motions: Of each robot.
+        spoken_of: Robots of whose arrays something is wrong.
+    """
+    return [
+        Violation("plan", 0.0, (robot,), f"robot {robot} has no plan", 0.0, 1.0)
+        for robot, motion in enumerate(motions)
+        if motion is None and robot not in spoken_of
+    ]
+
+
+def _check_figures(
+    motions: tuple[Motion | None, ...], summary: Mapping[str, Any]
+) -> list[Violation]:
+    """Lengths, durations and makespan of a solved plan's summary."""
+    lengths = [None if m is None else _path_length(m) for m in motions]
+    durations = [None if m is None else float(m.time[-1]) for m in motions]
+    result = []
+    for key, found in (("path_length_m", lengths), ("duration_s", durations)):
+        said = summary.get(key)
+        if not isinstance(said, list) or len(said) != len(motions):
+            text = f"{key} of the summary has no value for each of {len(motions)} robots"
+            result.append(Violation("summary", 0.0, (), text, 0.0, float(len(motions))))
+            continue
+        for robot, (claim, truth) in enumerate(zip(said, found, strict=True)):
+            if truth is not None:
+                result += _compared(f"{key} of robot {robot}", claim, truth, (robot,))
+    whole = [duration for duration in durations if duration is not None]
+    if whole:
+        everyone = tuple(range(len(motions)))
+        result += _compared("makespan_s", summary.get("makespan_s"), max(whole), everyone)
+    return result
+
+
+def _path_length(motion: Motion) -> float:
+    """Of the way of the body's centre in space, m."""
+    steps = np.diff(motion.position, axis=0)
+    return float(np.sqrt((steps * steps).sum(axis=1)).sum())
+
+
+def _compared(key: str, claim: Any, truth: float, robots: tuple[int, ...]) -> list[Violation]:
+    number = isinstance(claim, int | float) and not isinstance(claim, bool)
+    if number and math.isclose(claim, truth, rel_tol=_SHARE, abs_tol=_SLACK):
+        return []
+    said = f"{claim:.4g}" if number else repr(claim)[:40]
+    text = f"{key} is {said} in the summary, {truth:.4g} in the plan"
+    value = float(claim) if number else math.nan
+    return [Violation("summary", 0.0, robots, text, value, truth)]
+
+
+def _apart(motion: Motion, sample: int, pose: Pose) -> tuple[float, float]:
+    x, y = motion.position[sample, :2] - pose[:2]
+    return float(np.hypot(x, y)), float(np.abs(wrap_angle(motion.yaw[sample] - pose[2])))
