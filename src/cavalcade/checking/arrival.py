@@ -60,14 +60,9 @@ def check_arrival(
 ) -> list[Violation]:
     """What contradicts the claim that the whole team has arrived.
 
-    After the loss of a robot the shape is the planner's choice: then only stillness, heading and
-    a place within the shape's extent are checked.
-
-    Args:
-        scenario: With the goals, the formation and the events that change them.
-        tracks: With increasing time stamps.
-        goal_moved: How far the goal is said to have been moved to fit, m.
-        criterion: When robots have arrived.
+    The goal is said to have been moved by `goal_moved` m to fit. After the loss of a robot the
+    shape is the planner's choice: then only stillness, heading and a place within the shape's
+    extent are checked.
     """
     goal, formation, present = _task_at(scenario, max(float(track.time[-1]) for track in tracks))
     final = np.array([tracks[k].pose[-1] for k in present])
@@ -135,14 +130,8 @@ def _standing(
 ) -> list[Violation]:
     """Robots that are too far off, turned or not yet still.
 
-    Args:
-        scenario: Whose cycle counts.
-        tracks: Of all robots.
-        robots: Those that take part.
-        errors, turns: Of each of them, m and rad.
-        words: What the distance is from.
-        criterion: When a robot has arrived.
-        limit: Of the distance, m.
+    `errors`, m from what `words` say, and `turns`, rad, are those of `robots`; `limit` is that of
+    the errors. The scenario's cycle counts.
     """
     end = max(float(track.time[-1]) for track in tracks)
     result = []

@@ -143,11 +143,7 @@ def judge_planar(
 ) -> tuple[list[Violation], Figures | None]:
     """Contact between samples and limits of planar motion; no figures if its time is in disorder.
 
-    Args:
-        scene: What robots may run into.
-        tracks: Their motion.
-        models: With their footprints and limits.
-        speeding: By this fraction speed and yaw rate may exceed theirs.
+    Speed and yaw rate may exceed their limits by the fraction `speeding`.
     """
     violations = disordered(tracks)
     if violations:

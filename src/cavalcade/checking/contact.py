@@ -51,13 +51,8 @@ def find_contacts(
 ) -> tuple[list[Violation], float]:
     """Every contact, and the smallest gap in m, at most `FARTHEST`.
 
-    A contact that lasts is one violation, at its first moment.
-
-    Args:
-        scene: What may be touched.
-        team: The robots.
-        ticks: `(T + 1,)` s, the ends of the intervals.
-        among: Whether robots are seen by each other.
+    A contact that lasts is one violation, at its first moment. The intervals end at `ticks`
+    `(T + 1,)` s; robots are seen by each other only if they are `among` what may be touched.
     """
     for margin in _MARGINS:
         violations: list[Violation] = []

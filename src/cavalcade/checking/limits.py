@@ -73,11 +73,7 @@ def exceeded(
 ) -> list[Violation]:
     """One violation per limit and uninterrupted stretch beyond it, at its first moment.
 
-    Args:
-        effort: What the robot did.
-        model: With its limits; infinite ones don't hold.
-        robot: Which.
-        speeding: By this fraction speed and yaw rate may exceed theirs.
+    Infinite limits don't hold; speed and yaw rate may exceed theirs by the fraction `speeding`.
     """
     rules: tuple[tuple[Kind, Array, float, str], ...] = (
         ("speed", effort.speed_ratio, 1.0, "times the speed that its ellipse allows"),
@@ -102,9 +98,7 @@ def exceeded(
 def with_own_limits(model: RobotModel, leaps: bool) -> RobotModel:
     """The model with the limits that hold on the way to a goal of its own, of all directions.
 
-    Args:
-        model: Any robot.
-        leaps: Whether it may leap: then friction holds under up to the largest force of its legs.
+    If legs may leap, friction holds under up to their largest force.
     """
     if model.legs is not None and model.drive == "legged":
         force = model.legs.grf_max if leaps else 1.0

@@ -70,11 +70,7 @@ class Scene:
 
 
 def build_scene(scenario: Scenario, heights: Heights | None = None) -> Scene:
-    """The scene of a resolved scenario.
-
-    Args:
-        scenario: What stands where.
-        heights: Of the ground if it has any; then it has no occupied cells.
+    """The scene of a resolved scenario; ground with heights has no occupied cells.
 
     Raises:
         RecordingError: A map file cannot be read.

@@ -37,11 +37,7 @@ def check_joints(
 ) -> list[Violation]:
     """Joints beyond their limits, or with rates or torques that don't belong to the motion.
 
-    Args:
-        record: Of the robot.
-        posture: Its links.
-        description: With the limits.
-        unknown: `(T - 1,)` intervals in which more than feet carries.
+    In the intervals `unknown` `(T - 1,)` more than feet carries.
     """
     result: list[Violation] = []
     size = np.abs(record.torques)

@@ -20,7 +20,6 @@ from cavalcade.checking.physics.kinematics import Posture, posture
 from cavalcade.checking.physics.momentum import carried_part, check_momentum
 from cavalcade.checking.physics.record import RobotRecord
 from cavalcade.checking.physics.touching import (
-    Overlap,
     ground_overlaps,
     obstacle_overlaps,
     robot_overlaps,
@@ -90,17 +89,14 @@ def judge_robots(
     links = {
         record.robot: _links(record, told[record.robot], floor, conditions) for record in records
     }
-    among: dict[int, list[Overlap]] = {record.robot: [] for record in records}
-    for overlap in robot_overlaps(links, told):
-        among[overlap.robot].append(overlap)
     result: list[Violation] = []
     for record in records:
-        robot = record.robot
-        overlaps = [*ground_overlaps(robot, links[robot], told[robot], floor), *among[robot]]
+        robot, own, description = record.robot, links[record.robot], told[record.robot]
+        overlaps = [*ground_overlaps(own, description, floor), *robot_overlaps(robot, links, told)]
         if scene is not None:
-            overlaps += obstacle_overlaps(robot, links[robot], told[robot], scene)
+            overlaps += obstacle_overlaps(own, description, scene)
         result += hidden_contacts(record, overlaps)
-        result += _alone(record, links[robot], told[robot], floor, conditions)
+        result += _alone(record, own, description, floor, conditions)
     return sorted(result, key=lambda violation: violation.time)
 
 

@@ -90,13 +90,9 @@ def posture(
     mass_scale: float = 1.0,
     floor: Floor | None = None,
 ) -> Posture:
-    """The links of a robot at its samples; masses and inertias `mass_scale` times those said.
+    """The links of a robot at its samples, on level ground by default.
 
-    Args:
-        record: Of the robot.
-        description: Of its mechanism.
-        mass_scale: Factor on masses and inertias.
-        floor: What it stands on; level ground by default.
+    Masses and inertias are `mass_scale` times those of the description.
     """
     floor = floor or LevelFloor()
     count = len(record.time)

@@ -126,8 +126,7 @@ def judge_leap(
     touch_down = _touch_down(record.time, landed)
     surface = np.where(past > 0.0, leap.beyond, min(leap.before, leap.beyond))
     sunk = float((surface - bottom)[late].max(initial=-np.inf))
-    angles = roll_pitch_yaw(record.turn)
-    pitch = float(np.abs(angles[late, 1]).max(initial=0.0))
+    pitch = float(np.abs(roll_pitch_yaw(record.turn)[late, 1]).max(initial=0.0))
 
     def verdict(reason: str) -> LeapVerdict:
         return LeapVerdict(not reason, reason, flight, touch_down, sunk, pitch)
@@ -140,7 +139,7 @@ def judge_leap(
     body = [touch for touch in record.touches if touch.part in BODY and touch.time >= leap.begin]
     if body:
         return verdict(f"the {body[0].part} touches the {body[0].other} at {body[0].time:.2f} s")
-    hidden = hidden_contacts(record, ground_overlaps(record.robot, links, description, floor))
+    hidden = hidden_contacts(record, ground_overlaps(links, description, floor))
     unsaid = [violation.message for violation in hidden if violation.time >= leap.begin]
     if unsaid:
         return verdict(unsaid[0])
@@ -162,10 +161,7 @@ def judge_leap(
 def find_leap(ground: Ground, start: Array, end: Array, begin: float) -> Leap | None:
     """What is to be leapt on a straight way; None where the ground does not break.
 
-    Args:
-        ground: Its heights.
-        start, end: `(2,)` of the way, m.
-        begin: When the take-off begins at the earliest, s.
+    The way goes from `start` to `end`, `(2,)` m; the take-off begins at `begin` s at the earliest.
     """
     way = end - start
     length = math.hypot(*way)

@@ -53,8 +53,7 @@ def check_momentum(
     """Changes of momentum, and of angular momentum, that no contact force accounts for.
 
     Args:
-        record: With the forces.
-        posture: Its links.
+        record, posture: With the forces, and the links.
         pushes: `(T - 1, 3)` N, mean of known forces on the trunk's centre in each interval.
         unknown: `(T - 1,)` intervals in which other forces act, about which nothing is said.
     """

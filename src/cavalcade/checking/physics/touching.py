@@ -8,9 +8,8 @@ of one distance.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import permutations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,15 +35,13 @@ class Overlap:
     """How deep a part of a robot is in something.
 
     Attributes:
-        robot, part, leg: Whose.
+        part: Which, of the robot.
         other: `ground`, `obstacle` or `robot k`.
         obstacle: For obstacles which, as in `Violation`.
         depth: `(T,)` m; negative where it is clear, -inf where it was not looked at.
     """
 
-    robot: int
     part: str
-    leg: int
     other: str
     obstacle: str
     depth: Array
@@ -66,7 +63,7 @@ class Balls:
 
 
 def ground_overlaps(
-    robot: int, posture: Posture, description: QuadrupedDescription, floor: Floor
+    posture: Posture, description: QuadrupedDescription, floor: Floor
 ) -> Iterator[Overlap]:
     """Of all parts but feet with the ground."""
     for shape in description.solids:
@@ -75,11 +72,11 @@ def ground_overlaps(
         balls = _balls_of(shape, posture)
         low, _ = floor.range_at(balls.places[..., :2], balls.radius)
         depth = (low - balls.places[..., 2] + balls.radius).max(axis=1)
-        yield Overlap(robot, shape.part, shape.leg, "ground", "", depth)
+        yield Overlap(shape.part, "ground", "", depth)
 
 
 def obstacle_overlaps(
-    robot: int, posture: Posture, description: QuadrupedDescription, scene: Scene
+    posture: Posture, description: QuadrupedDescription, scene: Scene
 ) -> Iterator[Overlap]:
     """Of all parts with obstacles, which stand on the ground and are higher than robots."""
     time, place = posture.time, posture.place[:, 0, :2]
@@ -89,26 +86,27 @@ def obstacle_overlaps(
         near = _near(solid.bounds, place - offset) & (time >= solid.start) & (time < solid.end)
         rows = np.flatnonzero(near)
         if len(rows):
-            yield from _in_outline(robot, balls, rows, solid, offset[rows], len(time))
+            yield from _in_outline(balls, rows, solid, offset[rows], len(time))
     low, high = scene.blocks.min(axis=1), scene.blocks.max(axis=1)
     for corners, bounds in zip(scene.blocks, np.hstack((low, high)), strict=True):
         rows = np.flatnonzero(_near(bounds, place))
         if len(rows):
-            still = np.zeros((1, 2))
-            block = Solid("map", corners, 0.0, 0.0, np.inf, np.zeros(1), still)
-            yield from _in_outline(robot, balls, rows, block, still, len(time))
+            block = Solid("map", corners)
+            yield from _in_outline(balls, rows, block, block.offset, len(time))
     for one in balls:
         local = inverse_transform_points(scene.origin, one.places[..., :2].reshape(-1, 2))
         beyond = np.maximum(-local, local - np.array(scene.size)).max(axis=1)
         depth = (beyond.reshape(one.places.shape[:2]) + one.radius).max(axis=1)
-        yield Overlap(robot, one.shape.part, one.shape.leg, "obstacle", "border", depth)
+        yield Overlap(one.shape.part, "obstacle", "border", depth)
 
 
 def robot_overlaps(
-    postures: dict[int, Posture], descriptions: dict[int, QuadrupedDescription]
+    one: int, postures: dict[int, Posture], descriptions: dict[int, QuadrupedDescription]
 ) -> Iterator[Overlap]:
-    """Of all parts with those of other robots; samples are those of one clock."""
-    for one, two in permutations(postures, 2):
+    """Of all parts of a robot with those of others; samples are those of one clock."""
+    for two in postures:
+        if two == one:
+            continue
         apart = postures[one].place[:, 0] - postures[two].place[:, 0]
         rows = np.flatnonzero(np.linalg.norm(apart, axis=1) < 2.0 * NEAR)
         if not len(rows):
@@ -123,7 +121,7 @@ def robot_overlaps(
                 found = _distance_to(solid, postures[two], balls.places[close], close)
                 deep = balls.radius - found.min(axis=1)
                 depth[close] = np.maximum(depth[close], deep)
-            yield Overlap(one, shape.part, shape.leg, f"robot {two}", "", depth)
+            yield Overlap(shape.part, f"robot {two}", "", depth)
 
 
 def _near(bounds: Array, place: Array) -> NDArray[np.bool_]:
@@ -132,14 +130,14 @@ def _near(bounds: Array, place: Array) -> NDArray[np.bool_]:
 
 
 def _in_outline(
-    robot: int, balls: list[Balls], rows: Rows, solid: Solid, offset: Array, count: int
+    balls: list[Balls], rows: Rows, solid: Solid, offset: Array, count: int
 ) -> Iterator[Overlap]:
     for one in balls:
         places = one.places[rows][..., :2] - offset[:, None]
         found = _outline_distance(places, solid.points) - solid.radius
         depth = np.full(count, -np.inf)
         depth[rows] = one.radius - found.min(axis=1)
-        yield Overlap(robot, one.shape.part, one.shape.leg, "obstacle", solid.key, depth)
+        yield Overlap(one.shape.part, "obstacle", solid.key, depth)
 
 
 def _outline_distance(places: Array, points: Array) -> Array:
@@ -183,16 +181,11 @@ def _radius_of(shape: BodyShape) -> float:
     return float(np.hypot(a, b)) if shape.kind == "cylinder" else float(np.hypot(np.hypot(a, b), c))
 
 
-def _distance_to(
-    shape: BodyShape, posture: Posture, places: Array, rows: NDArray[np.int64]
-) -> Array:
-    """Signed distances `(K, B)` in m of points `(K, B, 3)` from a solid at samples `rows` `(K,)`.
-
-    Negative inside.
-    """
+def _distance_to(shape: BodyShape, posture: Posture, places: Array, rows: Rows) -> Array:
+    """Signed distances `(K, B)` in m of points `(K, B, 3)` from a solid at samples `(K,)`."""
     turn = posture.turn[rows, shape.link] @ matrices(np.array(shape.rotation))
     local = (places - _middle_of(shape, posture)[rows][:, None]) @ turn
-    return _DISTANCES[shape.kind](local, np.array(shape.size))
+    return _signed_distance(shape.kind, local, np.array(shape.size))
 
 
 def _filled(shape: BodyShape) -> tuple[Array, float]:
@@ -220,34 +213,17 @@ def _axis(half: float, spacing: float) -> Array:
     return np.column_stack((np.zeros_like(z), np.zeros_like(z), z))
 
 
-def _to_sphere(local: Array, size: Array) -> Array:
-    return np.linalg.norm(local, axis=-1) - size[0]
-
-
-def _to_capsule(local: Array, size: Array) -> Array:
-    along = np.maximum(np.abs(local[..., 2]) - size[1], 0.0)
-    return np.sqrt(local[..., 0] ** 2 + local[..., 1] ** 2 + along**2) - size[0]
-
-
-def _to_cylinder(local: Array, size: Array) -> Array:
-    beyond = np.stack(
-        (np.hypot(local[..., 0], local[..., 1]) - size[0], np.abs(local[..., 2]) - size[1]), axis=-1
-    )
-    return _from_excess(beyond)
-
-
-def _to_box(local: Array, size: Array) -> Array:
-    return _from_excess(np.abs(local) - size)
-
-
-def _from_excess(beyond: Array) -> Array:
+def _signed_distance(kind: str, local: Array, size: Array) -> Array:
+    """Distances `(...)` in m of points `(..., 3)` in a solid's own frame; negative inside."""
+    x, y, z = np.moveaxis(local, -1, 0)
+    if kind == "sphere":
+        return np.linalg.norm(local, axis=-1) - size[0]
+    if kind == "capsule":
+        along = np.maximum(np.abs(z) - size[1], 0.0)
+        return np.sqrt(x**2 + y**2 + along**2) - size[0]
+    if kind == "cylinder":
+        beyond = np.stack((np.hypot(x, y) - size[0], np.abs(z) - size[1]), axis=-1)
+    else:
+        beyond = np.abs(local) - size
     outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=-1)
     return outside + np.minimum(beyond.max(axis=-1), 0.0)
-
-
-_DISTANCES: dict[str, Callable[[Array, Array], Array]] = {
-    "sphere": _to_sphere,
-    "capsule": _to_capsule,
-    "cylinder": _to_cylinder,
-    "box": _to_box,
-}

@@ -36,13 +36,9 @@ Bools = NDArray[np.bool_]
 def check_body(
     motion: Motion, legs: LegModel, ground: Ground | None, clearance: Array
 ) -> list[Violation]:
-    """What contradicts the ground.
+    """What contradicts the ground around the motion; None is level ground at height 0.
 
-    Args:
-        motion: Of a legged robot.
-        legs: Its figures.
-        ground: Around the motion; None for level ground at height 0.
-        clearance: `(T,)` as `belly_clearance` gives it, m.
+    `clearance` `(T,)` m is that of `belly_clearance`.
     """
     words = "has its belly {value:.3f} m above the ground; the least is {limit:.3f} m"
     low = motion.shortfalls("belly", clearance, legs.h_min, words, BELLY_SLACK)

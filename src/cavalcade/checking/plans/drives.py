@@ -26,12 +26,7 @@ _REST = 0.02
 
 
 def check_driven(motion: Motion, model: RobotModel) -> list[Violation]:
-    """Everything about the motion of a robot without legs.
-
-    Args:
-        motion: With increasing times.
-        model: With a drive other than `legged`.
-    """
+    """Everything about the motion, with increasing times, of a robot without legs."""
     second = model.drive.endswith("-2")
     turning = model.drive.startswith("unicycle")
     violations = _level(motion)

@@ -34,13 +34,7 @@ _LEFT = np.array([1.0, -1.0, 1.0, -1.0])
 
 
 def check_footholds(motion: Motion, legs: LegModel, ground: Ground | None) -> list[Violation]:
-    """What is wrong with the footholds of a legged robot's motion.
-
-    Args:
-        motion: With its footholds.
-        legs: The robot's figures.
-        ground: Around the motion; None for level ground at height 0.
-    """
+    """What is wrong with a legged robot's footholds; None is level ground at height 0."""
     if not len(motion.footholds):
         text = f"robot {motion.robot} has no footholds"
         return [Violation("foothold", 0.0, (motion.robot,), text, 0.0, 1.0)]

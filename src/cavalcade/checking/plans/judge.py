@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -74,9 +74,13 @@ def judge_plan(
     if solved:
         for motion in known:
             violations += _check_goal(motion, models[motion.robot], scenario.goals[motion.robot])
-        violations += _check_missing(motions, spoken_of)
+        violations += [
+            Violation("plan", 0.0, (robot,), f"robot {robot} has no plan", 0.0, 1.0)
+            for robot, motion in enumerate(motions)
+            if motion is None and robot not in spoken_of
+        ]
         if figures:
-            violations += _check_figures(motions, summary)
+            violations += _check_figures(known, len(models), summary)
     return make_report(violations, _figures(known, models, gap, bellies) if known else None)
 
 
@@ -144,7 +148,7 @@ def _figures(
 
     return Figures(
         robots=len(motions),
-        duration_s=max(float(m.time[-1]) for m in motions),
+        duration_s=max(_duration(motion) for motion in motions),
         min_footprint_gap_m=gap,
         max_speed_ratio=max(largest(m.speed) / top_speed(models[m.robot]) for m in motions),
         max_yaw_rate=max(largest(np.abs(m.yaw_rate)) for m in motions),
@@ -187,41 +191,28 @@ def _check_goal(motion: Motion, model: RobotModel, goal: Pose) -> list[Violation
     return result
 
 
-def _check_missing(motions: tuple[Motion | None, ...], spoken_of: set[int]) -> list[Violation]:
-    """Robots without motion in a plan that is said to solve the problem.
-
-    Args:
-        motions: Of each robot.
-        spoken_of: Robots of whose arrays something is wrong.
-    """
-    return [
-        Violation("plan", 0.0, (robot,), f"robot {robot} has no plan", 0.0, 1.0)
-        for robot, motion in enumerate(motions)
-        if motion is None and robot not in spoken_of
-    ]
-
-
 def _check_figures(
-    motions: tuple[Motion | None, ...], summary: Mapping[str, Any]
+    motions: Sequence[Motion], robots: int, summary: Mapping[str, Any]
 ) -> list[Violation]:
     """Lengths, durations and makespan of a solved plan's summary."""
-    lengths = [None if m is None else _path_length(m) for m in motions]
-    durations = [None if m is None else float(m.time[-1]) for m in motions]
     result = []
-    for key, found in (("path_length_m", lengths), ("duration_s", durations)):
+    for key, measure in (("path_length_m", _path_length), ("duration_s", _duration)):
         said = summary.get(key)
-        if not isinstance(said, list) or len(said) != len(motions):
-            text = f"{key} of the summary has no value for each of {len(motions)} robots"
-            result.append(Violation("summary", 0.0, (), text, 0.0, float(len(motions))))
+        if not isinstance(said, list) or len(said) != robots:
+            text = f"{key} of the summary has no value for each of {robots} robots"
+            result.append(Violation("summary", 0.0, (), text, 0.0, float(robots)))
             continue
-        for robot, (claim, truth) in enumerate(zip(said, found, strict=True)):
-            if truth is not None:
-                result += _compared(f"{key} of robot {robot}", claim, truth, (robot,))
-    whole = [duration for duration in durations if duration is not None]
-    if whole:
-        everyone = tuple(range(len(motions)))
-        result += _compared("makespan_s", summary.get("makespan_s"), max(whole), everyone)
+        for motion in motions:
+            robot = motion.robot
+            result += _compared(f"{key} of robot {robot}", said[robot], measure(motion), (robot,))
+    if motions:
+        everyone, last = tuple(range(robots)), max(_duration(motion) for motion in motions)
+        result += _compared("makespan_s", summary.get("makespan_s"), last, everyone)
     return result
+
+
+def _duration(motion: Motion) -> float:
+    return float(motion.time[-1])
 
 
 def _path_length(motion: Motion) -> float:

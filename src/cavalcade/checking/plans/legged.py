@@ -49,13 +49,10 @@ Bools = NDArray[np.bool_]
 
 
 def check_legged(motion: Motion, model: RobotModel, published: bool) -> list[Violation]:
-    """Everything about a body's motion that needs no ground.
+    """Everything about a body's motion, with increasing times, that needs no ground.
 
-    Args:
-        motion: With increasing times and known phases.
-        model: Of a legged robot.
-        published: Whether the published model holds: vertical speed may jump before and after a
-            leap, and yaw follows the velocity however fast that turns.
+    If the published model holds, vertical speed may jump before and after a leap, and yaw follows
+    the velocity however fast that turns.
     """
     if model.legs is None:
         raise ValueError(f"{model.name} has no legs")
