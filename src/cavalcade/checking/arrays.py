@@ -83,7 +83,6 @@ def _ground(size: tuple[float, float] | None, map: str | Path | None) -> Ground:
 def _solid(index: int, words: Mapping[str, Any]) -> Solid:
     key = f"obstacles[{index}]"
     try:
-        points, radius = outline(Obstacle.model_validate(dict(words)))
+        return Solid(key, *outline(Obstacle.model_validate(dict(words))))
     except (ValidationError, ValueError) as error:
         raise InputError("expected a box, a circle or a polygon", key=key) from error
-    return Solid(key, points, radius)

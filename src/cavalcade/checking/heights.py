@@ -32,6 +32,7 @@ _MARGIN = 1.5
 """Around the places asked for, m: further than any of the above reaches."""
 
 Origin = tuple[float, float, float]
+Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,37 +209,34 @@ def disc(radius: float) -> NDArray[np.bool_]:
 
 
 def _mean(field: Array, radius: float) -> Array:
-    from scipy.signal import oaconvolve
-
     kernel = disc(radius).astype(float)
-    edge = kernel.shape[0] // 2
-    wide = np.pad(field - field.mean(), edge, mode="edge")
-    mean: Array = oaconvolve(wide, kernel / kernel.sum(), mode="valid")
-    return mean + field.mean()
+    return _convolved(field, kernel / kernel.sum()) + field.mean()
 
 
 def _slopes(field: Array, radius: float, cell: float) -> tuple[Array, Array]:
     """Slopes along x and y of the planes that fit the discs around each cell best."""
-    from scipy.signal import oaconvolve
-
     within = disc(radius)
     edge = within.shape[0] // 2
     if edge == 0:
         return np.zeros_like(field), np.zeros_like(field)
     steps = np.arange(-edge, edge + 1) * within * cell
     kernel = steps / (steps * steps).sum()
-    wide = np.pad(field - field.mean(), edge, mode="edge")
     # Convolution turns the kernel round.
-    x: Array = oaconvolve(wide, -kernel, mode="valid")
-    y: Array = oaconvolve(wide, -kernel.T, mode="valid")
-    return x, y
+    return _convolved(field, -kernel), _convolved(field, -kernel.T)
+
+
+def _convolved(field: Array, kernel: Array) -> Array:
+    """What differs from the field's mean, continued beyond its edges, times the kernel."""
+    from scipy.signal import oaconvolve
+
+    wide = np.pad(field - field.mean(), kernel.shape[0] // 2, mode="edge")
+    return oaconvolve(wide, kernel, mode="valid")
 
 
 def _around(
     shape: tuple[int, ...], cells: Array
-) -> tuple[
-    NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], Array, Array
-]:
+) -> tuple[Indices, Indices, Indices, Indices, Array, Array]:
+    """Row, column, next column, next row and fractions along x and y of the four cells around."""
     rows, cols = shape
     u = np.clip(cells[..., 0], 0.0, cols - 1.0)
     v = np.clip(cells[..., 1], 0.0, rows - 1.0)

@@ -52,13 +52,13 @@ def recorded_contacts(record: RobotRecord) -> list[Violation]:
         before = last.get(what, -np.inf)
         last[what] = touch.time
         if touch.time > before + TOGETHER:
-            result.append(_violation(record, touch.time, touch.part, touch.other, "", 0.0, ""))
+            result.append(_violation(record, touch))
     calves = [touch for touch in record.touches if (touch.part, touch.other) == _CALF]
     if calves:
         part = float(touched(replace(record, touches=tuple(calves))).mean())
         if part > ON_CALVES:
             words = f" {100.0 * part:.0f} % of the time"
-            result.append(_violation(record, calves[0].time, *_CALF, "", part, words))
+            result.append(_violation(record, calves[0], "", part, words))
     return result
 
 
@@ -74,9 +74,8 @@ def hidden_contacts(record: RobotRecord, overlaps: Iterable[Overlap]) -> list[Vi
                 continue
             depth = float(overlap.depth[begin:end].max())
             words = f", {depth:.3f} m deep, and the recording says nothing of it"
-            found = _violation(
-                record, float(first), overlap.part, overlap.other, overlap.obstacle, depth, words
-            )
+            touch = Touch(float(first), overlap.part, overlap.other)
+            found = _violation(record, touch, overlap.obstacle, depth, words)
             key = (overlap.other, overlap.obstacle)
             if key not in result or found.time < result[key].time:
                 result[key] = found
@@ -122,24 +121,19 @@ def _told(touches: tuple[Touch, ...], other: str, begin: float, end: float) -> b
 
 
 def _violation(
-    record: RobotRecord,
-    time: float,
-    part: str,
-    other: str,
-    obstacle: str,
-    value: float,
-    words: str,
+    record: RobotRecord, touch: Touch, obstacle: str = "", value: float = 0.0, words: str = ""
 ) -> Violation:
-    x, y, z = record.base[int(np.searchsorted(record.time, time).clip(0, len(record.time) - 1)), :3]
+    sample = int(np.searchsorted(record.time, touch.time).clip(0, len(record.time) - 1))
+    x, y, z = record.base[sample, :3]
     robots: tuple[int, ...] = (record.robot,)
     kind: Kind = "contact"
-    touched = f"the {other}" if other == "ground" else obstacle or other
-    if other.startswith("robot "):
-        robots, kind = (record.robot, int(other.removeprefix("robot "))), "robot-robot"
-    elif other == "obstacle":
+    what = "the ground" if touch.other == "ground" else obstacle or touch.other
+    if touch.other.startswith("robot "):
+        robots, kind = (record.robot, int(touch.other.removeprefix("robot "))), "robot-robot"
+    elif touch.other == "obstacle":
         kind = "robot-obstacle"
     text = (
-        f"the {part} of robot {record.robot} touches {touched}{words}; its trunk is at "
+        f"the {touch.part} of robot {record.robot} touches {what}{words}; its trunk is at "
         f"({x:.3f}, {y:.3f}, {z:.3f}) m"
     )
-    return Violation(kind, time, robots, text, value, 0.0, obstacle)
+    return Violation(kind, touch.time, robots, text, value, 0.0, obstacle)

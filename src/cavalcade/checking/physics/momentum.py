@@ -59,11 +59,15 @@ def check_momentum(
     """
     if len(record.time) < 3:
         return []
-    mass = posture.weight
     linear, turning = _missing(record, posture, pushes)
-    weight = mass * GRAVITY
-    result = _mean_force(record, _carried(record, linear, weight, unknown))
-    middle = middles(record.time)
+    weight, middle = posture.weight * GRAVITY, middles(record.time)
+    result = []
+    # Over the whole recording the feet carry the robot's weight.
+    part = _carried(middle, linear, weight, unknown)
+    if part is not None and abs(part - 1.0) > WEIGHT:
+        text = f"the feet of robot {record.robot} carry {100.0 * part:.1f} % of what moves it"
+        begin = float(record.time[0])
+        result.append(Violation("weight", begin, (record.robot,), text, part, 1.0))
     edge = _grain(record, pushes, weight) + _steps(record, posture)
     rules: tuple[tuple[Kind, Array, Array, float], ...] = (
         ("momentum", linear, edge, DRIFT * weight),
@@ -87,8 +91,7 @@ def _missing(record: RobotRecord, posture: Posture, pushes: Array) -> tuple[Arra
     step = record.steps[:, None]
     gravity = np.array([0.0, 0.0, -GRAVITY * posture.weight])
     force = record.forces[1:].sum(axis=1) + pushes + gravity
-    center = middles(posture.center)
-    soles = middles(posture.soles)
+    center, soles = middles(posture.center), middles(posture.soles)
     moment = np.cross(soles - center[:, None], record.forces[1:]).sum(axis=1)
     moment += np.cross(middles(posture.centers[:, 0]) - center, pushes)
     linear = posture.weight * posture.velocity - _until_middle(force * step)
@@ -128,26 +131,17 @@ def carried_part(
     if len(record.time) < 3:
         return None
     linear, _ = _missing(record, posture, pushes)
-    return _carried(record, linear, posture.weight * GRAVITY, unknown)
+    return _carried(middles(record.time), linear, posture.weight * GRAVITY, unknown)
 
 
 def _carried(
-    record: RobotRecord, balance: Array, weight: float, unknown: NDArray[np.bool_]
+    middle: Array, balance: Array, weight: float, unknown: NDArray[np.bool_]
 ) -> float | None:
-    middle = middles(record.time)
     missing, span = 0.0, 0.0
     for begin, end in stretches(~unknown):
         missing += float(balance[begin, 2] - balance[end - 1, 2])
         span += float(middle[end - 1] - middle[begin])
     return None if span < LONG_ENOUGH else 1.0 + missing / (weight * span)
-
-
-def _mean_force(record: RobotRecord, part: float | None) -> list[Violation]:
-    """Over the whole recording the feet carry the robot's weight."""
-    if part is None or abs(part - 1.0) <= WEIGHT:
-        return []
-    text = f"the feet of robot {record.robot} carry {100.0 * part:.1f} % of what moves it"
-    return [Violation("weight", float(record.time[0]), (record.robot,), text, part, 1.0)]
 
 
 def _window(

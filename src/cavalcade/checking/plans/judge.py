@@ -21,12 +21,11 @@ from cavalcade.checking.plans.legged import check_legged, top_speed
 from cavalcade.checking.plans.motion import FLIGHT, Motion
 from cavalcade.checking.plans.structure import read_motions
 from cavalcade.checking.report import Figures, Report, Violation, make_report
+from cavalcade.checking.samples import Pose, off_start
 from cavalcade.checking.solids import Scene, build_scene
 from cavalcade.geometry import Array, wrap_angle
 from cavalcade.robots import RobotModel
 from cavalcade.scenario import Scenario
-
-Pose = tuple[float, float, float]
 
 START = (1e-3, 1e-3)
 """How far a plan may begin from the scenario's start, m and rad."""
@@ -95,7 +94,8 @@ def _alone(
 
     The least clearance of its belly goes into `bellies`.
     """
-    violations = _check_start(motion, model, scenario.starts[motion.robot])
+    robot, pose = motion.robot, motion.track.pose[0]
+    violations = off_start(robot, 0.0, pose, scenario.starts[robot], START, _heads(model))
     if model.legs is None or model.drive != "legged":
         return violations + check_driven(motion, model)
     ground = None
@@ -168,18 +168,10 @@ def _heads(model: RobotModel) -> bool:
     return not model.drive.startswith("integrator")
 
 
-def _check_start(motion: Motion, model: RobotModel, start: Pose) -> list[Violation]:
-    """A plan that does not begin where the scenario says."""
-    distance, turn = _apart(motion, 0, start)
-    if distance <= START[0] and (turn <= START[1] or not _heads(model)):
-        return []
-    text = f"robot {motion.robot} begins {distance:.3f} m and {turn:.3f} rad from its start"
-    return [Violation("start", 0.0, (motion.robot,), text, distance, START[0])]
-
-
 def _check_goal(motion: Motion, model: RobotModel, goal: Pose) -> list[Violation]:
     """A plan that is said to solve the problem, but ends elsewhere."""
-    distance, turn = _apart(motion, -1, goal)
+    x, y = motion.position[-1, :2] - goal[:2]
+    distance, turn = float(np.hypot(x, y)), float(np.abs(wrap_angle(motion.yaw[-1] - goal[2])))
     end, robot = float(motion.time[-1]), motion.robot
     result = []
     if distance > DISTANCE + _SLACK:
@@ -229,8 +221,3 @@ def _compared(key: str, claim: Any, truth: float, robots: tuple[int, ...]) -> li
     text = f"{key} is {said} in the summary, {truth:.4g} in the plan"
     value = float(claim) if number else math.nan
     return [Violation("summary", 0.0, robots, text, value, truth)]
-
-
-def _apart(motion: Motion, sample: int, pose: Pose) -> tuple[float, float]:
-    x, y = motion.position[sample, :2] - pose[:2]
-    return float(np.hypot(x, y)), float(np.abs(wrap_angle(motion.yaw[sample] - pose[2])))

@@ -109,7 +109,8 @@ def _malformed(
         if array.dtype.kind not in "fiu":
             return bad(f"{key} holds no numbers")
         if array.ndim != 1 + len(rest) or array.shape[1:] != rest or not len(array):
-            return bad(f"{key} has the shape {array.shape}, expected {_said(rest)}")
+            expected = f"(T, {rest[0]})" if rest else "(T,)"
+            return bad(f"{key} has the shape {array.shape}, expected {expected}")
         count = len(array) if count is None else count
         if len(array) != count:
             return bad(f"{key} has {len(array)} samples, t_{robot} has {count}")
@@ -122,10 +123,6 @@ def _malformed(
     if array.dtype.kind not in "fiu" or array.ndim != 2 or array.shape[1] != 6:
         return bad(f"{key} has the shape {array.shape}, expected (M, 6)")
     return None if _measured(array) else bad(f"{key} is not finite or beyond all measure")
-
-
-def _said(rest: tuple[int, ...]) -> str:
-    return f"(T, {rest[0]})" if rest else "(T,)"
 
 
 def _measured(array: NDArray[Any]) -> bool:
