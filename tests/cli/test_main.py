@@ -130,7 +130,7 @@ def test_what_cannot_be_written_is_two(
         (["show", "cone", "--out", "cone.txt"], "expected the name of a picture"),
         (["show", "cone", "--out", "no/such/folder/cone.png"], "no/such/folder: no such folder"),
         (["import", "x"], "--out"),
-        (["import", "x", "--out", "y.yaml"], "x: cannot be read"),
+        (["import", "x", "--out", "y.yaml"], "x: no such file"),
         (["studio"], "studio arrives with"),
     ],
 )
