@@ -17,23 +17,22 @@ if TYPE_CHECKING:
     from cavalcade.recording.frames import Recording
     from cavalcade.scenario import Scenario, World
 
-_SCRIPTS = [
-    "data",
-    "matrix",
-    "webgl",
-    "shapes",
-    "ground",
-    "motion",
-    "robots",
-    "strokes",
-    "lines",
-    "camera",
-    "clock",
-    "panels",
-    "charts",
-    "app",
-]
-"""Files of `assets/` in the order in which they build on each other."""
+_SCRIPTS = (
+    "data.js",
+    "matrix.js",
+    "webgl.js",
+    "shapes.js",
+    "ground.js",
+    "motion.js",
+    "robots.js",
+    "strokes.js",
+    "lines.js",
+    "camera.js",
+    "clock.js",
+    "panels.js",
+    "charts.js",
+    "app.js",
+)
 
 
 def write_replay(
@@ -72,11 +71,10 @@ def replay_page(data: Mapping[str, Any]) -> str:
     """The whole HTML text for what `replay_data` made."""
     assets = files("cavalcade.drawing.replay") / "assets"
     text = json.dumps(data, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
-    scripts = [(assets / f"{name}.js").read_text(encoding="utf-8") for name in _SCRIPTS]
     parts = {
         "TITLE": html.escape(f"{data['name']} – Cavalcade replay"),
         "STYLE": (assets / "style.css").read_text(encoding="utf-8"),
-        "SCRIPT": "\n".join(scripts),
+        "SCRIPT": "\n".join((assets / name).read_text(encoding="utf-8") for name in _SCRIPTS),
         # Inside a script element only "<" can end or change the element.
         "DATA": text.replace("<", "\\u003c"),
     }
