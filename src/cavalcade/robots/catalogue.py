@@ -6,10 +6,10 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 
 from cavalcade.errors import InputError
-from cavalcade.robots import go1, go2
 from cavalcade.robots.description import QuadrupedDescription
 from cavalcade.robots.legs import GO1, GO2, SPIRIT, LegModel
 from cavalcade.robots.model import Drive, RobotModel, check_model
+from cavalcade.robots.unitree import GO1_BODY, GO2_BODY
 
 _PAPER = "Norén et al., Role-Adaptive Collaborative Formation Planning"
 _TRACKING_ERROR = 0.03
@@ -124,9 +124,13 @@ def _integrator(
 
 
 _QUADRUPEDS = (
-    _quadruped("go1", (0.65, 0.28, 0.40), GO1, f"{_PAPER}: body and speeds", go1.GO1),
+    _quadruped("go1", (0.65, 0.28, 0.40), GO1, f"{_PAPER}: body and speeds", GO1_BODY),
     _quadruped(
-        "go2", (0.70, 0.31, 0.40), GO2, "Unitree's data sheet of Go2: body; speeds as go1", go2.GO2
+        "go2",
+        (0.70, 0.31, 0.40),
+        GO2,
+        "Unitree's data sheet of Go2: body; speeds as go1",
+        GO2_BODY,
     ),
     _quadruped(
         "spirit", (0.70, 0.35, 0.35), SPIRIT, "Ghost Robotics Spirit 40: body; speeds as go1"
