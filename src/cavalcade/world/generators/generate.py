@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
-from cavalcade.errors import InputError
-from cavalcade.world.generators.clutter import clutter
 from cavalcade.world.generators.corridor import corridor
 from cavalcade.world.generators.feasibility import is_connected
-from cavalcade.world.generators.forest import forest
-from cavalcade.world.generators.maze import maze
-from cavalcade.world.generators.model import GeneratedWorld, Generator, count, number
-from cavalcade.world.generators.rooms import rooms
+from cavalcade.world.generators.model import (
+    GeneratedWorld,
+    Generator,
+    check_options,
+    count,
+    number,
+)
+from cavalcade.world.generators.scattered import clutter, forest
+from cavalcade.world.generators.walls import maze, rooms
 from cavalcade.world.occupancy import checked_resolution, grid_shape
 
 GENERATORS: Mapping[str, Generator] = MappingProxyType(
@@ -54,15 +56,7 @@ def generate(
     Raises:
         InputError: An unknown kind or option, or a value out of range; its key says which.
     """
-    if kind not in GENERATORS:
-        raise InputError(f"unknown kind {str(kind)[:40]!r}", key="kind", choices=GENERATORS)
-    generator = GENERATORS[kind]
-    known = [
-        p.name for p in inspect.signature(generator).parameters.values() if p.kind is p.KEYWORD_ONLY
-    ]
-    for name in options:
-        if name not in known:
-            raise InputError(f"{kind} has no such option", key=name, choices=known)
+    check_options(kind, GENERATORS, options)
     resolution = checked_resolution(resolution)
     grid_shape(size, resolution)
     extent = (float(size[0]), float(size[1]))
@@ -70,7 +64,7 @@ def generate(
     radius = number("radius", radius, 0.0)
     for attempt in range(count("attempts", attempts, 1, 10_000)):
         sequence = np.random.SeedSequence(seed, spawn_key=(attempt,) if attempt else ())
-        draw = generator(extent, np.random.default_rng(sequence), **options)
+        draw = GENERATORS[kind](extent, np.random.default_rng(sequence), **options)
         feasible = is_connected(draw.shapes, extent, draw.start, draw.goal, radius)
         if feasible or not require_feasible:
             break
