@@ -20,9 +20,21 @@ def check_backend(scenario: Parts) -> None:
     Raises:
         PydanticCustomError: One line with the key and what was expected.
     """
-    _check_ideal(scenario)
-    _check_pushes(scenario)
-    if scenario.execution.backend != "mujoco":
+    ideal = scenario.execution.backend != "mujoco"
+    for index, command in enumerate(scenario.task.commands or ()):
+        if ideal and command.leap is not None:
+            raise expected(
+                "ideal robots do not leap when they are told to; expected backend mujoco",
+                key=f"task.commands[{index}].leap",
+            )
+    for index, event in enumerate(scenario.execution.events):
+        key, last = f"execution.events[{index}].push", len(scenario.robots) - 1
+        if ideal and event.push is not None:
+            raise expected("ideal robots cannot be pushed; expected backend mujoco", key=key)
+        if event.push is not None and event.push.robot > last:
+            text = f"there is no robot {event.push.robot}; expected 0 to {last}"
+            raise expected(text, key=f"{key}.robot")
+    if ideal:
         return
     for index, (robot, model) in enumerate(zip(scenario.robots, scenario.models, strict=True)):
         if model.description is None and (robot.mjcf is None or model.legs is None):
@@ -37,31 +49,3 @@ def check_backend(scenario: Parts) -> None:
             f"expected {SLOWEST:g} to {FASTEST:g} in physics: robots stop 0.5 s after a command",
             key="execution.rate",
         )
-
-
-def _check_ideal(scenario: Parts) -> None:
-    """Refuse what ideal robots cannot do."""
-    if scenario.execution.backend == "mujoco":
-        return
-    for index, command in enumerate(scenario.task.commands or ()):
-        if command.leap is not None:
-            raise expected(
-                "ideal robots do not leap when they are told to; expected backend mujoco",
-                key=f"task.commands[{index}].leap",
-            )
-    for index, event in enumerate(scenario.execution.events):
-        if event.push is not None:
-            raise expected(
-                "ideal robots cannot be pushed; expected backend mujoco",
-                key=f"execution.events[{index}].push",
-            )
-
-
-def _check_pushes(scenario: Parts) -> None:
-    for index, event in enumerate(scenario.execution.events):
-        if event.push is None:
-            continue
-        key, last = f"execution.events[{index}].push", len(scenario.robots) - 1
-        if event.push.robot > last:
-            text = f"there is no robot {event.push.robot}; expected 0 to {last}"
-            raise expected(text, key=f"{key}.robot")

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from abc import ABC, abstractmethod
+from typing import Any
 
-from cavalcade.robots import MODELS
+from pydantic_core import PydanticCustomError
+
+from cavalcade.robots import MODELS, RobotModel
 from cavalcade.scenario.commands import METHOD, VARIANT
 from cavalcade.scenario.fields import OneLine, expected
+from cavalcade.scenario.ground import WorldSection
 from cavalcade.scenario.parts import Parts
 from cavalcade.scenario.settings import (
     FORMATION_KEYS,
@@ -20,7 +24,7 @@ from cavalcade.scenario.settings import (
 from cavalcade.scenario.task import INDIVIDUAL, Kind, kind_of
 
 
-class Rules(Protocol):
+class Rules(ABC):
     """What holds for the scenarios of one kind of task."""
 
     unused_keys: tuple[str, ...]
@@ -28,7 +32,9 @@ class Rules(Protocol):
 
     def planner_defaults(self, planner: dict[str, Any]) -> dict[str, Any]:
         """The `planner` section, with what this kind of task has by default written out."""
+        return planner
 
+    @abstractmethod
     def check(self, scenario: Parts) -> None:
         """Refuse what does not go together with the task.
 
@@ -36,15 +42,13 @@ class Rules(Protocol):
             PydanticCustomError: One line with the key and what was expected.
         """
 
+    @abstractmethod
     def plain_task(self, task: dict[str, Any]) -> dict[str, Any]:
         """The `task` section for a file: its dumped model without what does not apply."""
 
 
 class _FormationRules(Rules):
-    unused_keys: tuple[str, ...] = TEAM_KEYS
-
-    def planner_defaults(self, planner: dict[str, Any]) -> dict[str, Any]:
-        return planner
+    unused_keys = TEAM_KEYS
 
     def check(self, scenario: Parts) -> None:
         for index, (robot, model) in enumerate(zip(scenario.robots, scenario.models, strict=True)):
@@ -54,11 +58,8 @@ class _FormationRules(Rules):
                     key=f"robots[{index}].goal",
                 )
             if model.legs is None:
-                raise expected(
-                    f"a {model.name} has no place in a formation; expected a robot with legs",
-                    key=f"robots[{index}].model",
-                    choices=_legged(),
-                )
+                text = f"a {model.name} has no place in a formation; expected a robot with legs"
+                raise _legless(index, text)
         if scenario.planner.method != "formation":
             raise expected(
                 f"method {scenario.planner.method} is for individual goals; expected formation",
@@ -79,7 +80,7 @@ class _FormationRules(Rules):
 
 
 class _IndividualRules(Rules):
-    unused_keys: tuple[str, ...] = FORMATION_KEYS
+    unused_keys = FORMATION_KEYS
 
     def planner_defaults(self, planner: dict[str, Any]) -> dict[str, Any]:
         published = planner.get("variant") == "published"
@@ -101,12 +102,7 @@ class _IndividualRules(Rules):
                     "missing; with individual goals each robot has one: [x, y, yaw]",
                     key=f"robots[{index}].goal",
                 )
-            if scenario.world.has_heights and model.legs is None:
-                raise expected(
-                    f"a {model.name} needs level ground; expected a robot with legs on terrain",
-                    key=f"robots[{index}].model",
-                    choices=_legged(),
-                )
+            _check_ground(scenario.world, index, model)
         if planner.method not in TEAM_METHODS:
             raise expected(
                 f"method {planner.method} has no individual goals",
@@ -137,7 +133,7 @@ class _IndividualRules(Rules):
 
 
 class _CommandRules(Rules):
-    unused_keys: tuple[str, ...] = (*FORMATION_KEYS, *TEAM_KEYS)
+    unused_keys = (*FORMATION_KEYS, *TEAM_KEYS)
 
     def planner_defaults(self, planner: dict[str, Any]) -> dict[str, Any]:
         return {"method": METHOD, **planner}
@@ -146,12 +142,7 @@ class _CommandRules(Rules):
         for index, (robot, model) in enumerate(zip(scenario.robots, scenario.models, strict=True)):
             if robot.goal is not None:
                 raise expected("commands say where it goes", key=f"robots[{index}].goal")
-            if scenario.world.has_heights and model.legs is None:
-                raise expected(
-                    f"a {model.name} needs level ground; expected a robot with legs on terrain",
-                    key=f"robots[{index}].model",
-                    choices=_legged(),
-                )
+            _check_ground(scenario.world, index, model)
         planner = scenario.planner
         for key, said, known in (
             ("method", planner.method, METHOD),
@@ -226,5 +217,12 @@ def _refuse(planner: PlannerSection, keys: tuple[str, ...], why: str) -> None:
             raise expected(why, key=f"planner.{key}")
 
 
-def _legged() -> tuple[str, ...]:
-    return tuple(name for name, model in MODELS.items() if model.legs is not None)
+def _check_ground(world: WorldSection, index: int, model: RobotModel) -> None:
+    if world.has_heights and model.legs is None:
+        text = f"a {model.name} needs level ground; expected a robot with legs on terrain"
+        raise _legless(index, text)
+
+
+def _legless(index: int, text: str) -> PydanticCustomError:
+    legged = (name for name, model in MODELS.items() if model.legs is not None)
+    return expected(text, key=f"robots[{index}].model", choices=legged)

@@ -1,38 +1,33 @@
-"""The parts of a scenario that rules look at together."""
+"""The parts of a scenario, before they are looked at together."""
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Annotated, Literal
+
+from pydantic import Field, PrivateAttr
 
 from cavalcade.robots import RobotModel
+from cavalcade.scenario.fields import Section
 from cavalcade.scenario.ground import WorldSection
 from cavalcade.scenario.settings import ExecutionSection, PlannerSection
 from cavalcade.scenario.task import RobotSection, TaskSection
 
 
-class Parts(Protocol):
-    """A scenario, as the rules of its task and backend see it."""
+class Parts(Section):
+    """The sections of a scenario file, as the rules of its task and backend see them."""
 
-    @property
-    def world(self) -> WorldSection:
-        """Where it takes place."""
+    version: Literal[1]
+    name: Annotated[str, Field(min_length=1, max_length=200)]
+    description: Annotated[str, Field(max_length=2000)] = ""
+    world: WorldSection
+    robots: Annotated[tuple[RobotSection, ...], Field(min_length=1, max_length=256)]
+    task: TaskSection
+    planner: PlannerSection = PlannerSection()
+    execution: ExecutionSection = ExecutionSection()
 
-    @property
-    def robots(self) -> tuple[RobotSection, ...]:
-        """The team as the file names it."""
+    _models: tuple[RobotModel, ...] | None = PrivateAttr(default=None)
 
     @property
     def models(self) -> tuple[RobotModel, ...]:
         """The model of each robot."""
-
-    @property
-    def task(self) -> TaskSection:
-        """What the team is to do."""
-
-    @property
-    def planner(self) -> PlannerSection:
-        """How it plans."""
-
-    @property
-    def execution(self) -> ExecutionSection:
-        """How the plan is carried out."""
+        return self._models or tuple(robot.the_model for robot in self.robots)

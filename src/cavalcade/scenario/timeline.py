@@ -79,9 +79,9 @@ _EARLIEST = 1e-9
 class _Track:
     obstacle: Obstacle
     start: float
+    time: list[float]
     end: float = math.inf
-    time: list[float] = field(default_factory=list)
-    offset: list[Offset] = field(default_factory=list)
+    offset: list[Offset] = field(default_factory=lambda: [(0.0, 0.0)])
 
     def span(self) -> ObstacleSpan:
         return ObstacleSpan(
@@ -89,26 +89,20 @@ class _Track:
         )
 
 
-def obstacle_spans(
-    scenario: Scenario, generated: tuple[Obstacle, ...] = ()
-) -> tuple[ObstacleSpan, ...]:
+def obstacle_spans(scenario: Scenario) -> tuple[ObstacleSpan, ...]:
     """Every obstacle of the scenario over time: first `world.obstacles`, then what events add.
 
     Args:
         scenario: Best a resolved one, whose world lists all its obstacles.
-        generated: Obstacles of a `generate` or `barn` source, which follow `world.obstacles`.
 
     Raises:
         ScenarioError: An event removes an obstacle that is not there.
     """
-    tracks = [
-        _Track(obstacle, 0.0, time=[0.0], offset=[(0.0, 0.0)])
-        for obstacle in (*scenario.world.obstacles, *generated)
-    ]
+    tracks = [_Track(obstacle, 0.0, [0.0]) for obstacle in scenario.world.obstacles]
     for index, event in enumerate(scenario.execution.events):
         if event.add is not None:
             start = max(event.at, _EARLIEST)
-            tracks.append(_Track(event.add, start, time=[start], offset=[(0.0, 0.0)]))
+            tracks.append(_Track(event.add, start, [start]))
         elif event.remove is not None:
             track = _find(tracks, event.remove, event.at)
             if track is None:
@@ -127,7 +121,7 @@ def _move(tracks: list[_Track], event: Event, move: Move) -> None:
     track = _find(tracks, move.obstacle, event.at)
     if track is None:
         start = max(event.at, _EARLIEST)
-        track = _Track(move.obstacle, start, time=[event.at], offset=[(0.0, 0.0)])
+        track = _Track(move.obstacle, start, [event.at])
         tracks.append(track)
     here = track.span().offset_at(event.at)
     keep = [k for k, time in enumerate(track.time) if time < event.at]
@@ -154,16 +148,15 @@ def _find(tracks: list[_Track], shape: Obstacle, time: float) -> _Track | None:
 def _same(one: Obstacle, other: Obstacle) -> bool:
     a, b = _figures(one), _figures(other)
     return (
-        a[0] == b[0]
-        and len(a[1]) == len(b[1])
-        and all(abs(x - y) <= _SAME for x, y in zip(a[1], b[1], strict=True))
+        one.kind == other.kind
+        and len(a) == len(b)
+        and all(abs(x - y) <= _SAME for x, y in zip(a, b, strict=True))
     )
 
 
-def _figures(obstacle: Obstacle) -> tuple[str, list[float]]:
+def _figures(obstacle: Obstacle) -> list[float]:
     if obstacle.box is not None:
-        return "box", [*obstacle.box.center, *obstacle.box.size, obstacle.box.yaw]
+        return [*obstacle.box.center, *obstacle.box.size, obstacle.box.yaw]
     if obstacle.circle is not None:
-        return "circle", [*obstacle.circle.center, obstacle.circle.radius]
-    points = obstacle.polygon.points if obstacle.polygon is not None else ()
-    return "polygon", [value for point in points for value in point]
+        return [*obstacle.circle.center, obstacle.circle.radius]
+    return [value for point in obstacle.value.points for value in point]
