@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, Strict, model_validator
@@ -23,28 +22,24 @@ from cavalcade.scenario.fields import (
 )
 from cavalcade.scenario.obstacles import Obstacle
 
-KIND_OPTIONS: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {
-        "clutter": ("obstacles", "zone"),
-        "corridor": ("width", "bends", "angle", "zone"),
-        "forest": ("trees", "spacing", "zone"),
-        "maze": ("passage", "wall", "loops"),
-        "rooms": ("room", "door", "wall", "extra"),
-    }
-)
+KIND_OPTIONS: Mapping[str, tuple[str, ...]] = {
+    "clutter": ("obstacles", "zone"),
+    "corridor": ("width", "bends", "angle", "zone"),
+    "forest": ("trees", "spacing", "zone"),
+    "maze": ("passage", "wall", "loops"),
+    "rooms": ("room", "door", "wall", "extra"),
+}
 """What each kind of generated world of obstacles may be told."""
 
-TERRAIN_OPTIONS: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {
-        "blocks": ("height", "side", "zone"),
-        "gap": ("width", "depth", "at"),
-        "rough": ("height", "spacing", "zone"),
-        "slope": ("angle", "length", "at"),
-        "stairs": ("steps", "height", "tread", "at"),
-        "step": ("height", "at"),
-        "stepping-stones": ("stone", "width", "height", "depth", "zone"),
-    }
-)
+TERRAIN_OPTIONS: Mapping[str, tuple[str, ...]] = {
+    "blocks": ("height", "side", "zone"),
+    "gap": ("width", "depth", "at"),
+    "rough": ("height", "spacing", "zone"),
+    "slope": ("angle", "length", "at"),
+    "stairs": ("steps", "height", "tread", "at"),
+    "step": ("height", "at"),
+    "stepping-stones": ("stone", "width", "height", "depth", "zone"),
+}
 """What each kind of generated terrain may be told."""
 
 _ONLY_OBSTACLES = ("radius", "require_feasible")
@@ -104,13 +99,10 @@ class GenerateSource(Section):
     def _known_options(self) -> Self:
         known = self._known
         every = set().union(*KIND_OPTIONS.values(), *TERRAIN_OPTIONS.values())
-        for name in sorted(every - set(known)):
-            if getattr(self, name) is not None:
+        foreign = [*sorted(every - set(known)), *(_ONLY_OBSTACLES if self.is_terrain else ())]
+        for name in foreign:
+            if getattr(self, name) != type(self).model_fields[name].default:
                 raise expected(f"a {self.kind} has no such option", key=name, choices=known)
-        if self.is_terrain:
-            for name in _ONLY_OBSTACLES:
-                if getattr(self, name) != type(self).model_fields[name].default:
-                    raise expected(f"a {self.kind} has no such option", key=name, choices=known)
         return self
 
     @property

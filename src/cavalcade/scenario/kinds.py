@@ -9,7 +9,7 @@ from pydantic_core import PydanticCustomError
 
 from cavalcade.robots import MODELS, RobotModel
 from cavalcade.scenario.commands import METHOD, VARIANT
-from cavalcade.scenario.fields import OneLine, expected
+from cavalcade.scenario.fields import OneLine, expected, without_nulls
 from cavalcade.scenario.ground import WorldSection
 from cavalcade.scenario.parts import Parts
 from cavalcade.scenario.settings import (
@@ -91,8 +91,7 @@ class _IndividualRules(Rules):
             "leaps": True,
             "improve": 0,
         }
-        said = {key: value for key, value in planner.items() if value is not None}
-        return {**defaults, **said}
+        return {**defaults, **without_nulls(planner)}
 
     def check(self, scenario: Parts) -> None:
         planner, execution = scenario.planner, scenario.execution
@@ -171,10 +170,7 @@ class _CommandRules(Rules):
             )
 
     def plain_task(self, task: dict[str, Any]) -> dict[str, Any]:
-        said = [
-            OneLine({key: value for key, value in command.items() if value is not None})
-            for command in task["commands"]
-        ]
+        said = [OneLine(without_nulls(command)) for command in task["commands"]]
         return {"commands": said, "duration": task["duration"]}
 
 
@@ -200,7 +196,7 @@ def with_planner_defaults(data: Any) -> Any:
 
 def plain_formation(formation: dict[str, Any]) -> dict[str, Any]:
     """A `formation` section for a file: its dumped model without what does not apply."""
-    said = {key: value for key, value in formation.items() if value is not None}
+    said = without_nulls(formation)
     joints = formation["connections"]
     # Null stands for the shape's own springs: that is a choice, and is written out.
     said["connections"] = joints if joints is None else [OneLine(joint) for joint in joints]

@@ -118,22 +118,14 @@ def _decode_pgm(content: bytes, path: Path) -> Pixels:
 
 
 def png_size(head: bytes, path: Path) -> tuple[int, int]:
-    """Width and height from the first chunk.
-
-    Raises:
-        MapError: There is no such chunk.
-    """
+    """Width and height from the first chunk."""
     if len(head) < 24 or not head.startswith(PNG_SIGNATURE) or head[12:16] != b"IHDR":
         raise MapError("the header of the PNG picture is damaged", file=path)
     return int.from_bytes(head[16:20], "big"), int.from_bytes(head[20:24], "big")
 
 
 def decode_png(content: bytes, path: Path) -> tuple[NDArray[np.uint8 | np.uint16], Pixels | None]:
-    """Brightness `(height, width)` of a PNG in its 8 or 16 bits, and its opacity if it has any.
-
-    Raises:
-        MapError: It is truncated or damaged.
-    """
+    """Brightness `(height, width)` of a PNG in its 8 or 16 bits, and its opacity if it has any."""
     from PIL import Image
 
     try:
