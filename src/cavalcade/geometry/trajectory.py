@@ -54,11 +54,5 @@ class Trajectory:
 
         Linear between samples: within 1 mm at walking speeds.
         """
-        return np.stack(
-            [
-                np.interp(times, self.time, self.position[:, 0]),
-                np.interp(times, self.time, self.position[:, 1]),
-                np.interp(times, self.time, self.yaw),
-            ],
-            axis=1,
-        )
+        columns = (self.position[:, 0], self.position[:, 1], self.yaw)
+        return np.stack([np.interp(times, self.time, column) for column in columns], axis=1)

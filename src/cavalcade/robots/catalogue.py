@@ -83,43 +83,28 @@ def _quadruped(
     )
 
 
-def _unicycle(
+def _planar(
     name: str, drive: Drive, size: tuple[float, float], acceleration: float, source: str
 ) -> RobotModel:
-    """A robot on wheels with 0.5 m/s and 0.5 rad/s, forwards and backwards; square: a disc."""
+    """A robot of db-CBS with 0.5 m/s and 0.5 rad/s; square: a disc.
+
+    Unicycles drive forwards and backwards; integrators move in all directions, and how they are
+    turned is of no account.
+    """
+    unicycle = drive in ("unicycle", "unicycle-2")
     return RobotModel(
         name,
         length=size[0],
         width=size[1],
         height=0.25,
         max_speed_x=0.5,
-        max_speed_y=0.0,
+        max_speed_y=0.0 if unicycle else 0.5,
         max_yaw_rate=0.5,
         max_acceleration=acceleration,
-        max_yaw_acceleration=acceleration,
+        max_yaw_acceleration=acceleration if unicycle else math.inf,
         source=f"{_DB_CBS}: {source}",
         drive=drive,
         round=size[0] == size[1],
-    )
-
-
-def _integrator(
-    name: str, drive: Drive, radius: float, acceleration: float, source: str
-) -> RobotModel:
-    """A disc that moves in all directions with 0.5 m/s; how it is turned is of no account."""
-    return RobotModel(
-        name,
-        length=2.0 * radius,
-        width=2.0 * radius,
-        height=0.25,
-        max_speed_x=0.5,
-        max_speed_y=0.5,
-        max_yaw_rate=0.5,
-        max_acceleration=acceleration,
-        max_yaw_acceleration=math.inf,
-        source=f"{_DB_CBS}: {source}",
-        drive=drive,
-        round=True,
     )
 
 
@@ -140,13 +125,15 @@ _QUADRUPEDS = (
 # The integrators' published limits hold for x and y apart; taken for the length of the vector,
 # they are met a fortiori. Radius of the double integrator: 0.15 m there, 0.1 m in dynobench.
 _PLANAR = (
-    _unicycle("unicycle", "unicycle", (0.5, 0.25), math.inf, "unicycle_first_order_0, ±0.5 m/s"),
-    _unicycle("unicycle-sphere", "unicycle", (0.8, 0.8), math.inf, "unicycle_first_order_0_sphere"),
-    _unicycle(
+    _planar("unicycle", "unicycle", (0.5, 0.25), math.inf, "unicycle_first_order_0, ±0.5 m/s"),
+    _planar("unicycle-sphere", "unicycle", (0.8, 0.8), math.inf, "unicycle_first_order_0_sphere"),
+    _planar(
         "unicycle-2", "unicycle-2", (0.5, 0.25), 0.25, "unicycle_second_order_0, ±0.25 m/s², rad/s²"
     ),
-    _integrator("single-integrator", "integrator", 0.1, math.inf, "single_integrator_0, ±0.5 m/s"),
-    _integrator("double-integrator", "integrator-2", 0.15, 2.0, "double_integrator_0, ±2 m/s²"),
+    _planar(
+        "single-integrator", "integrator", (0.2, 0.2), math.inf, "single_integrator_0, ±0.5 m/s"
+    ),
+    _planar("double-integrator", "integrator-2", (0.3, 0.3), 2.0, "double_integrator_0, ±2 m/s²"),
 )
 
 MODELS = ModelRegistry((*_QUADRUPEDS, *_PLANAR))

@@ -11,8 +11,8 @@ import yaml
 from cavalcade.files import write_file
 from cavalcade.robots import is_model_file
 from cavalcade.scenario.fields import OneLine, without_nulls
-from cavalcade.scenario.kinds import RULES, plain_formation
 from cavalcade.scenario.model import Scenario
+from cavalcade.scenario.rules import RULES, plain_formation
 from cavalcade.scenario.worlds import resolve_scenario
 
 

@@ -15,11 +15,9 @@ from pydantic_core import PydanticCustomError
 
 from cavalcade.errors import ScenarioError
 from cavalcade.robots import RobotModel
-from cavalcade.scenario.backends import BACKENDS, check_backend
 from cavalcade.scenario.events import Event
 from cavalcade.scenario.fields import expected
-from cavalcade.scenario.kinds import RULES, with_planner_defaults
-from cavalcade.scenario.parts import Parts
+from cavalcade.scenario.rules import BACKENDS, RULES, Parts, check_backend, with_planner_defaults
 from cavalcade.scenario.task import check_formation
 
 

@@ -37,7 +37,7 @@ def check_starts(
         ScenarioError: Naming the robot and what it would stand in.
     """
     bodies: list[Body] = []
-    for index, (robot, model) in enumerate(zip(scenario.robots, scenario.models, strict=True)):
+    for key, robot, model in scenario.team:
         x, y, yaw = robot.start
         body = _body(model, robot.start)
         problem = _problem(body, base, shapes, bodies)
@@ -50,7 +50,7 @@ def check_starts(
             raise ScenarioError(
                 f"the robot at ({x:g}, {y:g}) {problem}; expected free ground",
                 file=scenario.file,
-                key=f"robots[{index}].start",
+                key=f"{key}.start",
             )
         bodies.append(body)
 

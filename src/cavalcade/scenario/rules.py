@@ -1,27 +1,62 @@
-"""The kinds of task, a formation, individual goals or commands: what each needs and excludes."""
+"""What must hold between a scenario's sections: rules of its kind of task and of its backend."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Any
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
 
+from pydantic import Field, PrivateAttr
 from pydantic_core import PydanticCustomError
 
 from cavalcade.robots import MODELS, RobotModel
 from cavalcade.scenario.commands import METHOD, VARIANT
-from cavalcade.scenario.fields import OneLine, expected, without_nulls
+from cavalcade.scenario.fields import OneLine, Section, expected, without_nulls
 from cavalcade.scenario.ground import WorldSection
-from cavalcade.scenario.parts import Parts
 from cavalcade.scenario.settings import (
     FORMATION_KEYS,
     TEAM_KEYS,
     TEAM_METHODS,
     TEAM_VARIANTS,
     Delay,
+    ExecutionSection,
     Noise,
     PlannerSection,
 )
-from cavalcade.scenario.task import INDIVIDUAL, Kind, kind_of
+from cavalcade.scenario.task import INDIVIDUAL, Kind, RobotSection, TaskSection, kind_of
+
+BACKENDS = ("ideal", "mujoco")
+"""Who can move robots."""
+
+SLOWEST, FASTEST = 2.5, 500.0
+"""How often a planner is asked, Hz: robots stop 0.5 s after their last command, and there are 500
+steps of physics a second."""
+
+
+class Parts(Section):
+    """The sections of a scenario file, before they are looked at together."""
+
+    version: Literal[1]
+    name: Annotated[str, Field(min_length=1, max_length=200)]
+    description: Annotated[str, Field(max_length=2000)] = ""
+    world: WorldSection
+    robots: Annotated[tuple[RobotSection, ...], Field(min_length=1, max_length=256)]
+    task: TaskSection
+    planner: PlannerSection = PlannerSection()
+    execution: ExecutionSection = ExecutionSection()
+
+    _models: tuple[RobotModel, ...] | None = PrivateAttr(default=None)
+
+    @property
+    def models(self) -> tuple[RobotModel, ...]:
+        """The model of each robot."""
+        return self._models or tuple(robot.the_model for robot in self.robots)
+
+    @property
+    def team(self) -> Iterator[tuple[str, RobotSection, RobotModel]]:
+        """Each robot's key in the file, section and model."""
+        for index, (robot, model) in enumerate(zip(self.robots, self.models, strict=True)):
+            yield f"robots[{index}]", robot, model
 
 
 class Rules(ABC):
@@ -51,15 +86,15 @@ class _FormationRules(Rules):
     unused_keys = TEAM_KEYS
 
     def check(self, scenario: Parts) -> None:
-        for index, (robot, model) in enumerate(zip(scenario.robots, scenario.models, strict=True)):
+        for key, robot, model in scenario.team:
             if robot.goal is not None:
                 raise expected(
                     "the formation has the goals; expected none here, or task.goals: individual",
-                    key=f"robots[{index}].goal",
+                    key=f"{key}.goal",
                 )
             if model.legs is None:
                 text = f"a {model.name} has no place in a formation; expected a robot with legs"
-                raise _legless(index, text)
+                raise _legless(key, text)
         if scenario.planner.method != "formation":
             raise expected(
                 f"method {scenario.planner.method} is for individual goals; expected formation",
@@ -95,13 +130,13 @@ class _IndividualRules(Rules):
 
     def check(self, scenario: Parts) -> None:
         planner, execution = scenario.planner, scenario.execution
-        for index, (robot, model) in enumerate(zip(scenario.robots, scenario.models, strict=True)):
+        for key, robot, model in scenario.team:
             if robot.goal is None:
                 raise expected(
                     "missing; with individual goals each robot has one: [x, y, yaw]",
-                    key=f"robots[{index}].goal",
+                    key=f"{key}.goal",
                 )
-            _check_ground(scenario.world, index, model)
+            _check_ground(scenario.world, key, model)
         if planner.method not in TEAM_METHODS:
             raise expected(
                 f"method {planner.method} has no individual goals",
@@ -138,10 +173,10 @@ class _CommandRules(Rules):
         return {"method": METHOD, **planner}
 
     def check(self, scenario: Parts) -> None:
-        for index, (robot, model) in enumerate(zip(scenario.robots, scenario.models, strict=True)):
+        for key, robot, model in scenario.team:
             if robot.goal is not None:
-                raise expected("commands say where it goes", key=f"robots[{index}].goal")
-            _check_ground(scenario.world, index, model)
+                raise expected("commands say where it goes", key=f"{key}.goal")
+            _check_ground(scenario.world, key, model)
         planner = scenario.planner
         for key, said, known in (
             ("method", planner.method, METHOD),
@@ -213,12 +248,49 @@ def _refuse(planner: PlannerSection, keys: tuple[str, ...], why: str) -> None:
             raise expected(why, key=f"planner.{key}")
 
 
-def _check_ground(world: WorldSection, index: int, model: RobotModel) -> None:
+def _check_ground(world: WorldSection, key: str, model: RobotModel) -> None:
     if world.has_heights and model.legs is None:
         text = f"a {model.name} needs level ground; expected a robot with legs on terrain"
-        raise _legless(index, text)
+        raise _legless(key, text)
 
 
-def _legless(index: int, text: str) -> PydanticCustomError:
+def _legless(key: str, text: str) -> PydanticCustomError:
     legged = (name for name, model in MODELS.items() if model.legs is not None)
-    return expected(text, key=f"robots[{index}].model", choices=legged)
+    return expected(text, key=f"{key}.model", choices=legged)
+
+
+def check_backend(scenario: Parts) -> None:
+    """Refuse what the backend cannot do.
+
+    Raises:
+        PydanticCustomError: One line with the key and what was expected.
+    """
+    ideal = scenario.execution.backend != "mujoco"
+    for index, command in enumerate(scenario.task.commands or ()):
+        if ideal and command.leap is not None:
+            raise expected(
+                "ideal robots do not leap when they are told to; expected backend mujoco",
+                key=f"task.commands[{index}].leap",
+            )
+    for index, event in enumerate(scenario.execution.events):
+        key, last = f"execution.events[{index}].push", len(scenario.robots) - 1
+        if ideal and event.push is not None:
+            raise expected("ideal robots cannot be pushed; expected backend mujoco", key=key)
+        if event.push is not None and event.push.robot > last:
+            text = f"there is no robot {event.push.robot}; expected 0 to {last}"
+            raise expected(text, key=f"{key}.robot")
+    if ideal:
+        return
+    for key, robot, model in scenario.team:
+        if model.description is None and (robot.mjcf is None or model.legs is None):
+            raise expected(
+                f"physics has no masses and joints of a {model.name}; expected a robot with them, "
+                "such as with --set 'robots.*.model=go1'",
+                key=f"{key}.model",
+                choices=(name for name, known in MODELS.items() if known.description is not None),
+            )
+    if not SLOWEST <= scenario.execution.rate <= FASTEST:
+        raise expected(
+            f"expected {SLOWEST:g} to {FASTEST:g} in physics: robots stop 0.5 s after a command",
+            key="execution.rate",
+        )
