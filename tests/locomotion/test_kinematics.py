@@ -10,6 +10,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from cavalcade.geometry.constants import GRAVITY
 from cavalcade.locomotion._kinematics import (
     SINGULAR,
     angles,
@@ -24,7 +25,6 @@ from cavalcade.locomotion._kinematics import (
     wrapped,
 )
 from cavalcade.locomotion.parameters import robot_parameters
-from cavalcade.locomotion.records import GRAVITY
 from cavalcade.robots import robot_model
 
 ROBOTS = {name: robot_model(name).description for name in ("go1", "go2")}

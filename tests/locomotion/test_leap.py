@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from cavalcade.errors import InputError
+from cavalcade.geometry.constants import GRAVITY
 from cavalcade.locomotion._leap_horizon import foothold, leap_reference
 from cavalcade.locomotion.leap import LeapManoeuvre, LeapSettings, plan_leap
 from cavalcade.locomotion.parameters import robot_parameters
-from cavalcade.locomotion.records import CROUCH, FLIGHT, GRAVITY, LANDING, LEAP, PUSH
+from cavalcade.locomotion.records import CROUCH, FLIGHT, LANDING, LEAP, PUSH
 from cavalcade.robots import robot_model
 
 GO1 = robot_model("go1").description

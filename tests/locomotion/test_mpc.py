@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from cavalcade.errors import InputError
+from cavalcade.geometry.constants import GRAVITY
 from cavalcade.locomotion import MpcProblem, solve_mpc
 from cavalcade.locomotion._mpc import build_qp, solve
-from cavalcade.locomotion.records import GRAVITY
 
 STEPS = 10
 HIPS = np.array([[0.19, 0.13], [0.19, -0.13], [-0.19, 0.13], [-0.19, -0.13]])

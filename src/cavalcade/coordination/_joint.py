@@ -164,14 +164,6 @@ def _towards(node, point, share, forward, out):
 
 
 @njit(cache=True)
-def _edge_of_tree(team, tree, root_side, far_side):
-    """`edge_free`, driven away from the root in the first tree and towards it in the second."""
-    if tree == 0:
-        return edge_free(team, root_side, far_side)
-    return edge_free(team, far_side, root_side)
-
-
-@njit(cache=True)
 def search_joint(team, starts, goals, rng, most):
     """Poses of all robots to stop at on their paths from the starts to the goals.
 
@@ -206,8 +198,10 @@ def search_joint(team, starts, goals, rng, most):
         extended = False
         for share in (1.0, 0.5, 0.25):
             _towards(nodes[mine, near], point, share, mine == 0, fresh)
-            if _edge_of_tree(team, mine, nodes[mine, near], fresh):
-                extended = True
+            # Edges lead away from the first tree's root and towards the second one's.
+            a, b = (nodes[mine, near], fresh) if mine == 0 else (fresh, nodes[mine, near])
+            extended = edge_free(team, a, b)
+            if extended:
                 break
         if not extended:
             continue
@@ -215,7 +209,8 @@ def search_joint(team, starts, goals, rng, most):
         nodes[mine, at], parents[mine, at] = fresh, near
         counts[mine] += 1
         there = _nearest(nodes[other], counts[other], fresh)
-        if _edge_of_tree(team, mine, fresh, nodes[other, there]):
+        a, b = (fresh, nodes[other, there]) if mine == 0 else (nodes[other, there], fresh)
+        if edge_free(team, a, b):
             first, last = (at, there) if mine == 0 else (there, at)
             return FOUND, _path(nodes, parents, first, last), iteration + 1
     return SPENT, np.empty((0, n, 3)), most

@@ -11,6 +11,7 @@ import math
 import numpy as np
 from numba import njit
 
+from cavalcade.geometry.constants import GRAVITY
 from cavalcade.locomotion._centroid import measure_centroid
 from cavalcade.locomotion._horizon import solve_forces
 from cavalcade.locomotion._joints import go_limp, limit_torques, stance_torques
@@ -18,7 +19,7 @@ from cavalcade.locomotion._kinematics import measure_body, turned_back
 from cavalcade.locomotion._leap_horizon import foothold, leap_problem
 from cavalcade.locomotion._leap_legs import flight_torques
 from cavalcade.locomotion._walk import FALL, stand
-from cavalcade.locomotion.records import FALLEN, FLIGHT, GRAVITY, LANDING, PUSH
+from cavalcade.locomotion.records import FALLEN, FLIGHT, LANDING, PUSH
 
 SHORT, STRETCH = 0.02, 0.92
 """A push goes on while it would end so far short, m, and legs are shorter than that share of their

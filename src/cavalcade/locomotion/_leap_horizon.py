@@ -7,10 +7,11 @@ import math
 import numpy as np
 from numba import njit
 
+from cavalcade.geometry.constants import GRAVITY
 from cavalcade.locomotion._horizon import present_state
 from cavalcade.locomotion._kinematics import wrapped
 from cavalcade.locomotion.mpc import MpcProblem
-from cavalcade.locomotion.records import CROUCH, FLIGHT, GRAVITY, LANDING, PUSH, STEPS
+from cavalcade.locomotion.records import CROUCH, FLIGHT, LANDING, PUSH, STEPS
 
 
 @njit(cache=True)

@@ -26,8 +26,8 @@ import numpy as np
 from numba import njit
 
 from cavalcade.geometry import Array
+from cavalcade.geometry.constants import GRAVITY
 from cavalcade.locomotion._qp import solve_qp
-from cavalcade.locomotion.records import GRAVITY
 
 
 class _Steps(NamedTuple):

@@ -14,11 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.geometry import Array, inverse_transform_points, transform_points
+from cavalcade.geometry.constants import GRAVITY
 from cavalcade.geometry.trajectory import FLIGHT, LANDING, TAKE_OFF, Trajectory
 from cavalcade.lattice.ground import Ground
 from cavalcade.locomotion import _footholds as kernels
 from cavalcade.locomotion.gait import stances
-from cavalcade.locomotion.records import GRAVITY, Footing
+from cavalcade.locomotion.records import Footing
 from cavalcade.robots import RobotModel
 from cavalcade.robots.legs import LegModel
 

@@ -9,7 +9,8 @@ import numpy as np
 
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array, wrap_angle
-from cavalcade.locomotion.records import GRAVITY, LEAP, Row
+from cavalcade.geometry.constants import GRAVITY
+from cavalcade.locomotion.records import LEAP, Row
 from cavalcade.locomotion.settings import Weights
 
 Pose = tuple[float, float, float, float]

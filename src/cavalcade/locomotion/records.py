@@ -15,9 +15,6 @@ from numpy.typing import NDArray
 from cavalcade.geometry import Array
 from cavalcade.lattice.ground import Ground, read_only
 
-GRAVITY = 9.81
-"""Acceleration of free fall, m/s²."""
-
 Row = NDArray[np.void]
 """Rows of the arrays below, or one of them `()`."""
 

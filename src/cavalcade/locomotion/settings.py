@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cavalcade.errors import InputError
-from cavalcade.locomotion.records import GAIT, GRAVITY, Row
+from cavalcade.geometry.constants import GRAVITY
+from cavalcade.locomotion.records import GAIT, Row
 
 _POSITIVE = (
     "period", "acceleration", "turning", "silence", "force_weight", "mu", "max_force", "step",

@@ -56,7 +56,7 @@ def run_data(
         ]
         if driven
         else None,
-        "goals": [steps(goals[:, k], 100) for k in range(scene.size)],
+        "goals": [] if individual else [steps(goals[:, k], 100) for k in range(scene.size)],
         "slots": [steps(slots, 1000) for slots in slot_sets],
         "phases": phases,
         "paths": _paths(scene),
