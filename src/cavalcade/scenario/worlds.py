@@ -151,15 +151,6 @@ def _with_world(scenario: Scenario, **changes: Any) -> ResolvedScenario:
     return ResolvedScenario.of(scenario.model_copy(update={"world": world}))
 
 
-def shape_of(obstacle: Obstacle) -> Shape:
-    """The exact shape of an obstacle of the file.
-
-    Raises:
-        InputError: A polygon that crosses itself or has no area.
-    """
-    return shape_from_mapping(obstacle.words)
-
-
 def _generated(
     scenario: Scenario, source: GenerateSource
 ) -> tuple[tuple[float, float], tuple[Shape, ...]]:
@@ -181,7 +172,7 @@ def _generated(
 
 def _shape(scenario: Scenario, obstacle: Obstacle, key: str) -> Shape:
     try:
-        return shape_of(obstacle)
+        return shape_from_mapping(obstacle.words)
     except InputError as error:
         raise _at(scenario, key, error) from None
 

@@ -16,8 +16,7 @@ from cavalcade.fleet.mujoco.blocks import (
     outline,
 )
 from cavalcade.geometry import Array
-from cavalcade.scenario.worlds import shape_of
-from cavalcade.world import OccupancyMap, Shape
+from cavalcade.world import OccupancyMap, Shape, shape_from_mapping
 
 if TYPE_CHECKING:
     from cavalcade.scenario.timeline import ObstacleSpan
@@ -107,4 +106,4 @@ def movable_spans(world: World) -> tuple[ObstacleSpan, ...]:
 
 
 def _shape(span: ObstacleSpan) -> Shape:
-    return shape_of(span.obstacle)
+    return shape_from_mapping(span.obstacle.words)

@@ -108,11 +108,8 @@ def rough(site: Site, *, height: float = 0.25, spacing: float = 0.4, zone: float
         spacing: Of the nodes, m.
         zone: Level ground at the left and the right edge, m.
     """
-    height, zone = (
-        number("height", height, 0.0, 10.0),
-        number("zone", zone, 0.0, site.size[0] / 2.0),
-    )
-    spacing = number("spacing", spacing, 0.2)
+    height = number("height", height, 0.0, 10.0)
+    zone, spacing = number("zone", zone, 0.0, site.size[0] / 2.0), number("spacing", spacing, 0.2)
     cols, rows = math.ceil(site.size[0] / spacing) + 1, math.ceil(site.size[1] / spacing) + 1
     check_terrain_size(max(rows, 2), max(cols, 2), "spacing")
     nodes = site.rng.uniform(0.0, 1.0, (rows, cols))

@@ -81,9 +81,8 @@ def _header(content: bytes) -> tuple[str, list[_Element], int]:
             elements.append(_Element(words[1], int(words[2])))
         elif kind == "property" and elements and len(words) in (3, 5):
             types = (words[1],) if len(words) == 3 else (words[2], words[3])
-            if any(name not in _TYPES for name in types) or (len(words) == 5) != (
-                words[1] == "list"
-            ):
+            is_list = words[1] == "list"
+            if any(name not in _TYPES for name in types) or is_list != (len(words) == 5):
                 raise MapError(f"unknown type in the PLY header: {line.strip()[:40]}")
             elements[-1].properties.append((words[-1], tuple(_TYPES[name] for name in types)))
         elif kind not in ("comment", "obj_info"):
@@ -173,8 +172,6 @@ class _BinaryBody:
         return found
 
     def _fixed(self, element: _Element) -> NDArray[np.void]:
-        if element.has_list:
-            raise ValueError
         kind = np.dtype([(name, self.order + types[0]) for name, types in element.properties])
         rows: NDArray[np.void] = np.frombuffer(
             self.body, dtype=kind, count=element.count, offset=self.at
