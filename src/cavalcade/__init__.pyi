@@ -17,8 +17,8 @@ from .formation import FormationPlanner as FormationPlanner
 from .formation import FormationSettings as FormationSettings
 from .formation import Imperfections as Imperfections
 from .geometry.trajectory import Trajectory as Trajectory
-from .jobs.planning import plan as plan
-from .jobs.result import JobResult as JobResult
+from .jobs.running import JobResult as JobResult
+from .jobs.running import plan as plan
 from .jobs.running import run as run
 from .recording.mcap_reader import read_recording as read_recording
 from .robots import RobotModel as RobotModel

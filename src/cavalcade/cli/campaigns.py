@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from cavalcade.cli import options
-from cavalcade.cli.printing import print_json
+from cavalcade.cli.options import print_json
 
 if TYPE_CHECKING:
     from cavalcade.campaign.repeat import Repeated

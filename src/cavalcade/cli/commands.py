@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cavalcade.cli import campaigns, importing, options, plans
-from cavalcade.cli.printing import print_json
+from cavalcade.cli import campaigns, options
+from cavalcade.cli.options import print_json
+from cavalcade.errors import OutputError
 
 if TYPE_CHECKING:
     from cavalcade.checking import Report, Violation
+    from cavalcade.jobs import JobResult
 
 app = typer.Typer(
     name="cavalcade",
@@ -56,13 +58,7 @@ def run(
     from cavalcade.jobs import run as run_scenario
 
     result = run_scenario(loaded, out, force=force, realtime=realtime, quiet=quiet or as_json)
-    if as_json:
-        print_json(result.summary)
-    if not result.success:
-        detail = result.summary.get("detail")
-        why = f"{result.reason} ({detail})" if detail else result.reason
-        print(f"cavalcade: {loaded.name}: not achieved: {why}", file=sys.stderr)
-        raise typer.Exit(1)
+    _finish(loaded.name, result, as_json, "not achieved")
 
 
 @app.command()
@@ -147,10 +143,65 @@ def _later(name: str, what: str) -> None:
 
 app.command()(campaigns.campaign)
 app.command()(campaigns.trial)
-app.command("import")(importing.import_file)
-app.command()(plans.plan)
+
+
+@app.command("import")
+def import_file(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="A problem file of db-CBS.")],
+    out: Annotated[Path, typer.Option("--out", metavar="FILE", help="The scenario file to write.")],
+    force: Annotated[bool, typer.Option("--force", help="Replace the file.")] = False,
+    quiet: options.Quiet = False,
+) -> None:
+    """Write a problem file of another project as a scenario."""
+    from cavalcade.scenario import build_world, dump_scenario, import_problem
+
+    scenario = import_problem(file)
+    build_world(scenario)
+    if out.is_dir():
+        raise OutputError(f"{out}: is a folder; expected the name of a scenario file")
+    if out.exists() and not force:
+        raise OutputError(f"{out}: is there already; --force replaces it")
+    dump_scenario(scenario, out)
+    if not quiet:
+        print(out)
+
+
+@app.command()
+def plan(
+    scenario: options.ScenarioArgument,
+    out: options.Out,
+    method: Annotated[
+        str | None,
+        typer.Option(
+            "--method", metavar="NAME", help="Over the file: sequential, joint, cbs or auto."
+        ),
+    ] = None,
+    seed: options.Seed = None,
+    overrides: options.Set = None,
+    force: options.Force = False,
+    quiet: options.Quiet = False,
+    as_json: options.Json = False,
+) -> None:
+    """Plan a team whose robots have goals of their own; leave plan, figures and replay."""
+    loaded = options.load(scenario, overrides, seed, None)
+    from cavalcade.jobs import plan as plan_scenario
+
+    result = plan_scenario(loaded, out, method, force=force, quiet=quiet or as_json)
+    _finish(loaded.name, result, as_json, "no plan")
+
 
 _later("studio", "the studio")
+
+
+def _finish(name: str, result: JobResult, as_json: bool, otherwise: str) -> None:
+    """Print the summary if it was asked for, and say why a job did not succeed."""
+    if as_json:
+        print_json(dict(result.summary))
+    if not result.success:
+        detail = result.summary.get("detail")
+        why = f"{result.reason} ({detail})" if detail else result.reason
+        print(f"cavalcade: {name}: {otherwise}: {why}", file=sys.stderr)
+        raise typer.Exit(1)
 
 
 def _told(violation: Violation) -> str:

@@ -1,10 +1,11 @@
-"""The options that commands share."""
+"""What commands share: their options, and how results are printed."""
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -76,3 +77,8 @@ def check_picture(path: Path) -> None:
         raise OutputError(f"{path}: is a folder; expected the name of a picture")
     if not path.parent.is_dir():
         raise OutputError(f"{path.parent}: no such folder")
+
+
+def print_json(value: Any) -> None:
+    """One value as JSON on stdout."""
+    print(json.dumps(value, indent=2, allow_nan=False, ensure_ascii=False))

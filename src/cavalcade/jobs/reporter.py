@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
-from cavalcade.jobs.warm import kernels_are_cached
+import cavalcade
 from cavalcade.recording.frames import Frame
 from cavalcade.scenario import Scenario
 
@@ -46,12 +46,7 @@ class Reporter:
             self._console = Console(file=sys.stdout, highlight=False, soft_wrap=True)
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._close_bar()
 
     def say(self, text: str) -> None:
@@ -140,34 +135,57 @@ class Reporter:
             self._bar = None
 
 
+def kernels_are_cached(part: str = "fleet", kernel: str = "_kernels.advance_team") -> bool:
+    """Whether an earlier run has left compiled kernels, wherever numba keeps them.
+
+    A guess for the user's information only: after an update some kernels may be compiled anew.
+
+    Args:
+        part: The package to look at.
+        kernel: Module and name of one of its kernels that every job uses; `*` for any.
+    """
+    package = Path(cavalcade.__file__).parent
+    named = os.environ.get("NUMBA_CACHE_DIR")
+    if named:
+        folders = [Path(named)]
+    else:
+        folders = [package / part / "__pycache__"]
+        if not os.access(package, os.W_OK):
+            folders.append(Path.home() / ".cache" / "numba")
+    return any(any(folder.rglob(f"{kernel}-*.nbi")) for folder in folders if folder.is_dir())
+
+
 def result_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """The summary's most telling figures as rows of a table."""
-    return _plan_rows(summary) if summary["backend"] is None else _run_rows(summary)
-
-
-def _plan_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
-    result = summary["reason"]
+    """The summary's most telling values as rows of a table."""
+    planned = summary["backend"] is None
+    scenario, result = f"{summary['name']}, {summary['robots']} robots", summary["reason"]
     if summary["detail"]:
         result += f" ({summary['detail']})"
-    method = summary["method"]
-    if summary["found_by"] != method:
-        method += f" (found by {summary['found_by']})"
-    rows = [
-        ("scenario", f"{summary['name']}, {summary['robots']} robots"),
-        ("method", f"{method}, {summary['variant']}"),
-        ("result", result),
-        ("planning time", _with(summary["planning_time_s"], "s", 3)),
-    ]
-    if not summary["success"]:
-        return rows
-    length, bound = _total(summary["path_length_m"]), _total(summary["lower_bound_m"])
-    ways = _with(length, "m")
-    if length is not None and bound:
-        ways += f", {length / bound:.3f} × the shortest ways alone"
-    collisions, feet = summary["collisions"], summary["footholds"]
+    if planned:
+        method = summary["method"]
+        if summary["found_by"] != method:
+            method += f" (found by {summary['found_by']})"
+        rows = [
+            ("scenario", scenario),
+            ("method", f"{method}, {summary['variant']}"),
+            ("result", result),
+            ("planning time", _with(summary["planning_time_s"], "s", 3)),
+        ]
+        if not summary["success"]:
+            return rows
+    else:
+        rows = [
+            ("scenario", f"{scenario}, {summary['variant']}"),
+            ("result", result),
+            ("simulated time", _with(summary["sim_time_s"], "s", 1)),
+        ]
+    rows.append(("all in place after", _with(summary["makespan_s"], "s", 1)))
+    if planned:
+        length, bound = _total(summary["path_length_m"]), _total(summary["lower_bound_m"])
+        ratio = f", {length / bound:.3f} × the shortest ways alone" if length and bound else ""
+        rows.append(("summed length", _with(length, "m") + ratio))
+    collisions = summary["collisions"]
     rows += [
-        ("all in place after", _with(summary["makespan_s"], "s", 1)),
-        ("summed length", ways),
         (
             "collisions",
             f"{collisions['robot_robot']} between robots, "
@@ -177,37 +195,22 @@ def _plan_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
         ("closest to each other", _with(summary["min_robot_distance_m"], "m (centres)")),
         ("smallest footprint gap", _with(summary["min_footprint_gap_m"], "m")),
     ]
-    if feet["count"]:
-        rows.append(("footholds", f"{feet['count']}, {feet['out_of_reach']} out of reach"))
-    return rows
+    if not planned:
+        rows += _run_rows(summary)
+    elif feet := summary["footholds"]["count"]:
+        rows.append(("footholds", f"{feet}, {summary['footholds']['out_of_reach']} out of reach"))
+    return [row for row in rows if row[1]]
 
 
 def _run_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
-    collisions = summary["collisions"]
+    """What the run's kind of task is judged by, and how long it took."""
     error, cycle = summary["formation_error_m"], summary["cycle_ms"]
-    result = summary["reason"]
-    if summary["detail"]:
-        result += f" ({summary['detail']})"
-    rows = [
-        ("scenario", f"{summary['name']}, {summary['robots']} robots, {summary['variant']}"),
-        ("result", result),
-        ("simulated time", _with(summary["sim_time_s"], "s", 1)),
-        ("all in place after", _with(summary["makespan_s"], "s", 1)),
-        (
-            "collisions",
-            f"{collisions['robot_robot']} between robots, "
-            f"{collisions['robot_obstacle']} with obstacles",
-        ),
-        ("closest to an obstacle", _with(summary["min_obstacle_distance_m"], "m (centre)")),
-        ("closest to each other", _with(summary["min_robot_distance_m"], "m (centres)")),
-        ("smallest footprint gap", _with(summary["min_footprint_gap_m"], "m")),
-    ]
     if summary.get("commanded") is not None:
-        rows += _commanded_rows(summary["commanded"])
+        rows = _commanded_rows(summary["commanded"])
     elif summary["leader_changes"] is None:  # robots with goals of their own, planned ahead
-        rows.append(("planning time", _with(summary["planning_time_s"], "s", 3)))
+        rows = [("planning time", _with(summary["planning_time_s"], "s", 3))]
     else:
-        rows += [
+        rows = [
             (
                 "formation error",
                 f"{_with(error['mean'], 'm')} mean, {_with(error['max'], 'm')} largest",
@@ -219,13 +222,12 @@ def _run_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
                 f"{_with(cycle['p50'], 'ms')} median, {_with(cycle['p99'], 'ms')} 99th percentile",
             ),
         ]
-    rows.append(("wall time", _with(summary["wall_time_s"], "s", 1)))
-    return [row for row in rows if row[1]]
+    return [*rows, ("wall time", _with(summary["wall_time_s"], "s", 1))]
 
 
-def _commanded_rows(figures: Mapping[str, Any]) -> list[tuple[str, str]]:
+def _commanded_rows(tracking: Mapping[str, Any]) -> list[tuple[str, str]]:
     """How well commands were followed; nothing where no velocity stood long enough."""
-    speed, turn, spread = (figures[key] for key in ("speed_error", "yaw_rate_error", "rms_m_s"))
+    speed, turn, spread = (tracking[key] for key in ("speed_error", "yaw_rate_error", "rms_m_s"))
     return [
         ("error of mean speed", "" if speed is None else f"{100.0 * speed:.1f} %"),
         ("error of mean yaw rate", "" if turn is None else f"{100.0 * turn:.1f} %"),

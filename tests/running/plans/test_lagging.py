@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from cavalcade.checking.distance import corners, seen_from, to_polygons
+from cavalcade.execution.fleets import tracking_fleet, tracking_model
 from cavalcade.execution.plan_follower import PlanFollower
 from cavalcade.execution.time_scaling import EXACT, FollowSettings
-from cavalcade.execution.tracking_fleet import tracking_fleet, tracking_model
 from cavalcade.fleet import IdealFleet
 from cavalcade.geometry import wrap_angle
-from cavalcade.jobs.individual_task import make_plan
+from cavalcade.jobs.planning import make_plan
 from cavalcade.scenario import build_world, load_scenario, resolve_scenario
 
 CLOCK = FollowSettings(in_order=False)
