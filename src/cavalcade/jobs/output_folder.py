@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import Any, Self
 
 from cavalcade.errors import OutputError
-from cavalcade.recording import physics_mcap, plan_file
+from cavalcade.recording import mcap_writer, plan_file
 from cavalcade.scenario import Scenario, dump_scenario
 
 _STAGE = ".cavalcade-"
 SCENARIO, SUMMARY, REPLAY, FIGURES = "scenario.yaml", "summary.json", "replay.html", "figures"
-RECORDING, PLAN = physics_mcap.FILE, plan_file.FILE
+RECORDING, PLAN = mcap_writer.FILE, plan_file.FILE
 _PRODUCTS = (SUMMARY, SCENARIO, RECORDING, PLAN, FIGURES, REPLAY)
 """In a reader's order."""
 

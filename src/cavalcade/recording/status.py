@@ -1,13 +1,21 @@
-"""What the formation planner says about itself after each cycle."""
+"""What a policy says about itself after each cycle, and how that is written as text."""
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.geometry import Array
+
+DIGITS = 6
+"""Decimals of numbers in text."""
+
+_RARE = ("slots", "connections", "goal", "involved", "message", "goal_moved", "waypoint", "targets")
+"""Written only when they change."""
 
 
 @dataclass(frozen=True)
@@ -49,3 +57,75 @@ class PlannerStatus:
     involved: tuple[int, ...]
     message: str
     targets: Array | None = None
+
+
+class StatusEncoder:
+    """Status after status to JSON; what seldom changes is written only when it does."""
+
+    def __init__(self) -> None:
+        self._last: dict[str, Any] = {}
+
+    def encode(self, status: PlannerStatus) -> str:
+        """The text of the next status, without its paths."""
+        rare: dict[str, Any] = {
+            "slots": _plain(status.slots),
+            "connections": np.asarray(status.connections).reshape(-1, 2).tolist(),
+            "goal": None if status.goal is None else _plain(status.goal),
+            "involved": [int(robot) for robot in status.involved],
+            "message": status.message,
+            "goal_moved": round(float(status.goal_moved), DIGITS),
+            "waypoint": int(status.waypoint),
+            "targets": None if status.targets is None else _plain(status.targets),
+        }
+        said: dict[str, Any] = {
+            "state": status.state,
+            "leader": int(status.leader),
+            "roles": np.asarray(status.roles).tolist(),
+            "goals": _plain(status.goals),
+            "eta": [None if value == np.inf else value for value in _plain(status.eta)],
+            "arrived": bool(status.arrived),
+        }
+        for key, value in rare.items():
+            if key not in self._last or self._last[key] != value:
+                said[key] = value
+        self._last = rare
+        return json.dumps(said, separators=(",", ":"))
+
+
+class StatusDecoder:
+    """The way back."""
+
+    def __init__(self) -> None:
+        self._last: dict[str, Any] = {}
+
+    def decode(self, text: str, paths: tuple[np.ndarray, ...] = ()) -> PlannerStatus:
+        """The status of the next text.
+
+        Raises:
+            ValueError, KeyError, TypeError: It is not what `StatusEncoder` writes.
+        """
+        said = json.loads(text)
+        self._last |= {key: said[key] for key in _RARE if key in said}
+        rare = self._last
+        goal, targets = rare["goal"], rare.get("targets")
+        return PlannerStatus(
+            state=said["state"],
+            leader=int(said["leader"]),
+            roles=np.array(said["roles"], dtype=np.int64),
+            slots=np.array(rare["slots"], dtype=float).reshape(-1, 2),
+            goals=np.array(said["goals"], dtype=float).reshape(-1, 2),
+            goal=None if goal is None else np.array(goal, dtype=float),
+            paths=paths,
+            connections=np.array(rare["connections"], dtype=np.int64).reshape(-1, 2),
+            eta=np.array([np.inf if v is None else v for v in said["eta"]], dtype=float),
+            arrived=bool(said["arrived"]),
+            waypoint=int(rare["waypoint"]),
+            goal_moved=float(rare["goal_moved"]),
+            involved=tuple(int(robot) for robot in rare["involved"]),
+            message=str(rare["message"]),
+            targets=None if targets is None else np.array(targets, dtype=float),
+        )
+
+
+def _plain(values: Any) -> Any:
+    return np.round(np.asarray(values, dtype=float), DIGITS).tolist()
