@@ -9,7 +9,7 @@ import numpy as np
 
 from cavalcade.coordination.result import TeamPlan
 from cavalcade.geometry import Array
-from cavalcade.geometry.trajectory import Trajectory
+from cavalcade.geometry.trajectory import Trajectory, team_poses
 from cavalcade.locomotion import longest_leg
 from cavalcade.metrics.clearance import clearance
 from cavalcade.metrics.lower_bound import lower_bounds
@@ -22,7 +22,7 @@ from cavalcade.metrics.summary import (
     rounded,
     rounded_each,
 )
-from cavalcade.recording.plan_sampling import as_recording
+from cavalcade.recording.frames import Recording
 from cavalcade.scenario import Scenario, World
 
 
@@ -117,6 +117,16 @@ def summarise_plan(
         footholds=_footholds(scenario, stretches),
         versions=package_versions(),
     )
+
+
+def as_recording(trajectories: Sequence[Trajectory]) -> Recording:
+    """The plan as if it had been carried out to the letter; without commands and status.
+
+    Its times are those of all samples of all robots, so that nothing is left out in between.
+    """
+    times = np.unique(np.concatenate([trajectory.time for trajectory in trajectories]))
+    poses = team_poses(trajectories, times)
+    return Recording(times, poses, poses, np.zeros_like(poses), (), (), ())
 
 
 def _goal_errors(scenario: Scenario, plan: TeamPlan) -> tuple[float | None, ...]:

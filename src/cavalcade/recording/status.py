@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -18,9 +18,11 @@ _RARE = ("slots", "connections", "goal", "involved", "message", "goal_moved", "w
 """Written only when they change."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PlannerStatus:
     """The planner's view of one cycle; positions in the map frame.
+
+    What only formations have may be left out.
 
     Attributes:
         state: `inactive`, `partial`, `final` (the paper's three), `resolving` (a deadlock is
@@ -43,19 +45,19 @@ class PlannerStatus:
     """
 
     state: str
-    leader: int
+    leader: int = -1
     roles: NDArray[np.int64]
-    slots: Array
+    slots: Array = field(default_factory=lambda: np.zeros((0, 2)))
     goals: Array
-    goal: Array | None
+    goal: Array | None = None
     paths: tuple[Array, ...]
-    connections: NDArray[np.int64]
+    connections: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 2), np.int64))
     eta: Array
-    arrived: bool
-    waypoint: int
-    goal_moved: float
-    involved: tuple[int, ...]
-    message: str
+    arrived: bool = False
+    waypoint: int = 0
+    goal_moved: float = 0.0
+    involved: tuple[int, ...] = ()
+    message: str = ""
     targets: Array | None = None
 
 

@@ -141,8 +141,8 @@ def test_one_that_stands_is_waited_for_by_those_after_it_alone(robot):
     follower, poses, done = carried(paths, models, fleet, FollowSettings(), longest=28.0)
     assert not done
     assert least_gap(poses, models) > 0.0
-    order = follower._pace.precedence
-    bounds = order.bounds(follower._pace.sure)
+    order = follower._scaling.precedence
+    bounds = order.bounds(follower._scaling.sure)
     for k in range(len(paths)):
         # Held up where it is not its turn, or at the end of its way.
         at_bound = bounds[k] - follower.progress[k] < 0.1
@@ -181,7 +181,7 @@ def test_rates_change_smoothly(crowd):
         seen = fleet.observe()
         fleet.send(follower.step(seen.poses, seen.time, seen.stamps))
         fleet.advance(0.05)
-        rates = follower._pace.rates.copy()
+        rates = follower._scaling.rates.copy()
         assert ((rates >= 0.0) & (rates <= 1.0)).all()
         assert (follower.progress >= progress - 1e-9).all()
         falls.append(before - rates)

@@ -20,7 +20,7 @@ from cavalcade.drawing.plans.scene import (
 )
 from cavalcade.geometry import Array
 from cavalcade.geometry.distances import nearest_gaps
-from cavalcade.recording.plan_sampling import common_clock, team_poses
+from cavalcade.geometry.trajectory import common_clock, team_poses
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
