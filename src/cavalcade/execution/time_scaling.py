@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cavalcade.execution.precedence import MARGIN, Braking, Precedence, Progress, reach_of
+from cavalcade.execution._precedence import Braking, Progress
+from cavalcade.execution.precedence import MARGIN, Precedence, reach_of
 from cavalcade.execution.speed_profile import GRAIN, LegLimits, rate_profile
 from cavalcade.geometry import Array, wrap_angle
 from cavalcade.geometry.trajectory import FLIGHT, Trajectory

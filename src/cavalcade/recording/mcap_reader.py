@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.errors import RecordingError
+from cavalcade.geometry import Array
 from cavalcade.recording import _messages
 from cavalcade.recording.cdr import Layout, nanoseconds_of
 from cavalcade.recording.frames import ObstacleTrack, Recording
@@ -107,8 +108,9 @@ def _statuses(found: _Found, robots: int) -> tuple[PlannerStatus, ...]:
         for time, data in found.get(f"/robot_{robot}/path", ())
     ]
     written.sort(key=lambda one: one[0], reverse=True)
-    decoder, paths, current = StatusDecoder(), {}, ()
-    result = []
+    decoder, result = StatusDecoder(), []
+    paths: dict[int, Array] = {}
+    current: tuple[Array, ...] = ()
     for time, data in found.get(_messages.STATUS_TOPIC, ()):
         while written and written[-1][0] <= time:
             _, robot, path = written.pop()
