@@ -23,6 +23,8 @@ _TASK_KINDS = ("goals", "formation", "rejoin")
 _TEAM_KINDS = ("goals", "formation", "lose", "rejoin")
 """Events that a policy must be able to take up."""
 
+_NOTES = {"add": "obstacle added", "remove": "obstacle removed", "move": "obstacle moves"}
+
 MAP_PERIOD = 1.0
 """While an obstacle moves, its map is handed to the recording this often, s."""
 
@@ -107,7 +109,7 @@ class EventRunner:
         return tuple(_track(span) for span in self._obstacles.spans if span.start <= end)
 
     def _happen(self, event: Event) -> None:
-        team, text = self._team, str(event.kind)
+        team, text = self._team, _NOTES.get(event.kind, str(event.kind))
         if team is not None and event.goals is not None:
             team.set_goals(event.goals)
             self._goal_count = len(event.goals)
@@ -129,12 +131,6 @@ class EventRunner:
             x, y = (part / push.duration for part in push.impulse)
             _push(self._control.fleet, push.robot, (x, y, 0.0), push.duration)
             text = f"robot {push.robot} pushed"
-        elif event.add is not None:
-            text = "obstacle added"
-        elif event.remove is not None:
-            text = "obstacle removed"
-        elif event.move is not None:
-            text = "obstacle moves"
         self._notes.append(text)
 
 

@@ -17,7 +17,7 @@ from __future__ import annotations
 import struct
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.geometry import Array
 from cavalcade.recording.cdr import ENCAPSULATION, Layout, planar_poses, stamps_of
@@ -146,7 +146,7 @@ def transform_messages(times: Stamps, poses: Array) -> list[memoryview]:
     """tf2_msgs/TFMessage with every robot's body frame in the map; poses `(M, N, 3)`."""
     robots = poses.shape[1]
     layout = Layout().constant("u4", robots)
-    columns: dict[str, Array | NDArray[np.int64]] = {}
+    columns: dict[str, ArrayLike] = {}
     for robot in range(robots):
         layout.header(FRAME, f"stamp_{robot}").text(base_frame(robot))
         layout.numbers(f"pose_{robot}", "f8", 7)
@@ -218,8 +218,7 @@ def marker_messages(
         springs: `(M, C, 2, 2)` ends of the lines between joined robots.
     """
     count, robots = roles.shape
-    layout = Layout().constant("u4", 2 * robots + 2)
-    columns: dict[str, Array | NDArray[np.int64]] = {}
+    markers = _Markers(times, 2 * robots + 2)
     colours = np.ones((count, robots, 4))
     colours[..., :3] = np.where(
         roles[..., None] < 0, _NO_ROLE, _PALETTE[np.maximum(roles, 0) % len(_PALETTE)]
@@ -230,57 +229,58 @@ def marker_messages(
     for robot, model in enumerate(models):
         bodies[:, robot, 2] = model.height / 2.0
         size = (model.length, model.width, model.height)
-        _marker(layout, f"body_{robot}", "roles", robot, _CUBE, size)
-        columns |= _columns(f"body_{robot}", times, bodies[:, robot], colours[:, robot])
-        _marker(layout, f"goal_{robot}", "goals", robot, _SPHERE, (0.12, 0.12, 0.12))
-        columns |= _columns(f"goal_{robot}", times, targets[:, robot], colours[:, robot])
-    led = leaders >= 0
+        colour = colours[:, robot]
+        markers.add("roles", robot, _CUBE, size, bodies[:, robot], colour)
+        markers.add("goals", robot, _SPHERE, (0.12, 0.12, 0.12), targets[:, robot], colour)
     above = planar_poses(poses[np.arange(count), np.maximum(leaders, 0)])
     above[:, 2] = top + 0.15
-    _marker(layout, "leader", "leader", 0, _SPHERE, (0.2, 0.2, 0.2))
-    columns |= _columns("leader", times, above, np.tile((*_PALETTE[0], 1.0), (count, 1)))
-    columns["leader_action"] = np.where(led, _ADD, _DELETE)
+    red, shown = np.array((*_PALETTE[0], 1.0)), np.where(leaders >= 0, _ADD, _DELETE)
+    markers.add("leader", 0, _SPHERE, (0.2, 0.2, 0.2), above, red, shown)
     ends = np.zeros((count, springs.shape[1] * 2, 3))
     ends[..., :2] = springs.reshape(count, -1, 2)
     ends[..., 2] = top / 2.0
-    _marker(layout, "springs", "springs", 0, _LINE_LIST, (0.03, 0.0, 0.0), ends.shape[1])
-    origin = planar_poses(np.zeros((count, 3)))
-    columns |= _columns("springs", times, origin, np.tile((0.3, 0.3, 0.3, 0.9), (count, 1)))
-    if ends.shape[1]:
-        columns["springs_points"] = ends.reshape(count, -1)
-    else:
-        columns["springs_action"] = np.full(count, _DELETE)
-    return layout.pack(count, **columns)
+    origin, grey = planar_poses(np.zeros((count, 3))), np.array((0.3, 0.3, 0.3, 0.9))
+    markers.add("springs", 0, _LINE_LIST, (0.03, 0.0, 0.0), origin, grey, points=ends)
+    return markers.layout.pack(count, **markers.columns)
 
 
-def _marker(
-    layout: Layout,
-    name: str,
-    space: str,
-    number: int,
-    kind: int,
-    size: tuple[float, float, float],
-    points: int = 0,
-) -> None:
-    layout.header(FRAME, f"{name}_stamp").text(space).constant("i4", number, kind)
-    layout.numbers(f"{name}_action", "i4").numbers(f"{name}_pose", "f8", 7)
-    layout.constant("f8", *size).numbers(f"{name}_colour", "f4", 4)
-    layout.constant("u4", 0, 0).constant("u1", 0)  # lifetime for ever, frame not locked
-    layout.constant("u4", points)
-    if points:
-        layout.numbers(f"{name}_points", "f8", 3 * points)
-    layout.constant("u4", 0)  # colours of single points
-    layout.text("").constant("u4", 0, 0).text("").text("").constant("u4", 0)  # texture
-    layout.constant("u4", 0).text("").text("").text("").constant("u4", 0)  # uv, text, mesh
-    layout.constant("u1", 0)
+class _Markers:
+    """A visualization_msgs/MarkerArray: its layout and the columns that it is packed with."""
 
+    def __init__(self, times: Stamps, count: int) -> None:
+        self.layout = Layout().constant("u4", count)
+        self.columns: dict[str, ArrayLike] = {}
+        self._stamp = stamps_of(times)
 
-def _columns(
-    name: str, times: Stamps, poses: Array, colours: Array
-) -> dict[str, Array | NDArray[np.int64]]:
-    return {
-        f"{name}_stamp": stamps_of(times),
-        f"{name}_action": np.full(len(times), _ADD),
-        f"{name}_pose": poses,
-        f"{name}_colour": colours,
-    }
+    def add(
+        self,
+        space: str,
+        number: int,
+        kind: int,
+        size: tuple[float, float, float],
+        pose: Array,
+        colour: Array,
+        action: ArrayLike = _ADD,
+        points: Array | None = None,
+    ) -> None:
+        """One marker: poses `(M, 7)`, a colour or `(M, 4)`, actions `(M,)`, points `(M, K, 3)`."""
+        name, count = f"{space}_{number}", 0 if points is None else points.shape[1]
+        self.columns |= {
+            f"{name}_stamp": self._stamp,
+            f"{name}_action": action if points is None or count else _DELETE,
+            f"{name}_pose": pose,
+            f"{name}_colour": colour,
+        }
+        layout = self.layout.header(FRAME, f"{name}_stamp").text(space)
+        layout.constant("i4", number, kind)
+        layout.numbers(f"{name}_action", "i4").numbers(f"{name}_pose", "f8", 7)
+        layout.constant("f8", *size).numbers(f"{name}_colour", "f4", 4)
+        layout.constant("u4", 0, 0).constant("u1", 0)  # lifetime for ever, frame not locked
+        layout.constant("u4", count)
+        if points is not None and count:
+            layout.numbers(f"{name}_points", "f8", 3 * count)
+            self.columns[f"{name}_points"] = points.reshape(len(points), -1)
+        layout.constant("u4", 0)  # colours of single points
+        layout.text("").constant("u4", 0, 0).text("").text("").constant("u4", 0)  # texture
+        layout.constant("u4", 0).text("").text("").text("").constant("u4", 0)  # uv, text, mesh
+        layout.constant("u1", 0)
