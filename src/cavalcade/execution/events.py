@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -143,8 +144,6 @@ class _Obstacles:
         self._world = world
         self._moving: list[Any] = []
         self._shapes = [shape_from_mapping(span.obstacle.words) for span in self.spans]
-        # Fixed ones are rasterised once; the others are added to that map as they stand.
-        self._still: OccupancyMap | None = None
         # The first map shows the world's own obstacles; what events bring is still to be drawn.
         self._drawn: list[tuple[float, float] | None] = [
             place if span.start == 0.0 else None
@@ -171,7 +170,7 @@ class _Obstacles:
             for shape, place in zip(self._shapes, places, strict=True)
             if place is not None
         ]
-        return self._still_map().with_shapes(shapes)
+        return self._still_map.with_shapes(shapes)
 
     def movers(self, time: float) -> list[Any]:
         """What moves now, as the planner takes it."""
@@ -207,12 +206,13 @@ class _Obstacles:
                 return True
         return False
 
+    @cached_property
     def _still_map(self) -> OccupancyMap:
-        if self._still is None:
-            fixed = [span for span in self._world.spans if span.fixed]
-            shapes = [shape_from_mapping(span.obstacle.words) for span in fixed]
-            self._still = self._world.base.with_shapes(shapes)
-        return self._still
+        """Fixed ones are rasterised once; the others are added to that map as they stand."""
+        fixed = [span for span in self._world.spans if span.fixed]
+        return self._world.base.with_shapes(
+            [shape_from_mapping(span.obstacle.words) for span in fixed]
+        )
 
 
 def _track(span: ObstacleSpan) -> ObstacleTrack:

@@ -14,9 +14,8 @@ from cavalcade.execution.events import EventRunner
 from cavalcade.execution.policy import Policy
 from cavalcade.fleet import Fall, FallingFleet, Fleet, SampledFleet, Watchdog
 from cavalcade.geometry import Array
-from cavalcade.recording.frames import Frame, FrameSink, Recording
+from cavalcade.recording.frames import Frame, FrameSink, Recorder, Recording
 from cavalcade.recording.physics_track import FallEvent, PhysicsTrack
-from cavalcade.recording.recorder import Recorder
 from cavalcade.recording.status import PlannerStatus
 from cavalcade.scenario import Scenario, World
 from cavalcade.scenario.settings import Budget

@@ -7,12 +7,12 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cavalcade.execution.arrival import ArrivalTolerance, has_goal, slot_poses, tolerance_of
 from cavalcade.execution.loop import Outcome
 from cavalcade.geometry import Array, wrap_angle
 from cavalcade.metrics.clearance import clearance
-from cavalcade.metrics.formation_error import formation_errors
 from cavalcade.metrics.lower_bound import lower_bounds
 from cavalcade.metrics.physics_summary import summarise_physics
 from cavalcade.metrics.summary import (
@@ -140,9 +140,43 @@ def _in_place(
     return tuple(durations), rounded_each(np.hypot(off[:, 0], off[:, 1]))
 
 
+def placement_errors(positions: Array, slots: Array, taking_part: NDArray[np.bool_]) -> Array:
+    """Distance of each robot to its own slot of the best-fit placement of the shape.
+
+    The placement is the rotation and translation (no scaling, no reflection) with the least sum
+    of squared distances.
+
+    Args:
+        positions: `(T, N, 2)` of the robots, m.
+        slots: `(T, N, 2)` each robot's slot in the formation's frame, m.
+        taking_part: `(T, N)` whether the robot has a slot.
+
+    Returns:
+        `(T, N)` m; 0 for robots that take no part.
+    """
+    weight = taking_part[..., None].astype(float)
+    count = np.maximum(weight.sum(axis=1, keepdims=True), 1.0)
+    p = (positions - (positions * weight).sum(axis=1, keepdims=True) / count) * weight
+    q = (slots - (slots * weight).sum(axis=1, keepdims=True) / count) * weight
+    along = (p * q).sum(axis=(1, 2))
+    across = (q[..., 0] * p[..., 1] - q[..., 1] * p[..., 0]).sum(axis=1)
+    turn = np.arctan2(across, along)[:, None]
+    c, s = np.cos(turn), np.sin(turn)
+    dx = p[..., 0] - (c * q[..., 0] - s * q[..., 1])
+    dy = p[..., 1] - (s * q[..., 0] + c * q[..., 1])
+    return np.asarray(np.hypot(dx, dy))
+
+
 def _formation_error(recording: Recording) -> FormationError:
-    errors, taking_part = formation_errors(recording)
-    values = errors[taking_part]
+    """For true poses and the roles of each cycle."""
+    cycles, robots = recording.poses.shape[:2]
+    slots = np.zeros((cycles, robots, 2))
+    taking_part = np.zeros((cycles, robots), dtype=bool)
+    for k, status in enumerate(recording.status):
+        has_slot = (status.roles >= 0) & (status.roles < len(status.slots))
+        taking_part[k] = has_slot
+        slots[k, has_slot] = status.slots[status.roles[has_slot]]
+    values = placement_errors(recording.poses[..., :2], slots, taking_part)[taking_part]
     if not len(values):
         return FormationError()
     return FormationError(

@@ -13,10 +13,10 @@ from rosbags.typesys import Stores, get_typestore
 
 from cavalcade.errors import RecordingError
 from cavalcade.recording._messages import JOINT_NAMES, physics_topics
+from cavalcade.recording.frames import Recorder
 from cavalcade.recording.mcap_reader import read_recording
 from cavalcade.recording.mcap_writer import physics_messages, write_recording
 from cavalcade.recording.physics_track import ContactEvent, FallEvent, PhysicsTrack
-from cavalcade.recording.recorder import Recorder
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 ROBOTS, SAMPLES = 2, 30
