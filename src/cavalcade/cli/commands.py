@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from cavalcade.cli import campaigns, options
-from cavalcade.cli.options import print_json
 from cavalcade.errors import CavalcadeError, OutputError
 
 if TYPE_CHECKING:
@@ -84,7 +83,7 @@ def check(
 
     report = check_directory(directory)
     if as_json:
-        print_json({"ok": report.ok, **_finite(asdict(report))})
+        options.print_json({"ok": report.ok, **_finite(asdict(report))})
     elif report.violations:
         first, more = report.violations[0], len(report.violations) - 1
         rest = f" (and {more} more)" if more else ""
@@ -102,7 +101,7 @@ def scenarios(as_json: options.Json = False) -> None:
 
     found = scenario_descriptions()
     if as_json:
-        print_json(found)
+        options.print_json(found)
         return
     width = max(map(len, found), default=0)
     for name, description in found.items():
@@ -138,7 +137,7 @@ def schema() -> None:
     """Print the JSON Schema of scenario files."""
     from cavalcade.scenario import scenario_schema
 
-    print_json(scenario_schema())
+    options.print_json(scenario_schema())
 
 
 def _later(name: str, what: str) -> None:
@@ -208,12 +207,9 @@ _later("studio", "the studio")
 def _finish(name: str, result: JobResult, as_json: bool, otherwise: str) -> None:
     """Print the summary if it was asked for, and say why a job did not succeed."""
     if as_json:
-        print_json(dict(result.summary))
+        options.print_json(dict(result.summary))
     if not result.success:
-        detail = result.summary.get("detail")
-        why = f"{result.reason} ({detail})" if detail else result.reason
-        print(f"cavalcade: {name}: {otherwise}: {why}", file=sys.stderr)
-        raise typer.Exit(1)
+        raise options.not_achieved(name, result.reason, result.summary.get("detail"), otherwise)
 
 
 def _told(violation: Violation) -> str:
