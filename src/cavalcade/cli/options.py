@@ -80,7 +80,9 @@ def check_picture(path: Path) -> None:
         raise OutputError(f"{path.parent}: no such folder")
 
 
-def not_achieved(name: str, reason: str, detail: str | None, what: str = "not achieved") -> Exit:
+def not_achieved(
+    name: str, reason: str, detail: str | None, what: str = "not achieved"
+) -> typer.Exit:
     """Say on stderr why something did not succeed; to be raised, it ends the command with 1."""
     why = f"{reason} ({detail})" if detail else reason
     print(f"cavalcade: {name}: {what}: {why}", file=sys.stderr)
