@@ -23,11 +23,12 @@ SAYS = {
     "09_plan_a_team": "clean",
     "10_plan_on_terrain": "in flight from",
     "11_walk_in_physics": "on its feet",
-    "12_safety_filter_alone": "they stand",
-    "14_plan_one_body": "on foot: infeasible",
     "12_plan_team_without_files": "all at their goals after",
+    "13_safety_filter_alone": "they stand",
+    "14_plan_one_body": "on foot: infeasible",
     "15_leg_control_alone": "swings with",
     "16_predictive_control_alone": "brake with",
+    "17_check_arrays": "clean, closest",
 }
 
 WRITES = {

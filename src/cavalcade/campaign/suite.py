@@ -195,11 +195,14 @@ _FORMER_KEY, _FORMER_KINDS = "draw", {"hopeless": "infeasible"}
 """How `sampler` and samplers were once called."""
 
 
-def with_current_names(data: Mapping[str, Any]) -> dict[str, Any]:
-    """The plain data of a suite with today's keys in the place of former ones; may be unchanged."""
-    worlds = data.get("worlds")
+def with_current_names(data: Any) -> Any:
+    """The plain data of a suite with today's keys in the place of former ones.
+
+    What is no suite comes back as it is.
+    """
+    worlds = data.get("worlds") if isinstance(data, Mapping) else None
     if not isinstance(worlds, list | tuple):
-        return dict(data)
+        return data
     return {**data, "worlds": [_with_sampler(group) for group in worlds]}
 
 

@@ -1,16 +1,15 @@
 """The safety filter without the planner: any commands in, commands that touch nothing out.
 
-python examples/12_safety_filter_alone.py
+python examples/13_safety_filter_alone.py
 """
 
 import numpy as np
 
 import cavalcade as cv
-from cavalcade.formation import SafetyFilter, SafetyInputs
 
 world = cv.OccupancyMap.empty((8.0, 5.0)).with_shapes([cv.Box((5.5, 2.5), (0.3, 5.0))])
 period = 0.05
-guard = SafetyFilter("go1", period)
+guard = cv.SafetyFilter("go1", period)
 
 # Two robots that someone steers at each other and at the wall, at full speed; x, y, yaw each.
 poses = np.array([[1.5, 2.5, 0.0], [4.0, 2.6, np.pi]])
@@ -20,7 +19,7 @@ visitor = cv.DynamicObstacle(cv.Circle((3.0, 0.5), 0.2), (0.0, 0.1))
 
 distances = None  # of the map: found in the first cycle and kept
 for _ in range(500):
-    inputs = SafetyInputs.of(
+    inputs = cv.SafetyInputs.of(
         world, poses, velocities, asked, obstacles=[visitor], distances=distances
     )
     distances = inputs.surroundings.distances
