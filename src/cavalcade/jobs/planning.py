@@ -12,7 +12,7 @@ from cavalcade.coordination.result import TeamPlan
 from cavalcade.execution.plan_follower import PlanFollower
 from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import Trajectory
-from cavalcade.jobs.reporter import Reporter
+from cavalcade.jobs.reporter import JobReporter
 from cavalcade.lattice.ground import make_ground
 from cavalcade.locomotion import leg_lengths, plan_footholds
 from cavalcade.metrics.plan_summary import PlanResult, summarise_plan
@@ -30,7 +30,7 @@ def make_plan(
     scenario: ResolvedScenario,
     world: World,
     coordinator: Coordinator | None = None,
-    reporter: Reporter | None = None,
+    reporter: JobReporter | None = None,
 ) -> PlanResult:
     """Plan and measure the plan, without files.
 
@@ -41,7 +41,7 @@ def make_plan(
         reporter: Told what goes on.
     """
     started = clock.perf_counter()
-    with (reporter or Reporter(scenario.name, quiet=True)).planning(scenario):
+    with (reporter or JobReporter(scenario.name, quiet=True)).planning(scenario):
         team = (coordinator or coordinate)(scenario, world)
     footholds, stretches = _plan_feet(scenario, world, team.trajectories)
     summary = summarise_plan(scenario, world, team, stretches, clock.perf_counter() - started)

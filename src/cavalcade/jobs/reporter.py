@@ -16,28 +16,23 @@ from cavalcade.scenario import Scenario
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.progress import Progress as Bar
+    from rich.progress import ProgressColumn
 
 PLAIN_PERIOD = 10.0
 """Where there is no terminal, a line is printed this often, s of simulated time."""
 
 
 class Reporter:
-    """Says on stdout what a job does: a bar on a terminal, plain lines elsewhere.
+    """Says on stdout how work goes on: lines, and a bar on a terminal.
 
-    Use it as a context; with `quiet` it says nothing. It is a sink of frames.
-
-    Attributes:
-        timeout: When a run will be given up, s of simulated time.
+    Use it as a context; with `quiet` it says nothing.
     """
 
-    def __init__(self, name: str, quiet: bool = False) -> None:
-        self.timeout = 0.0
-        self._name = name
+    def __init__(self, quiet: bool = False) -> None:
         self._quiet = quiet
         self._console: Console | None = None
         self._bar: Bar | None = None
         self._task: Any = None
-        self._last = 0.0
 
     def __enter__(self) -> Self:
         if not self._quiet:
@@ -47,12 +42,55 @@ class Reporter:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._close_bar()
+        self.close()
 
     def say(self, text: str) -> None:
         """One line."""
         if self._console is not None:
             self._console.print(text, markup=False)
+
+    def close(self) -> None:
+        """Take the bar away."""
+        if self._bar is not None:
+            self._bar.stop()
+            self._bar = None
+
+    def _show_bar(self, columns: Sequence[ProgressColumn], per_second: float, **task: Any) -> None:
+        """Begin a bar.
+
+        Args:
+            columns: Between the bar and the time that has passed.
+            per_second: How often it is drawn.
+            task: Its description and so on, as rich takes them.
+        """
+        from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
+        from rich.progress import Progress as Bar
+
+        self._bar = Bar(
+            TextColumn("{task.description}", markup=False),
+            BarColumn(),
+            *columns,
+            TimeElapsedColumn(),
+            console=self._console,
+            transient=True,
+            refresh_per_second=per_second,
+        )
+        self._task = self._bar.add_task(**task)
+        self._bar.start()
+
+
+class JobReporter(Reporter):
+    """Says what one job does; it is a sink of frames.
+
+    Attributes:
+        timeout: When a run will be given up, s of simulated time.
+    """
+
+    def __init__(self, name: str, quiet: bool = False) -> None:
+        super().__init__(quiet)
+        self.timeout = 0.0
+        self._name = name
+        self._last = 0.0
 
     @contextmanager
     def planning(self, scenario: Scenario) -> Iterator[None]:
@@ -92,7 +130,7 @@ class Reporter:
 
     def finish(self, summary: Mapping[str, Any], files: Sequence[Path]) -> None:
         """The table of the result and where to look."""
-        self._close_bar()
+        self.close()
         if self._console is None:
             return
         from rich import box
@@ -110,29 +148,16 @@ class Reporter:
 
     def _update_bar(self, frame: Frame) -> None:
         if self._bar is None:
-            from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
-            from rich.progress import Progress as Bar
+            from rich.progress import TextColumn
 
-            self._bar = Bar(
-                TextColumn("{task.description}", markup=False),
-                BarColumn(),
-                TextColumn("{task.completed:.1f} s simulated, {task.fields[state]}", markup=False),
-                TimeElapsedColumn(),
-                console=self._console,
-                transient=True,
-                refresh_per_second=5,
+            state = TextColumn(
+                "{task.completed:.1f} s simulated, {task.fields[state]}", markup=False
             )
-            state = frame.status.state
-            self._task = self._bar.add_task(self._name, total=self.timeout, state=state)
-            self._bar.start()
-        if frame.time - self._last >= 0.5 or frame.time < self._last:
+            task = {"description": self._name, "total": self.timeout, "state": frame.status.state}
+            self._show_bar([state], 5, **task)
+        elif frame.time - self._last >= 0.5 or frame.time < self._last:
             self._last = frame.time
             self._bar.update(self._task, completed=frame.time, state=frame.status.state)
-
-    def _close_bar(self) -> None:
-        if self._bar is not None:
-            self._bar.stop()
-            self._bar = None
 
 
 def kernels_are_cached(part: str = "fleet", kernel: str = "_kernels.advance_team") -> bool:

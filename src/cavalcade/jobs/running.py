@@ -17,7 +17,7 @@ from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import Trajectory
 from cavalcade.jobs.output_folder import FIGURES, PLAN, RECORDING, REPLAY, OutputFolder
 from cavalcade.jobs.planning import Coordinator, make_plan
-from cavalcade.jobs.reporter import Reporter, kernels_are_cached
+from cavalcade.jobs.reporter import JobReporter, kernels_are_cached
 from cavalcade.jobs.tasks import PolicyMaker, task_of
 from cavalcade.metrics.plan_summary import PlanResult
 from cavalcade.metrics.summary import Summary
@@ -136,7 +136,7 @@ def run(
         loaded = with_own_robots(loaded)
     with ExitStack() as stack:
         folder = stack.enter_context(OutputFolder(out, force)) if out is not None else None
-        reporter = stack.enter_context(Reporter(loaded.name, quiet))
+        reporter = stack.enter_context(JobReporter(loaded.name, quiet))
         resolved = resolve_scenario(loaded)
         world = build_world(resolved)
         reporter.say(_preparing(resolved))
@@ -213,7 +213,7 @@ def plan(
         )
     with ExitStack() as stack:
         folder = stack.enter_context(OutputFolder(out, force)) if out is not None else None
-        reporter = stack.enter_context(Reporter(loaded.name, quiet))
+        reporter = stack.enter_context(JobReporter(loaded.name, quiet))
         resolved = resolve_scenario(loaded)
         world = build_world(resolved)
         made = make_plan(resolved, world, coordinator, reporter)
@@ -227,7 +227,7 @@ def plan(
 def _kept(
     result: JobResult,
     folder: OutputFolder,
-    reporter: Reporter,
+    reporter: JobReporter,
     shown: PlanResult | None,
     figures: bool,
     replay: bool,

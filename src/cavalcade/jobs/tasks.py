@@ -16,7 +16,7 @@ from cavalcade.execution.policy import Policy
 from cavalcade.execution.time_scaling import EXACT, WALKING
 from cavalcade.fleet import Fleet, IdealFleet, LeapingFleet
 from cavalcade.jobs.planning import driven_trajectories, make_plan
-from cavalcade.jobs.reporter import Reporter
+from cavalcade.jobs.reporter import JobReporter
 from cavalcade.metrics.command_tracking import summarise_commands
 from cavalcade.metrics.plan_summary import PlanResult
 from cavalcade.metrics.run_summary import summarise
@@ -47,7 +47,7 @@ class Task:
         self,
         scenario: ResolvedScenario,
         world: World,
-        reporter: Reporter,
+        reporter: JobReporter,
         policy: PolicyMaker | Policy | None = None,
     ) -> None:
         self.scenario = scenario
@@ -223,7 +223,7 @@ _TASKS: dict[str, type[Task]] = {
 def task_of(
     scenario: ResolvedScenario,
     world: World,
-    reporter: Reporter,
+    reporter: JobReporter,
     policy: PolicyMaker | Policy | None = None,
 ) -> Task:
     """The task of a scenario; arguments as of `Task`."""
