@@ -67,8 +67,7 @@ def records_of(track: PhysicsTrack) -> tuple[RobotRecord, ...]:
 
 def _as_stamped(time: Array) -> Array:
     """Seconds as they come out of the stamps of messages."""
-    from cavalcade.recording.cdr import stamps_of
-    from cavalcade.recording.mcap_writer import nanoseconds
+    from cavalcade.recording.cdr import nanoseconds, stamps_of
 
     seconds, rest = stamps_of(nanoseconds(time)).T
     return np.asarray(seconds + 1e-9 * rest)
