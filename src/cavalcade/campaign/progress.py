@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 import time as clock
 from collections.abc import Callable, Mapping
-from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
 if TYPE_CHECKING:
@@ -59,12 +58,7 @@ class CampaignReporter:
             self._show_bar(self._console)
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         """Take the bar away."""
         self.close()
 
