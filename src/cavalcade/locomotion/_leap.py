@@ -14,11 +14,11 @@ from numba import njit
 from cavalcade.geometry.constants import GRAVITY
 from cavalcade.locomotion._centroid import measure_centroid
 from cavalcade.locomotion._horizon import solve_forces
-from cavalcade.locomotion._joints import go_limp, limit_torques, stance_torques
-from cavalcade.locomotion._kinematics import measure_body, turned_back
+from cavalcade.locomotion._joints import stance_torques
+from cavalcade.locomotion._kinematics import turned_back
 from cavalcade.locomotion._leap_horizon import foothold, leap_problem
 from cavalcade.locomotion._leap_legs import flight_torques
-from cavalcade.locomotion._walk import FALL, stand
+from cavalcade.locomotion._walk import stand
 from cavalcade.locomotion.records import FALLEN, FLIGHT, LANDING, PUSH
 
 SHORT, STRETCH = 0.02, 0.92
@@ -35,14 +35,7 @@ LOST = 0.35
 @njit(cache=True)
 def step_leap(robot, state, leap, body, measured, torques):
     """Torques `(12,)`, overwritten, N m, for a robot that leaps, `Measured` now."""
-    state.time = measured.time
-    measure_body(robot, measured, body)
     centroid = measure_centroid(robot, measured, body)
-    if max(abs(body.angles[0]), abs(body.angles[1])) > FALL:
-        state.mode = FALLEN
-        leap.failed = 1
-        go_limp(measured, torques)
-        return
     if leap.began < 0.0:
         leap.began = state.time
         for a in range(3):
@@ -56,7 +49,6 @@ def step_leap(robot, state, leap, body, measured, torques):
             stance_torques(robot, body, leg, state.forces[leg], measured, torques)
         else:
             flight_torques(robot, leap, body, centroid, leg, measured, torques)
-    limit_torques(robot, torques)
 
 
 @njit(cache=True)

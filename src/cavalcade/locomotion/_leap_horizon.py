@@ -33,26 +33,14 @@ def leap_reference(leap, phase, t, out):
     share = min(t / lasts, 1.0)
     out[0] = out[6] = out[7] = out[8] = 0.0
     # Pitch: between the ends of phases, at the flight's rate into and out of it.
-    first, last = leap.pitches[0], leap.pitches[0]
-    if phase == CROUCH:
-        first = 0.0
-    elif phase == PUSH:
-        last = leap.pitches[1]
-    elif phase == FLIGHT:
-        first, last = leap.pitches[1], leap.pitches[2]
-    else:
-        first, last = leap.pitches[2], 0.0
-    if phase == PUSH:
-        # Into the turning that the flight goes on with.
-        rate = (leap.pitches[2] - leap.pitches[1]) / leap.lasts[FLIGHT]
-        out[1], out[7] = hermite(first, 0.0, last, rate, lasts, t)
-    elif phase == FLIGHT:
+    first = 0.0 if phase == CROUCH else leap.pitches[phase - 1]
+    last = 0.0 if phase == LANDING else leap.pitches[phase]
+    if phase == FLIGHT:
         out[1], out[7] = first + share * (last - first), (last - first) / lasts
-    elif phase == LANDING:
-        rate = (leap.pitches[2] - leap.pitches[1]) / leap.lasts[FLIGHT]
-        out[1], out[7] = hermite(first, rate, last, 0.0, lasts, t)
     else:
-        out[1], out[7] = hermite(first, 0.0, last, 0.0, lasts, t)
+        rate = (leap.pitches[2] - leap.pitches[1]) / leap.lasts[FLIGHT]
+        begin, end = rate if phase == LANDING else 0.0, rate if phase == PUSH else 0.0
+        out[1], out[7] = hermite(first, begin, last, end, lasts, t)
     # Yaw: the push begins the turn, the flight goes on with it.
     before, after = leap.yaws[0], leap.yaws[1]
     rate = (after - before) / (0.5 * leap.lasts[PUSH] + leap.lasts[FLIGHT])
