@@ -198,8 +198,10 @@ def start_poses(poses: ArrayLike, robots: int) -> Array:
         InputError: Another number, or a pose that is not finite.
     """
     start = np.array(poses, dtype=float)
-    if start.ndim != 2 or start.shape != (robots, 3) or not robots:
-        raise InputError(f"expected one pose (x, y, yaw) per robot, shape ({robots}, 3)")
+    if start.shape != (robots, 3) or not robots:
+        raise InputError(
+            f"expected one pose (x, y, yaw) per robot, shape ({robots}, 3)", key="poses"
+        )
     if not np.isfinite(start).all():
-        raise InputError("expected finite poses")
+        raise InputError("expected finite poses", key="poses")
     return start

@@ -20,10 +20,7 @@ def hermite(start, start_speed, end, end_speed, lasts, t):
     s = min(max(t / lasts, 0.0), 1.0)
     a, b = start_speed * lasts, end_speed * lasts
     c2, c3 = 3.0 * (end - start) - 2.0 * a - b, 2.0 * (start - end) + a + b
-    return (
-        start + s * (a + s * (c2 + s * c3)),
-        (a + s * (2.0 * c2 + 3.0 * s * c3)) / lasts,
-    )
+    return start + s * (a + s * (c2 + s * c3)), (a + s * (2.0 * c2 + 3.0 * s * c3)) / lasts
 
 
 @njit(cache=True)
@@ -53,7 +50,7 @@ def leap_reference(leap, phase, t, out):
         out[2], out[8] = lifted + rate * t, rate
     else:
         out[2], out[8] = hermite(after, rate, after, 0.0, lasts, t)
-    # The centre of centroid: cubics on the ground, a ballistic flight.
+    # The centre of mass: cubics on the ground, a ballistic flight.
     for a in range(3):
         if phase == CROUCH:
             place, speed = hermite(leap.start[a], 0.0, leap.squat[a], 0.0, 0.8 * lasts, t)
@@ -124,7 +121,7 @@ def leap_problem(robot, leap, state, body, centroid):
                 place[0], place[1] = foothold(leap, leg)
                 place[2] = leap.foothold[leg, 2]
             for a in range(3):
-                # From where the centre of centroid will be, seen from where it is.
+                # From where the centre of mass will be, seen from where it is.
                 levers[k, leg, a] = place[a] - (centroid.centre[a] + middle[3 + a] - now[3 + a])
             levers[k, leg, 2] -= robot.foot_radius
     return MpcProblem(

@@ -18,12 +18,7 @@ from cavalcade.locomotion._horizon import (
     swing_share,
     walk_problem,
 )
-from cavalcade.locomotion._joints import (
-    add_leg_weight,
-    stance_torques,
-    track_foot,
-    track_posture,
-)
+from cavalcade.locomotion._joints import add_leg_weight, stance_torques, track_foot, track_posture
 from cavalcade.locomotion._kinematics import leg_inverse, wrapped
 from cavalcade.locomotion._swing import choose_foothold, swing_point
 from cavalcade.locomotion.records import LYING, SINKING, STANDING, TROTTING, FootTarget

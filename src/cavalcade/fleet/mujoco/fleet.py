@@ -17,7 +17,7 @@ from cavalcade.fleet.mujoco.sensing import Sensing, SensingErrors
 from cavalcade.fleet.mujoco.settings import PhysicsSettings
 from cavalcade.fleet.mujoco.simulator import TeamSimulator
 from cavalcade.fleet.protocol import Fall, LeapRequest
-from cavalcade.fleet.radio import CommandDelay, LocalisationNoise, RadioFleet, start_poses
+from cavalcade.fleet.radio import CommandDelay, LocalisationNoise, RadioFleet
 from cavalcade.geometry import Array
 from cavalcade.lattice.ground import Ground
 from cavalcade.locomotion.control import LegControl
@@ -80,8 +80,7 @@ class MujocoFleet(RadioFleet):
         seed: int = 0,
         time: float = 0.0,
     ) -> None:
-        start = start_poses(poses, len(models))
-        self.simulator = TeamSimulator(models, start, ground, physics)
+        self.simulator = TeamSimulator(models, poses, ground, physics)
         self.control = LegControl(models, footing, origin, gait)
         self._step = self.simulator.settings.step
         errors = sensing or SensingErrors()
@@ -105,7 +104,10 @@ class MujocoFleet(RadioFleet):
         heights = None if terrain is None else terrain.heights_at
         self._leapers = Leapers(self.control, np.array(fronts), heights)
         self._judge()
-        self._compile(LegControl(models, footing, origin, gait))
+        # Let kernels be compiled before anybody's clock runs; this one is used up.
+        control, simulator = LegControl(models, footing, origin, gait), self.simulator
+        control.begin(self._time, simulator.qpos)
+        control.step(self._time, simulator.qpos, simulator.qvel, simulator.foot_forces)
 
     @property
     def falls(self) -> tuple[Fall, ...]:
@@ -154,12 +156,6 @@ class MujocoFleet(RadioFleet):
     def state_bytes(self) -> bytes:
         """The state of physics to the last bit, to compare runs."""
         return self.simulator.state_bytes()
-
-    def _compile(self, control: LegControl) -> None:
-        """Let kernels be compiled before anybody's clock runs; `control` is used up."""
-        simulator = self.simulator
-        control.begin(self._time, simulator.qpos)
-        control.step(self._time, simulator.qpos, simulator.qvel, simulator.foot_forces)
 
     def _move(self, start: float, dt: float) -> Array:
         """Leg control and physics in turns; physics is at most half a step of its own off."""

@@ -16,6 +16,7 @@ from cavalcade.fleet.mujoco.ground import PhysicsGround
 from cavalcade.fleet.mujoco.ground_spec import AWAY
 from cavalcade.fleet.mujoco.settings import PhysicsSettings
 from cavalcade.fleet.mujoco.world_spec import build_team
+from cavalcade.fleet.radio import start_poses
 from cavalcade.geometry import Array, transform_points
 from cavalcade.robots.description import QuadrupedDescription
 from cavalcade.robots.model import RobotModel
@@ -48,12 +49,7 @@ class TeamSimulator:
         ground: PhysicsGround | None = None,
         settings: PhysicsSettings | None = None,
     ) -> None:
-        start = np.array(poses, dtype=float)
-        if not len(models) or start.shape != (len(models), 3) or not np.isfinite(start).all():
-            raise InputError(
-                f"expected one finite pose (x, y, yaw) per robot, shape ({len(models)}, 3)",
-                key="poses",
-            )
+        start = start_poses(poses, len(models))
         mujoco = load_mujoco()
         self.ground = ground or PhysicsGround.flat()
         self.settings = settings or PhysicsSettings()
