@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cavalcade.fleet.mujoco.blocks import HEIGHT, Block, blocks_of_map, blocks_of_shape
 from cavalcade.geometry import Array, rectangle_corners
-from cavalcade.scenario.worlds import shape_of
-from cavalcade.world import OccupancyMap
-
-if TYPE_CHECKING:
-    from cavalcade.scenario.timeline import ObstacleSpan
-    from cavalcade.scenario.worlds import World
-    from cavalcade.world import Terrain
+from cavalcade.scenario.timeline import ObstacleSpan
+from cavalcade.scenario.worlds import World, shape_of
+from cavalcade.world import OccupancyMap, Terrain
 
 
 @dataclass(frozen=True)
