@@ -70,7 +70,14 @@ _PLAN_KEYS = (*("found_by", "iterations", "limit_s", "counts", "margin_m", "foot
 _EVERY_KEY = "all summaries have all keys, null where they do not apply, as the contract says"
 _EVERY_COLUMN = "the table has a column for each key of a summary, whatever its trials hold"
 
+_STRAY, _ERROR = "planner.expect.stray", "planner.expect.tracking_error"
+_WORDS = "the field's terms; the old spelling is still taken"
+
 INTENDED: tuple[Change, ...] = (
+    RenamedKey("*scenario.yaml", _STRAY, _ERROR, _WORDS),
+    ChangedText("*", "^cavalcade-no-standoffs$", "cavalcade-no-recovery", _WORDS),
+    ChangedText("*", "^no way to the goal for ", "no path to the goal for ", _WORDS),
+    ChangedText("*", "^stand-off of ", "deadlock of ", _WORDS),
     *(RenamedKey("*/summary.json", "", key, _EVERY_KEY) for key in _PLAN_KEYS),
     ChangedOrder("run/summary.json", "margin_m and delay_s stand where those of plans do"),
     ChangedOrder("*.parquet", "columns come in the order of a summary's keys"),

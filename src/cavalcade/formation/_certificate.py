@@ -103,17 +103,17 @@ def step_down(level, slack):
 
 
 @njit(cache=True)
-def certify(team, commands, surroundings, parameters):
-    """Commands after which every robot can still stop without touching anything.
+def safe_commands(team, weights, surroundings, parameters):
+    """Both stages: commands after which every robot can still stop without touching anything.
 
-    Each robot's candidates, from the wanted command down to a stop, are rolled out for one
-    period plus a full stop. A robot steps down until its path is clear, and of two that would
-    come too close the later in rank steps down first. Stopping now was certified one cycle ago,
-    so the procedure ends safely: no choice is worse than all stopping.
+    Each robot's candidates, from what `least_change` makes of the wanted command down to a stop,
+    are rolled out for one period plus a full stop. A robot steps down until its path is clear,
+    and of two that would come too close the later in rank steps down first. Stopping now was
+    certified one cycle ago, so the procedure ends safely: no choice is worse than all stopping.
 
     Args:
-        team: A `TeamState`; what it wants does not count.
-        commands: `(N, 3)` in the body frame.
+        team: A `TeamState`.
+        weights: `(N,)` as in `least_change`.
         surroundings: Map and dynamic obstacles.
         parameters: The `FilterParameters`.
 
@@ -124,6 +124,8 @@ def certify(team, commands, surroundings, parameters):
     n, half, rank, frozen = team.poses.shape[0], footprint.half, team.rank, team.frozen
     grid = DistanceMap(surroundings.distances, surroundings.cell)
     boxes = ObstacleBoxes(surroundings.poses, surroundings.half, surroundings.velocities)
+    u = least_change(team, weights, surroundings, parameters)
+    commands = to_body(u, team.poses[:, 2], horizon.limits)
     paths = np.empty((n, LEVELS, horizon.steps, 3))
     options = np.zeros((n, LEVELS, 3))
     slack = np.empty((n, LEVELS))
@@ -133,6 +135,7 @@ def certify(team, commands, surroundings, parameters):
     for i in range(n):
         if frozen[i]:
             level[i] = STOP
+            commands[i, 0], commands[i, 1], commands[i, 2] = 0.0, 0.0, 0.0
         for k in range(3):  # written out: assigning whole rows costs seconds of compilation
             options[i, 0, k] = commands[i, k]
             options[i, 1, k] = 0.5 * commands[i, k]
@@ -222,15 +225,3 @@ def certify(team, commands, surroundings, parameters):
         for a in range(3):
             out[i, a] = options[i, level[i], a]
     return out, level
-
-
-@njit(cache=True)
-def safe_commands(team, weights, surroundings, parameters):
-    """Both stages: see `least_change` for the arguments and `certify` for what comes out."""
-    u = least_change(team, weights, surroundings, parameters)
-    commands = to_body(u, team.poses[:, 2], parameters.horizon.limits)
-    for i in range(commands.shape[0]):
-        if team.frozen[i]:
-            for k in range(3):
-                commands[i, k] = 0.0
-    return certify(team, commands, surroundings, parameters)

@@ -19,15 +19,6 @@ def edge_duration(edge):
 
 
 @njit(cache=True)
-def edge_state(space, edge, t, out):
-    """State `(6,)` of a primitive at time `t` after its start, written to `out`."""
-    if edge[KIND] == CONNECT:
-        walk_state(space, edge, t, out)
-    else:
-        leap_state(edge, t, out)
-
-
-@njit(cache=True)
 def edge_heading(edge, last):
     """Cosine and sine of the yaw at the start or, if `last`, the end of a primitive."""
     if edge[KIND] == CONNECT:
@@ -55,7 +46,10 @@ def edge_length(space, edge):
     x, y, z = edge[START], edge[START + 1], edge[START + 2]
     total = 0.0
     for k in range(1, count + 1):
-        edge_state(space, edge, span * k / count, state)
+        if edge[KIND] == CONNECT:
+            walk_state(space, edge, span * k / count, state)
+        else:
+            leap_state(edge, span * k / count, state)
         total += math.sqrt((state[0] - x) ** 2 + (state[1] - y) ** 2 + (state[2] - z) ** 2)
         x, y, z = state[0], state[1], state[2]
     return total

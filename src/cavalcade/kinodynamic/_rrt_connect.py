@@ -10,10 +10,10 @@ from numba import njit
 from numpy.typing import NDArray
 
 from cavalcade.geometry import Array
-from cavalcade.kinodynamic._tree import nearest
+from cavalcade.kinodynamic._tree import Tree, nearest
 from cavalcade.kinodynamic._tree_extension import PLACES, REACHED, TRAPPED, extend
 from cavalcade.kinodynamic._validity import may_turn
-from cavalcade.kinodynamic.parameters import SIZE, copy_to
+from cavalcade.kinodynamic.parameters import copy_to
 from cavalcade.kinodynamic.random import between, normal, uniform
 from cavalcade.lattice.surface import surface
 
@@ -159,28 +159,17 @@ def _meet(space, tree, node, other, far):
     return may_turn(space, tree.states[node], tree.yaws[node], wanted)
 
 
-@njit(cache=True)
-def solution(trees, first, second):
+def solution(trees: tuple[Tree, Tree], first: int, second: int) -> Array:
     """Primitives `(M, SIZE)` from the start to the goal by the nodes that meet."""
     start, goal = trees
-    before = _depth(start, first)
-    edges = np.empty((before + _depth(goal, second), SIZE))
-    node = first
-    for k in range(before - 1, -1, -1):
-        copy_to(edges[k], start.edges[node])
-        node = start.parents[node]
-    node = second
-    for k in range(before, edges.shape[0]):
-        copy_to(edges[k], goal.edges[node])
-        node = goal.parents[node]
-    return edges
+    rows = [start.edges[node] for node in reversed(_ancestry(start, first))]
+    return np.array(rows + [goal.edges[node] for node in _ancestry(goal, second)])
 
 
-@njit(cache=True)
-def _depth(tree, node):
-    """Number of primitives between the root and a node."""
-    count = 0
+def _ancestry(tree: Tree, node: int) -> list[int]:
+    """A node and those between it and the root, which is left out."""
+    nodes = []
     while tree.parents[node] >= 0:
-        count += 1
-        node = tree.parents[node]
-    return count
+        nodes.append(node)
+        node = int(tree.parents[node])
+    return nodes

@@ -67,7 +67,7 @@ def _valid_walk(space, s0, s1, arrival, departure, edge, scratch):
 
 
 @njit(cache=True)
-def rest_at(space, x, y, out):
+def _rest_at(space, x, y, out):
     """Write the state of rest at a place, at nominal height."""
     out[0], out[1] = x, y
     out[2] = surface(space.ground, x, y)[0] + space.body.h_nom
@@ -90,7 +90,7 @@ def pull_string(space, points, yaw):
     edges = np.empty((last, SIZE))
     edge, scratch = np.empty(SIZE), np.empty(6)
     begin, end = np.empty(6), np.empty(6)
-    rest_at(space, points[0, 0], points[0, 1], begin)
+    _rest_at(space, points[0, 0], points[0, 1], begin)
     at, kept = 0, 0
     while at < last:
         # The walk reaches `good` and not `bad`; steps grow until there is one that it does not.
@@ -98,7 +98,7 @@ def pull_string(space, points, yaw):
         arrival = _arrival(edges, kept, yaw)
         while bad - good > 1 and good < last:
             to = min(at + step, last) if bad > last else (good + bad) // 2
-            rest_at(space, points[to, 0], points[to, 1], end)
+            _rest_at(space, points[to, 0], points[to, 1], end)
             departure = _departure(edges, last, yaw) if to == last else math.nan
             if _valid_walk(space, begin, end, arrival, departure, edge, scratch):
                 good = to
@@ -189,7 +189,7 @@ def _place(space, edge, part, out):
     """A state on a CONNECT: at rest if it leads from rest to rest along a line, else as it is."""
     walk_state(space, edge, part * edge[TIME], out)
     if stands_still(edge[START : START + 6]) and stands_still(edge[END : END + 6]):
-        rest_at(space, out[0], out[1], out)
+        _rest_at(space, out[0], out[1], out)
 
 
 @njit(cache=True)

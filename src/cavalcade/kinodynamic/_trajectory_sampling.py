@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import FLIGHT as FLYING
 from cavalcade.geometry.trajectory import LANDING, TAKE_OFF, WALK
-from cavalcade.kinodynamic._primitives import edge_duration, edge_state, edge_yaw
+from cavalcade.kinodynamic._connect import walk_state
+from cavalcade.kinodynamic._leap import leap_state
+from cavalcade.kinodynamic._primitives import edge_duration, edge_yaw
 from cavalcade.kinodynamic._validity import STILL, stands_still, turn_on_spot, wrapped
 from cavalcade.kinodynamic.parameters import CONNECT, END, FLIGHT, KIND, LAND, START, TIME, copy_to
 
@@ -121,9 +123,13 @@ def _add_phase(space, edge, t0, t1, phase, samples):
     for k in range(1, count + 1):
         at = first + k
         time[at] = time[first] + (t1 - t0) * k / count
-        edge_state(space, edge, t0 + (t1 - t0) * k / count, states[at])
+        t, state = t0 + (t1 - t0) * k / count, states[at]
+        if phase == WALK:
+            walk_state(space, edge, t, state)
+        else:
+            leap_state(edge, t, state)
         # The yaw follows the velocity; at rest it is that of the primitive's end.
-        vx, vy = states[at, 3], states[at, 4]
+        vx, vy = state[3], state[4]
         if vx * vx + vy * vy > STILL * STILL:
             yaws[at] = yaws[at - 1] + wrapped(math.atan2(vy, vx) - yaws[at - 1])
         elif k == count:

@@ -39,10 +39,10 @@ def obstruction(space: StateSpace, pose: Pose) -> str:
     if not (0.0 <= x < cols * ground.cell and 0.0 <= y < rows * ground.cell):
         return "is off the map"
     cos, sin = math.cos(yaw), math.sin(yaw)
-    if not solid_free(space._replace(discs=np.zeros((0, 3))), x, y, cos, sin):
-        return "is in an obstacle or over the map's edge"
     if not solid_free(space, x, y, cos, sin):
-        return "is within another robot's reach"
+        if len(space.discs) and solid_free(space._replace(discs=np.zeros((0, 3))), x, y, cos, sin):
+            return "is within another robot's reach"
+        return "is in an obstacle or over the map's edge"
     if not ground.flat:
         ground_there = bilinear(ground.traversability, ground.cell, x, y)
         if ground_there < 1e-9:

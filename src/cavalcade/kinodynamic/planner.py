@@ -21,7 +21,6 @@ from cavalcade.kinodynamic._primitives import path_length
 from cavalcade.kinodynamic._rrt_connect import FULL, SOLVED, Sampler, search, solution
 from cavalcade.kinodynamic._shortening import (
     pull_string,
-    rest_at,
     round_corners,
     shortcut,
     shorten,
@@ -33,6 +32,7 @@ from cavalcade.kinodynamic.obstruction import Pose, find_path, obstruction, room
 from cavalcade.kinodynamic.parameters import SIZE, make_body, make_space
 from cavalcade.kinodynamic.settings import BodySettings
 from cavalcade.lattice.ground import Ground
+from cavalcade.lattice.surface import surface
 from cavalcade.robots import RobotModel
 
 Trees = tuple[Tree, Tree]
@@ -140,6 +140,7 @@ class _Problem:
         self.settings, self.start, self.goal = settings, start, goal
         self.rng = np.array([seed % 2**64], dtype=np.uint64)
         self.yaw = np.array([start[2], goal[2]])
+        self.rest: tuple[Array, Array]
         self.guide = np.zeros((0, 2))
         self.iterations = 0
         self.history: list[tuple[int, float]] = []
@@ -153,9 +154,9 @@ class _Problem:
                 return self._answer("infeasible", f"the {name} {why}")
         if self.settings.iterations == 0 or clock.perf_counter() > deadline:
             return self._answer("budget", "no iterations were allowed")
-        begin = self._rest(self.start)
+        self.rest = (self._rest(self.start), self._rest(self.goal))
         if self.start[:2] == self.goal[:2]:
-            return self._answer("solved", "", self._trajectory(begin, np.zeros((0, SIZE))))
+            return self._answer("solved", "", self._trajectory(np.zeros((0, SIZE))))
         edges, why = self._first(deadline)
         if edges is None:
             if why:
@@ -165,7 +166,7 @@ class _Problem:
         edges = self._shortened(edges, _SHORTCUTS)
         if self.settings.improve:
             edges = self._improved(edges, deadline)
-        return self._answer("solved", "", self._trajectory(begin, edges))
+        return self._answer("solved", "", self._trajectory(edges))
 
     def _obstruction(self, pose: Pose) -> str:
         """Why the robot cannot stand at a pose; without its margin if that alone is in the way."""
@@ -178,14 +179,13 @@ class _Problem:
         return why
 
     def _rest(self, pose: Pose) -> Array:
-        state = np.empty(6)
-        rest_at(self.space, pose[0], pose[1], state)
-        return state
+        height = surface(self.space.ground, pose[0], pose[1])[0]
+        return np.array([pose[0], pose[1], height + self.space.body.h_nom, 0.0, 0.0, 0.0])
 
     def _roots(self) -> Trees:
         return (
-            make_tree(8 * PLACES, False, self._rest(self.start), self.start[2]),
-            make_tree(8 * PLACES, True, self._rest(self.goal), self.goal[2]),
+            make_tree(8 * PLACES, False, self.rest[0], self.start[2]),
+            make_tree(8 * PLACES, True, self.rest[1], self.goal[2]),
         )
 
     def _first(self, deadline: float) -> tuple[Array | None, str]:
@@ -233,8 +233,7 @@ class _Problem:
             self.iterations += reached - at
             at = reached
             if status == SOLVED:
-                edges: Array = solution(trees, first, second)
-                return edges, trees
+                return solution(trees, first, second), trees
             if status == FULL:
                 trees = (enlarged(trees[0]), enlarged(trees[1]))
         return None, trees
@@ -256,7 +255,7 @@ class _Problem:
     def _improved(self, edges: Array, deadline: float) -> Array:
         """Shortcuts, and new searches where a path can still be shorter (Gammell et al. 2014)."""
         best = self._length(edges)
-        straight = math.dist(self._rest(self.start)[:3], self._rest(self.goal)[:3])
+        straight = math.dist(self.rest[0][:3], self.rest[1][:3])
         end = self.iterations + self.settings.improve
         while self.iterations < end and clock.perf_counter() <= deadline:
             if best <= straight * (1.0 + 1e-6):
@@ -288,8 +287,8 @@ class _Problem:
     def _note(self, edges: Array) -> None:
         self.history.append((self.iterations, self._length(edges)))
 
-    def _trajectory(self, begin: Array, edges: Array) -> Trajectory:
-        times, states, yaws, phases = sample_path(self.space, edges, begin, self.yaw)
+    def _trajectory(self, edges: Array) -> Trajectory:
+        times, states, yaws, phases = sample_path(self.space, edges, self.rest[0], self.yaw)
         phase: NDArray[np.int8] = phases
         return Trajectory(times, states[:, :3].copy(), states[:, 3:].copy(), yaws, phase)
 
