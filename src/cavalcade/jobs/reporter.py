@@ -160,7 +160,7 @@ class JobReporter(Reporter):
             self._bar.update(self._task, completed=frame.time, state=frame.status.state)
 
 
-def kernels_are_cached(part: str = "fleet", kernel: str = "_kernels.advance_team") -> bool:
+def kernels_are_cached(part: str = "fleet", kernel: str = "ideal.advance_team") -> bool:
     """Whether an earlier run has left compiled kernels, wherever numba keeps them.
 
     A guess for the user's information only: after an update some kernels may be compiled anew.

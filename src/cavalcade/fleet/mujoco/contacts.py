@@ -60,16 +60,13 @@ class ContactRecorder:
     def touching(self, steps: int) -> list[ContactEvent]:
         """What was in contact during the last `steps` recorded steps, at the last time of each."""
         since = max(self._steps - steps, 0)
-        step, seen = self._simulator.settings.step, self._seen
+        step = self._simulator.settings.step
         begin = self._simulator.time - self._steps * step
+        now = self._seen >= since
+        places, lasts = np.argwhere(now).tolist(), self._seen[now].tolist()
         return [
-            ContactEvent(
-                begin + (int(seen[robot, part, other]) + 1) * step,
-                int(robot),
-                PARTS[part],
-                self._names[other],
-            )
-            for robot, part, other in np.argwhere(seen >= since)
+            ContactEvent(begin + (last + 1) * step, robot, PARTS[part], self._names[other])
+            for (robot, part, other), last in zip(places, lasts, strict=True)
         ]
 
     def take_forces(self) -> Array:

@@ -107,10 +107,7 @@ class Sampler:
         self._torques.append(self._peaks.copy())
         self._foot_forces.append(self._recorder.take_forces())
         self._peaks[:] = 0.0
-        self._keep_contacts()
-
-    def _keep_contacts(self) -> None:
-        """Those that began since the last sample, and those that went on."""
+        # Contacts that began since the last sample, and those that went on.
         begun = self._recorder.contacts[self._known :]
         self._known += len(begun)
         names = {(contact.robot, contact.part, contact.other) for contact in begun}
