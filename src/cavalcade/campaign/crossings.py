@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from cavalcade.campaign.judging import records_of
-from cavalcade.checking.physics.crossings import leap_reason
-from cavalcade.checking.plans.terrainfile import read_heights
+from cavalcade.checking.heights import read_heights
+from cavalcade.checking.physics.leaps import leap_reason
 from cavalcade.recording.frames import Recording
 from cavalcade.scenario import Scenario
 
