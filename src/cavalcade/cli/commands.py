@@ -207,7 +207,7 @@ _later("studio", "the studio")
 def _finish(name: str, result: JobResult, as_json: bool, otherwise: str) -> None:
     """Print the summary if it was asked for, and say why a job did not succeed."""
     if as_json:
-        options.print_json(dict(result.summary))
+        options.print_json(result.summary)
     if not result.success:
         raise options.not_achieved(name, result.reason, result.summary.get("detail"), otherwise)
 

@@ -90,5 +90,5 @@ def not_achieved(
 
 
 def print_json(value: Any) -> None:
-    """One value as JSON on stdout."""
-    print(json.dumps(value, indent=2, allow_nan=False, ensure_ascii=False))
+    """One value as JSON on stdout; mappings of any kind are objects."""
+    print(json.dumps(value, indent=2, allow_nan=False, ensure_ascii=False, default=dict))
