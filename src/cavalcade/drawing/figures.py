@@ -22,7 +22,7 @@ from cavalcade.drawing.style import make_directory
 from cavalcade.geometry import Array
 
 if TYPE_CHECKING:
-    from cavalcade.metrics.plan_result import PlanResult
+    from cavalcade.metrics.plan_summary import PlanResult
     from cavalcade.recording.frames import Recording
     from cavalcade.recording.physics_track import PhysicsTrack
     from cavalcade.scenario import Scenario, World

@@ -20,8 +20,7 @@ from cavalcade.drawing.maps import add_polygon, draw_arena, map_figure
 from cavalcade.drawing.outlines import shape_ring
 from cavalcade.drawing.scene import arena_of
 from cavalcade.geometry import Array, transform_points
-from cavalcade.scenario.worlds import shape_of
-from cavalcade.world import Shape
+from cavalcade.world import Shape, shape_from_mapping
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -113,7 +112,7 @@ def _draw_events(axes: Axes, events: Sequence[Event]) -> None:
         change = event.add or event.remove or event.move
         if change is None:
             continue
-        shape = shape_of(change)
+        shape = shape_from_mapping(change.words)
         verb = "goes" if event.remove is not None else "moves" if event.move else "comes"
         notes.setdefault(shape, []).append(f"{verb} at {event.at:g} s")
         if event.move is not None:

@@ -19,7 +19,7 @@ from cavalcade.world import OccupancyMap, Shape, Terrain
 from cavalcade.world.occupancy import UNKNOWN
 
 if TYPE_CHECKING:
-    from cavalcade.metrics.plan_result import PlanResult
+    from cavalcade.metrics.plan_summary import PlanResult
     from cavalcade.recording.frames import ObstacleTrack, Recording
     from cavalcade.scenario import Scenario, World
 

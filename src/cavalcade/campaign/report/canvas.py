@@ -32,6 +32,7 @@ OUTCOME_COLORS = {
     "collision": "#b00020",
     "fallen": "#7d2a5b",
     "invalid": "#CC79A7",
+    "crashed": "#1b1b1b",
     "stuck": "#E69F00",
     "stopped": "#D55E00",
     "timeout": "#0072B2",
@@ -39,8 +40,8 @@ OUTCOME_COLORS = {
     "infeasible": "#009E73",
     "overtime": "#7A5195",
     "refused": "#9aa0a6",
-    "crashed": "#1b1b1b",
 }
+"""Of failures, the gravest first."""
 OTHER = "#c9ccd0"
 
 _DPI = 220
