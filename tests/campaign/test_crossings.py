@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cavalcade.campaign.crossings import crossings
 from cavalcade.campaign.definition import define_campaign
-from cavalcade.campaign.judging import judged
+from cavalcade.campaign.judging import crossings, judged
 from cavalcade.campaign.trial_runner import run_trial_into
 from cavalcade.errors import ScenarioError
 from cavalcade.jobs import JobResult

@@ -17,6 +17,8 @@ from cavalcade.campaign.verdict import (
     lines_of,
 )
 from cavalcade.checking.check import judge, judge_physics
+from cavalcade.checking.heights import read_heights
+from cavalcade.checking.physics.leaps import leap_reason
 from cavalcade.checking.physics.record import RobotRecord, Touch, records_from
 from cavalcade.checking.report import Report
 from cavalcade.checking.tracks import Track
@@ -25,6 +27,12 @@ from cavalcade.geometry import Array
 from cavalcade.recording.frames import Recording
 from cavalcade.recording.physics_track import PhysicsTrack
 from cavalcade.scenario import Scenario, World
+
+_BREAKS = ("gap", "step")
+"""Terrain with one break, across the whole width."""
+
+_BEFORE = 0.9
+"""A leap is judged from when the robot was last so far before the far edge, m."""
 
 
 def tracks_of(recording: Recording) -> tuple[Track, ...]:
@@ -67,8 +75,7 @@ def records_of(track: PhysicsTrack) -> tuple[RobotRecord, ...]:
 
 def _as_stamped(time: Array) -> Array:
     """Seconds as they come out of the stamps of messages."""
-    from cavalcade.recording.cdr import stamps_of
-    from cavalcade.recording.mcap_writer import nanoseconds
+    from cavalcade.recording.cdr import nanoseconds, stamps_of
 
     seconds, rest = stamps_of(nanoseconds(time)).T
     return np.asarray(seconds + 1e-9 * rest)
@@ -123,6 +130,37 @@ def time_ratio(scenario: Scenario, summary: Mapping[str, Any]) -> float | None:
     if makespan is None or not least or max(least) <= 0.0:
         return None
     return round(float(makespan) / max(least), 6)
+
+
+def crossings(scenario: Scenario, recording: Recording) -> dict[str, int]:
+    """How many robots came across, and how many of them as a leap has to be.
+
+    `crossings` and `strict_crossings`: of the break in the middle of the ground; nothing on other
+    ground and without physics.
+    """
+    source = scenario.world.generate
+    if recording.physics is None or source is None or source.kind not in _BREAKS:
+        return {}
+    heights = read_heights(scenario)
+    if heights is None:
+        return {}
+    middle = source.size[0] / 2.0 if source.at is None else source.at
+    half = (source.width or 0.0) / 2.0
+    found = {"crossings": 0, "strict_crossings": 0}
+    for record, model in zip(records_of(recording.physics), scenario.models, strict=True):
+        first, last = record.base[0, 0], record.base[-1, 0]
+        sign = 1.0 if first < middle else -1.0
+        if model.description is None or sign * (last - middle) < half:
+            continue
+        found["crossings"] += 1
+        past = sign * (record.base[:, 0] - middle) - half
+        before = np.flatnonzero(past < -_BEFORE)
+        begin = float(record.time[before[-1]]) if len(before) else float(record.time[0])
+        y = float(np.interp(begin, record.time, record.base[:, 1]))
+        end = np.array([middle + sign * (half + 0.6), y])
+        reason = leap_reason(record, model.description, heights, end, begin)
+        found["strict_crossings"] += not reason
+    return found
 
 
 def _avoidable(

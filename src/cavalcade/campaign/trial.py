@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from cavalcade.campaign.methods import planner_settings
-from cavalcade.campaign.samplers import EXPECTED, SOLVED, DataFolder, Instance, Sampler, unplanned
+from cavalcade.campaign.samplers import EXPECTED, DataFolder, Instance, Sampler, unplanned
 from cavalcade.campaign.suite import UNDISTURBED, Backend, Disturbance, Suite
 from cavalcade.errors import InputError, ScenarioError
 from cavalcade.scenario import Scenario, parse_scenario
@@ -16,6 +16,9 @@ from cavalcade.scenario.overrides import apply_overrides
 
 Line = dict[str, Any]
 """What is kept of a finished trial: one JSON object in `trials.jsonl`."""
+
+UNKNOWN = Instance({}, feasible=True)
+"""Of a trial that never got so far; a failure in an unknown world counts as one."""
 
 CRASHED, REFUSED, OVERTIME = "crashed", "refused", "overtime"
 """Outcomes beside those of `summary.json` and the checker's `collision` and `invalid`."""
@@ -143,24 +146,8 @@ def _check_overrides(trial: Trial, instance: Instance) -> None:
         raise ScenarioError(error.message, key=place, choices=error.choices) from None
 
 
-def failure_line(
-    trial: Trial,
-    outcome: str,
-    detail: str,
-    feasible: bool = True,
-    level: float | None = None,
-    expected: str = SOLVED,
-) -> Line:
-    """The line of a trial without a run.
-
-    Args:
-        trial: Which one.
-        outcome: Why.
-        detail: One line about it.
-        feasible: Whether its world is; a failure in an unknown world counts as one.
-        level: Of its world.
-        expected: Of its world, as in `Instance`.
-    """
+def failure_line(trial: Trial, outcome: str, detail: str, instance: Instance = UNKNOWN) -> Line:
+    """The line of a trial without a run, for the reason `outcome`, with `detail` about it."""
     return {
         "trial": trial.id,
         "suite": trial.suite,
@@ -170,10 +157,10 @@ def failure_line(
         "seed": trial.seed,
         "outcome": outcome,
         "detail": " ".join(detail.split()),
-        "success": outcome in EXPECTED.get(expected, ()),
-        "feasible": feasible,
-        "expected": expected,
-        "level": level,
+        "success": outcome in EXPECTED.get(instance.expected, ()),
+        "feasible": bool(instance.feasible),
+        "expected": instance.expected,
+        "level": None if instance.level is None else float(instance.level),
         "level_name": trial.sampler.level_name,
         "contacts": 0,
         "avoidable": 0,

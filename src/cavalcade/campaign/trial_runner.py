@@ -8,15 +8,17 @@ from __future__ import annotations
 
 import traceback
 import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cavalcade.campaign.samplers import SOLVED
-from cavalcade.campaign.trial import CRASHED, REFUSED, Line, Trial, failure_line
+from cavalcade.campaign.samplers import Instance
+from cavalcade.campaign.trial import CRASHED, REFUSED, UNKNOWN, Line, Trial, failure_line
 from cavalcade.errors import InputError, OutputError
 
 if TYPE_CHECKING:
+    from cavalcade.campaign.verdict import Verdict
     from cavalcade.jobs import JobResult
     from cavalcade.scenario import Scenario
 
@@ -83,27 +85,30 @@ class _Known:
     """What is known of a trial so far."""
 
     trial: Trial
-    feasible: bool = True
-    level: float | None = None
-    expected: str = SOLVED
+    instance: Instance = UNKNOWN
 
     def sample(self) -> Scenario:
-        instance = self.trial.instance()
-        self.feasible = bool(instance.feasible)
-        self.level = None if instance.level is None else float(instance.level)
-        self.expected = instance.expected
-        return self.trial.scenario(instance)
+        self.instance = self.trial.instance()
+        return self.trial.scenario(self.instance)
 
-    def line(self, outcome: str, detail: str, **more: Any) -> Line:
-        known = (self.feasible, self.level, self.expected)
-        return failure_line(self.trial, outcome, detail, *known) | more
+    def line(self, outcome: str, detail: str) -> Line:
+        return failure_line(self.trial, outcome, detail, self.instance)
+
+    def judged(self, verdict: Verdict, measured: Mapping[str, Any], result: JobResult) -> Line:
+        return self.line(verdict.outcome, verdict.detail) | {
+            "success": verdict.success,
+            "contacts": verdict.contacts,
+            "avoidable": verdict.avoidable,
+            "violations": list(verdict.violations),
+            "measured": dict(measured),
+            "summary": result.summary.to_dict(),
+        }
 
 
 def _carried_out(
     known: _Known, out: Path | None, force: bool, quiet: bool
 ) -> tuple[Line, JobResult]:
-    from cavalcade.campaign.crossings import crossings
-    from cavalcade.campaign.judging import judged, time_ratio
+    from cavalcade.campaign.judging import crossings, judged, time_ratio
     from cavalcade.jobs.running import run
 
     result = run(known.sample(), out, force=force, quiet=quiet)
@@ -111,42 +116,20 @@ def _carried_out(
     if recording is None:  # a run always has one
         raise RuntimeError("a run without a recording")
     verdict = judged(scenario, result.world, recording, summary)
-    line = known.line(
-        verdict.outcome,
-        verdict.detail,
-        success=verdict.success,
-        contacts=verdict.contacts,
-        avoidable=verdict.avoidable,
-        violations=list(verdict.violations),
-        measured={
-            "time_ratio": time_ratio(scenario, summary),
-            **crossings(scenario, recording),
-        },
-        summary=summary.to_dict(),
-    )
-    return line, result
+    measured = {"time_ratio": time_ratio(scenario, summary), **crossings(scenario, recording)}
+    return known.judged(verdict, measured, result), result
 
 
 def _planned(known: _Known, out: Path | None, force: bool, quiet: bool) -> tuple[Line, JobResult]:
     from cavalcade.campaign.planned import judged_plan, measured_plan
     from cavalcade.campaign.warming import warm
-    from cavalcade.jobs.planning import plan
+    from cavalcade.jobs import plan
 
     scenario = known.sample()
     warm(known.trial.variant, scenario.world.has_heights)
     result = plan(scenario, out, force=force, quiet=quiet)
-    verdict = judged_plan(result, known.expected)
-    line = known.line(
-        verdict.outcome,
-        verdict.detail,
-        success=verdict.success,
-        contacts=verdict.contacts,
-        avoidable=verdict.avoidable,
-        violations=list(verdict.violations),
-        measured=measured_plan(result),
-        summary=result.summary.to_dict(),
-    )
-    return line, result
+    verdict = judged_plan(result, known.instance.expected)
+    return known.judged(verdict, measured_plan(result), result), result
 
 
 def _told(error: BaseException) -> str:

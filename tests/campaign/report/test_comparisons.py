@@ -6,7 +6,7 @@ from cavalcade.campaign.report.cells import ALL
 from cavalcade.campaign.report.charts import draw_comparisons
 from cavalcade.campaign.report.comparisons import QUANTITIES, compare
 from cavalcade.campaign.report.tables import comparison_tables
-from cavalcade.campaign.report.wording import NO_DIFFERENCE, success_text, value_text
+from cavalcade.campaign.report.wording import NO_DIFFERENCE, proportion_text, value_text
 
 TIME, ERROR, GAP = QUANTITIES
 
@@ -75,8 +75,8 @@ def test_words_say_which_is_better(trial, compared):
     lines += [trial(k, "worse", success=k >= 20) for k in range(60)]
     lines += [trial(k, "alike", success=k >= 1) for k in range(60)]
     (alike, worse), _ = compared(lines)
-    assert success_text(alike.success) == NO_DIFFERENCE
-    assert success_text(worse.success) == "fewer successes by 33.3 points"
+    assert proportion_text(alike.success, "successes") == NO_DIFFERENCE
+    assert proportion_text(worse.success, "successes") == "fewer successes by 33.3 points"
     assert worse.success.p_value < 1e-4
 
 

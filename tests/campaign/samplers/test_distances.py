@@ -3,8 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cavalcade.campaign.samplers.distances import distances_from
 from cavalcade.campaign.samplers.feasibility import DiscRegions
+from cavalcade.campaign.samplers.maps import Distances
 from cavalcade.world import Box, OccupancyMap
 
 SIZE = (6.0, 4.0)
@@ -16,7 +16,7 @@ def cell_of(ground: DiscRegions, x: float, y: float) -> tuple[int, int]:
 
 def test_free_ground():
     ground = DiscRegions(OccupancyMap.empty(SIZE))
-    ways = distances_from(ground, cell_of(ground, 1.0, 1.0), 40.0)
+    ways = Distances(ground, cell_of(ground, 1.0, 1.0), 40.0)
     places = [(4.0, 1.0), (1.0, 3.0), (4.0, 3.0), (1.0, 1.0)]
     found = ways.to([cell_of(ground, *place) for place in places])
     straight = np.array([np.hypot(x - 1.0, y - 1.0) for x, y in places])
@@ -27,14 +27,14 @@ def test_free_ground():
 def test_around_a_wall_and_no_further_than_asked():
     ground = DiscRegions(OccupancyMap.empty(SIZE), [Box((3.0, 1.5), (0.1, 3.0))])
     ends = cell_of(ground, 2.0, 1.0), cell_of(ground, 4.0, 1.0)
-    around = distances_from(ground, ends[0], 40.0).to([ends[1]])[0]
+    around = Distances(ground, ends[0], 40.0).to([ends[1]])[0]
     assert around > 4.5
-    assert np.isinf(distances_from(ground, ends[0], around - 0.1).to([ends[1]])[0])
+    assert np.isinf(Distances(ground, ends[0], around - 0.1).to([ends[1]])[0])
 
 
 @pytest.mark.parametrize("thickness", [0.02, 0.1])
 def test_walls_part(thickness):
     ground = DiscRegions(OccupancyMap.empty(SIZE), [Box((3.0, 2.0), (thickness, 4.0))])
-    ways = distances_from(ground, cell_of(ground, 1.0, 1.0), 40.0)
+    ways = Distances(ground, cell_of(ground, 1.0, 1.0), 40.0)
     assert np.isinf(ways.to([cell_of(ground, 4.0, 1.0)])[0])
     assert not np.isfinite(ways.length[:, ways.length.shape[1] // 2 + 1 :]).any()

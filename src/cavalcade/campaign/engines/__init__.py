@@ -5,8 +5,8 @@ from __future__ import annotations
 import difflib
 import os
 
-from cavalcade.campaign.engines.process import cores
 from cavalcade.campaign.engines.protocol import Ended, Engine
+from cavalcade.campaign.engines.worker import cores
 from cavalcade.errors import InputError
 
 ENGINES = ("local", "ray")

@@ -8,12 +8,10 @@ from collections import deque
 from concurrent.futures import TimeoutError as FutureTimeout
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
-from types import TracebackType
 from typing import Any, Self
 
-from cavalcade.campaign.engines.process import cores
 from cavalcade.campaign.engines.protocol import Ended, Work
-from cavalcade.campaign.engines.worker import Worker, WorkersError
+from cavalcade.campaign.engines.worker import Worker, WorkersError, cores
 
 _AHEAD = 1
 """So many jobs wait beside those that run: `collect` hands them out before it returns."""
@@ -103,18 +101,16 @@ class LocalEngine:
                 worker.start()
                 self._idle.append(worker)
         except BaseException:
-            self._close()
+            self.__exit__()
             raise
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         """End every worker at once."""
-        self._close()
+        for worker in self._all:
+            worker.stop()
+        for worker in self._all:
+            worker.join()
 
     def _hand_out(self) -> None:
         """Give the jobs that wait to idle workers."""
@@ -144,12 +140,6 @@ class LocalEngine:
         if self._breaks[worker] > _BREAKS:
             raise WorkersError("the worker processes end before they take a trial")
         worker.start()
-
-    def _close(self) -> None:
-        for worker in self._all:
-            worker.stop()
-        for worker in self._all:
-            worker.join()
 
 
 def _went_down_with_its_worker(future: Any) -> bool:

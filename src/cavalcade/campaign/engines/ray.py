@@ -11,11 +11,10 @@ import os
 import socket
 import time as clock
 from dataclasses import dataclass
-from types import TracebackType
 from typing import Any, Self
 
-from cavalcade.campaign.engines.process import use_one_thread
 from cavalcade.campaign.engines.protocol import Ended, Work
+from cavalcade.campaign.engines.worker import use_one_thread
 from cavalcade.errors import CavalcadeError, InputError
 
 _STILLBORN = 10
@@ -138,12 +137,7 @@ class RayEngine:
         self._seats = [self._seat() for _ in range(self._workers)]
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         """End every actor at once, and the cluster if it was started here."""
         ray = _ray()
         for seat in self._seats:
@@ -198,7 +192,7 @@ class _Worker:
 
         return True
 
-    def run_trial(self, work: Work, arguments: tuple[Any, ...]) -> Any:
+    def carry_out(self, work: Work, arguments: tuple[Any, ...]) -> Any:
         """Do one job."""
         return work(*arguments)
 

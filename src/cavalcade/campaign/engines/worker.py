@@ -1,17 +1,59 @@
-"""One worker process of this machine: a pool of one of Pebble's, which survives its process."""
+"""One worker process of this machine, and what every worker does first, whatever its engine.
+
+Imports nothing that starts threads: their number is set here, before numpy and numba come in.
+"""
 
 from __future__ import annotations
 
 import contextlib
+import os
 import signal
+import threading
 from collections.abc import Iterator
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import get_context, resource_tracker
+from multiprocessing import get_context, parent_process, resource_tracker
 from typing import Any
 
-from cavalcade.campaign.engines.process import start_worker
 from cavalcade.campaign.engines.protocol import Work
 from cavalcade.errors import CavalcadeError
+
+ONE_THREAD = (
+    "NUMBA_NUM_THREADS",
+    "OMP_NUM_THREADS",
+    "OPENBLAS_NUM_THREADS",
+    "MKL_NUM_THREADS",
+)
+"""A trial is one core's work; the campaign has as many as it has cores."""
+
+
+def cores() -> int:
+    """How many cores this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:  # not on every system
+        return os.cpu_count() or 1
+
+
+def use_one_thread() -> None:
+    """Let numerical packages that are imported from now on use one thread."""
+    os.environ |= dict.fromkeys(ONE_THREAD, "1")
+
+
+def start_worker() -> None:
+    """Use one thread, and end this process when the one that started it is gone, however it went.
+
+    A worker that waits for work, or is in the middle of a trial, would not notice otherwise.
+    """
+    use_one_thread()
+    parent = parent_process()
+    if parent is None:
+        return
+
+    def wait() -> None:
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=wait, name="parent-watch", daemon=True).start()
 
 
 class WorkersError(CavalcadeError):
@@ -19,7 +61,7 @@ class WorkersError(CavalcadeError):
 
 
 class Worker:
-    """A process that carries out one job at a time, in a pool of its own.
+    """A process that carries out one job at a time, in a pool of its own, which survives it.
 
     The processes of one of Pebble's pools share a pipe. Each locks it while it takes a job,
     which includes importing what the job needs, and while it gives a result back. One that is

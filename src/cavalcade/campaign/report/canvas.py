@@ -11,6 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from cavalcade.campaign.report.cells import Cell
 from cavalcade.campaign.report.trials import Order
 from cavalcade.campaign.report.wording import code
@@ -32,6 +35,7 @@ OUTCOME_COLORS = {
     "collision": "#b00020",
     "fallen": "#7d2a5b",
     "invalid": "#CC79A7",
+    "crashed": "#1b1b1b",
     "stuck": "#E69F00",
     "stopped": "#D55E00",
     "timeout": "#0072B2",
@@ -39,8 +43,8 @@ OUTCOME_COLORS = {
     "infeasible": "#009E73",
     "overtime": "#7A5195",
     "refused": "#9aa0a6",
-    "crashed": "#1b1b1b",
 }
+"""Of failures, the gravest first."""
 OTHER = "#c9ccd0"
 
 _DPI = 220
@@ -105,6 +109,22 @@ def separate(axes: Sequence[Axes], groups: Sequence[str]) -> None:
         if groups[k] != groups[k - 1]:
             for axis in axes:
                 axis.axhline(k - 0.5, color=GRID, linewidth=0.6, zorder=0.6)
+
+
+def mark(
+    axes: Axes,
+    place: ArrayLike,
+    color: str,
+    size: float,
+    edge: float,
+    *,
+    marker: str = "o",
+    fill: str = "white",
+    zorder: float = 4,
+) -> None:
+    """A point, hollow unless filled; its size and that of its edge in points."""
+    axes.plot(*np.asarray(place), marker=marker, markersize=size, markerfacecolor=fill,
+              markeredgecolor=color, markeredgewidth=edge, zorder=zorder)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -51,16 +51,8 @@ def draw_success(cells: Sequence[Cell], order: Order) -> Figure:
         number = cell_color(cell, order)
         color = canvas.series_color(number)
         left.plot([100 * low, 100 * high], [row, row], color=color, linewidth=1.6)
-        left.plot(
-            100 * cell.feasible_successes / cell.feasible,
-            row,
-            marker=canvas.series_marker(number),
-            markersize=4.2,
-            markerfacecolor="white",
-            markeredgecolor=color,
-            markeredgewidth=1.0,
-            zorder=4,
-        )
+        share = 100 * cell.feasible_successes / cell.feasible
+        canvas.mark(left, (share, row), color, 4.2, 1.0, marker=canvas.series_marker(number))
     step = 0.02 if lowest > 0.93 else 0.1
     floor = max(0.0, int(lowest / step - 1e-9) * step)
     left.set_xlim(100 * floor, 100 + 0.02 * 100 * (1 - floor))
@@ -152,9 +144,7 @@ def _draw_spread(axes: Axes, row: int, spread: Spread, factor: float, number: in
     color = canvas.series_color(number)
     axes.plot([p5, p95], [row, row], color=color, linewidth=0.7)
     axes.plot([p25, p75], [row, row], color=color, linewidth=3.2, solid_capstyle="butt")
-    mark = canvas.series_marker(number)
-    axes.plot(median, row, marker=mark, markersize=3.6, markerfacecolor="white",
-              markeredgecolor=color, markeredgewidth=0.9, zorder=4)  # fmt: skip
+    canvas.mark(axes, (median, row), color, 3.6, 0.9, marker=canvas.series_marker(number))
 
 
 def draw_comparisons(comparisons: Sequence[Comparison], settings: bool) -> Figure:
@@ -184,16 +174,8 @@ def draw_comparisons(comparisons: Sequence[Comparison], settings: bool) -> Figur
                 continue
             color = canvas.series_color(1 + seconds.index(comparison.second))
             axis.plot([estimate.low, estimate.high], [row, row], color=color, linewidth=1.4)
-            axis.plot(
-                estimate.value,
-                row,
-                marker="o",
-                markersize=3.8,
-                markerfacecolor="white" if estimate.includes_zero else color,
-                markeredgecolor=color,
-                markeredgewidth=0.9,
-                zorder=4,
-            )
+            fill = "white" if estimate.includes_zero else color
+            canvas.mark(axis, (estimate.value, row), color, 3.8, 0.9, fill=fill)
             low, high = min(low, estimate.low), max(high, estimate.high)
         pad = 0.08 * (high - low) or 1.0
         axis.set_xlim(low - pad, high + pad)

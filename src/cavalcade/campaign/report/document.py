@@ -5,8 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from cavalcade.campaign.report import charts, tables
 from cavalcade.campaign.report.canvas import MOST_ROWS, Artist, Figure
@@ -19,55 +18,17 @@ from cavalcade.campaign.report.wording import bound, code, count, interval, plai
 from cavalcade.campaign.report.worst import Replay, shown_worst
 from cavalcade.campaign.table import scrubbed
 
+if TYPE_CHECKING:
+    from cavalcade.campaign.suite import Suite
+
 MOST_SENTENCES = 8
 MOST_EXAMPLES = 5
 
 _NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?!\w)")
 
 
-class Named(Protocol):
-    """What the report needs of a suite; its `variants`, `disturbances` and `worlds` (each with a
-    `name`), where it has them, give the order of rows and say what is compared against what.
-    """
-
-    @property
-    def suite(self) -> str:
-        """Its name."""
-
-    @property
-    def about(self) -> str:
-        """One line."""
-
-
-@dataclass(frozen=True)
-class ComparisonSection:
-    """Variants, or disturbances, compared on the same worlds.
-
-    Attributes:
-        factor: What is compared.
-        first: The reference.
-        figures: Charts of the differences.
-        tables: Titles and tables; None in the place of one without any collision.
-    """
-
-    factor: str
-    first: str
-    figures: list[Figure]
-    tables: list[tuple[str, Table | None]]
-
-
-@dataclass(frozen=True)
-class CurveSection:
-    """Success and quantities of one scenario over its levels."""
-
-    scenario: str
-    axis: str
-    figures: list[Figure]
-    table: Table
-
-
 def document(
-    suite: Named,
+    suite: Suite,
     table: TrialTable,
     lines: Mapping[str, Mapping[str, Any]],
     command: str,
@@ -210,8 +171,12 @@ def _spread_charts(cells: Sequence[Cell], artist: Artist) -> list[Figure]:
     return figures
 
 
-def _comparisons(table: TrialTable, factor: Factor, artist: Artist) -> list[ComparisonSection]:
-    """The section, if there is anything to compare."""
+def _comparisons(table: TrialTable, factor: Factor, artist: Artist) -> list[dict[str, Any]]:
+    """The section, if there is anything to compare.
+
+    It has what is compared, the reference `first`, charts of the differences, and titles with
+    tables, None in the place of one without any collision.
+    """
     found = compare(table, factor)
     if not found:
         return []
@@ -236,16 +201,17 @@ def _comparisons(table: TrialTable, factor: Factor, artist: Artist) -> list[Comp
             named = len(settings) > 1 and not part
             figures += artist.chart(caption, charts.draw_comparisons, rows, named, name=name)
     return [
-        ComparisonSection(
-            factor,
-            code(firsts[0]) if single else "its reference",
-            figures,
-            tables.comparison_tables(found, factor, setting if len(settings) > 1 else ""),
-        )
+        {
+            "factor": factor,
+            "first": code(firsts[0]) if single else "its reference",
+            "figures": figures,
+            "tables": tables.comparison_tables(found, factor, setting if len(settings) > 1 else ""),
+        }
     ]
 
 
-def _curves(table: TrialTable, cells: Sequence[Cell], artist: Artist) -> list[CurveSection]:
+def _curves(table: TrialTable, cells: Sequence[Cell], artist: Artist) -> list[dict[str, Any]]:
+    """Success and quantities of each scenario over its levels."""
     order = table.order
     sections = []
     for scenario, curves in curves_of(table, cells).items():
@@ -266,8 +232,8 @@ def _curves(table: TrialTable, cells: Sequence[Cell], artist: Artist) -> list[Cu
             caption = f"{code(scenario)}: {text} of the trials that succeeded.{where}"
             name = f"curves-{scenario}-{part}" if part else f"curves-{scenario}"
             figures += artist.chart(caption, draw_curves, shown, labels, name=name)
-        numbers = tables.curve_table(curves, order)
-        sections.append(CurveSection(scenario, curves[0].axis, figures, numbers))
+        section = {"scenario": scenario, "axis": curves[0].axis, "figures": figures}
+        sections.append(section | {"table": tables.curve_table(curves, order)})
     return sections
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cavalcade.campaign.report.canvas import mark
 from cavalcade.drawing import style
 from cavalcade.drawing.actors import (
     draw_arena,
@@ -119,8 +120,7 @@ def _draw_team(axes: Axes, scene: Scene, scale: float) -> None:
         start, end = scene.poses[0, robot], scene.poses[-1, robot]
         for pose, fill in ((start, "white"), (end, color)):
             if model.length * scale < _SMALL:
-                axes.plot(*pose[:2], marker="o", markersize=4.2, markerfacecolor=fill,
-                          markeredgecolor=color, markeredgewidth=0.6, zorder=5.8)  # fmt: skip
+                mark(axes, pose[:2], color, 4.2, 0.6, fill=fill, zorder=5.8)
         draw_robot(axes, start, model, color, lost=True)
         draw_robot(axes, end, model, color)
 
@@ -136,8 +136,7 @@ def _draw_tightest(
     for pose, model in zip(scene.poses[found.cycle], scene.models, strict=True):
         corners = np.array(transform_points(pose, _outline(model)))
         axes.plot(*np.vstack([corners, corners[:1]]).T, color=style.INK, linewidth=0.5, zorder=6.3)
-    axes.plot(*found.place, marker="o", markersize=11, markerfacecolor="none",
-              markeredgecolor=style.LIMIT, markeredgewidth=1.1, zorder=9)  # fmt: skip
+    mark(axes, found.place, style.LIMIT, 11, 1.1, fill="none", zorder=9)
     if hits:
         axes.plot(*found.place, marker="x", markersize=5.5, color=style.LIMIT,
                   markeredgewidth=1.3, zorder=9.1)  # fmt: skip

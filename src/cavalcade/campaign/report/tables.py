@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
+from typing import TypeVar
 
 from cavalcade.campaign.report.cells import ALL, Cell, Curve, in_order
 from cavalcade.campaign.report.comparisons import Comparison, Factor, Quantity, references_of
@@ -12,17 +14,18 @@ from cavalcade.campaign.report.wording import (
     NONE,
     bound,
     code,
-    collision_text,
     count,
     difference,
     interval,
     number,
     p_value,
+    proportion_text,
     share,
-    success_text,
     value_text,
 )
-from cavalcade.campaign.statistics import PairedProportions, upper_bound, wilson
+from cavalcade.campaign.statistics import PairedProportions, PairedValues, upper_bound, wilson
+
+_Found = TypeVar("_Found", PairedProportions, PairedValues)
 
 _LONG = 40
 """On the page a column with a text longer than this has its lines broken."""
@@ -144,10 +147,8 @@ def outcome_table(cells: Sequence[Cell], order: Order) -> Table:
         return f"{text} ({count(excused)})" if excused else text
 
     seen = in_order({outcome: 1 for cell in cells for outcome in cell.outcomes})
-    rows = [
-        (*cell_names(cell, order), *(ended(cell, outcome) for outcome in seen)) for cell in cells
-    ]
-    return table_of((*_head(order), *seen), rows, len(_head(order)))
+    columns = [(outcome, partial(ended, outcome=outcome)) for outcome in seen]
+    return _cell_table(cells, order, columns, every=True)
 
 
 def formation_table(cells: Sequence[Cell], order: Order) -> Table:
@@ -332,72 +333,78 @@ def proportion_table(
     factor: Factor,
     setting: str,
     take: Callable[[Comparison], PairedProportions | None],
-    text: Callable[[PairedProportions], str],
+    what: str,
 ) -> Table:
-    """How often something happened under two treatments.
+    """How often `what`, which `take` gives, happened under two treatments.
 
     Args:
         comparisons: At least one.
         factor: What is compared.
         setting: What the comparisons' setting is called; empty where there is only one.
         take: What is compared of a comparison.
-        text: What that comes to.
+        what: Its name in the plural.
     """
     references = references_of(comparisons)
-    several = len(references) > 1
-    names = _comparison_head(factor, setting, several)
-    head = (
-        *names,
-        "pairs",
-        "with reference" if several else code(references[0]),
-        f"this {factor}",
-        "one only",
-        f"difference (points) {_CONFIDENCE}",
-        "p",
-        "in words",
-    )
-    rows = [
+    columns: Sequence[tuple[str, Callable[[PairedProportions], str]]] = (
+        ("pairs", lambda f: count(f.pairs)),
         (
-            *_comparison_names(comparison, setting, several),
-            count(found.pairs),
-            share(found.both + found.first_only, found.pairs),
-            share(found.both + found.second_only, found.pairs),
-            f"{count(found.first_only)} / {count(found.second_only)}",
-            difference(found.difference.scaled(100.0), 1),
-            p_value(found.p_value),
-            text(found),
-        )
-        for comparison in comparisons
-        if (found := take(comparison)) is not None
-    ]
-    return table_of(head, rows, len(names), last=True)
+            "with reference" if len(references) > 1 else code(references[0]),
+            lambda f: share(f.both + f.first_only, f.pairs),
+        ),
+        (f"this {factor}", lambda f: share(f.both + f.second_only, f.pairs)),
+        ("one only", lambda f: f"{count(f.first_only)} / {count(f.second_only)}"),
+        (
+            f"difference (points) {_CONFIDENCE}",
+            lambda f: difference(f.difference.scaled(100.0), 1),
+        ),
+        ("p", lambda f: p_value(f.p_value)),
+        ("in words", lambda f: proportion_text(f, what)),
+    )
+    return _comparison_table(comparisons, factor, setting, take, columns)
 
 
 def value_table(
     comparisons: Sequence[Comparison], factor: Factor, setting: str, quantity: Quantity
 ) -> Table:
     """Differences of a quantity; arguments as of `proportion_table`."""
-    several = len(references_of(comparisons)) > 1
-    names = _comparison_head(factor, setting, several)
-    head = (
-        *names,
-        "pairs",
-        f"mean difference ({quantity.unit}) {_CONFIDENCE}",
-        f"median difference ({quantity.unit}) {_CONFIDENCE}",
-        "in words",
-    )
-    rows = [
+    factor_, digits = quantity.factor, quantity.digits + 1
+    columns: Sequence[tuple[str, Callable[[PairedValues], str]]] = (
+        ("pairs", lambda f: count(f.pairs)),
         (
-            *_comparison_names(comparison, setting, several),
-            count(found.pairs),
-            difference(found.mean.scaled(quantity.factor), quantity.digits + 1),
-            difference(found.median.scaled(quantity.factor), quantity.digits + 1),
-            value_text(found, quantity),
-        )
-        for comparison in comparisons
-        if (found := comparison.values.get(quantity)) is not None
+            f"mean difference ({quantity.unit}) {_CONFIDENCE}",
+            lambda f: difference(f.mean.scaled(factor_), digits),
+        ),
+        (
+            f"median difference ({quantity.unit}) {_CONFIDENCE}",
+            lambda f: difference(f.median.scaled(factor_), digits),
+        ),
+        ("in words", lambda f: value_text(f, quantity)),
+    )
+    return _comparison_table(
+        comparisons, factor, setting, lambda c: c.values.get(quantity), columns
+    )
+
+
+def _comparison_table(
+    comparisons: Sequence[Comparison],
+    factor: Factor,
+    setting: str,
+    take: Callable[[Comparison], _Found | None],
+    columns: Sequence[tuple[str, Callable[[_Found], str]]],
+) -> Table:
+    """A row per comparison of which there is something to take, named in front."""
+    several = len(references_of(comparisons)) > 1
+    named = [(c, found) for c in comparisons if (found := take(c)) is not None]
+    front = [
+        ("scenario", [ALL if c.scenario == ALL else code(c.scenario) for c, _ in named]),
+        (setting, [code(c.setting) for c, _ in named]),
+        (factor, [code(c.second) for c, _ in named]),
+        ("reference" if several else "", [code(c.first) for c, _ in named]),
     ]
-    return table_of(head, rows, len(names), last=True)
+    shown = [(name, texts) for name, texts in front if name]
+    made = [(name, [text(found) for _, found in named]) for name, text in columns]
+    head, texts = zip(*shown, *made, strict=True)
+    return table_of(head, zip(*texts, strict=True), len(shown), last=True)
 
 
 def comparison_tables(
@@ -407,40 +414,16 @@ def comparison_tables(
 
     The table of collisions is None where no trial of any pair had one.
     """
+    arguments = (comparisons, factor, setting)
     hit = any(c.collision and c.collision.neither < c.collision.pairs for c in comparisons)
+    successes = proportion_table(*arguments, lambda c: c.success, "successes")
+    collisions = proportion_table(*arguments, lambda c: c.collision, "collisions") if hit else None
     found: list[tuple[str, Table | None]] = [
-        (
-            "Success in feasible worlds",
-            proportion_table(comparisons, factor, setting, lambda c: c.success, success_text),
-        ),
-        (
-            "Trials with an avoidable collision",
-            proportion_table(comparisons, factor, setting, lambda c: c.collision, collision_text)
-            if hit
-            else None,
-        ),
+        ("Success in feasible worlds", successes),
+        ("Trials with an avoidable collision", collisions),
     ]
     for quantity in dict.fromkeys(one for c in comparisons for one in c.values):
-        table = value_table(comparisons, factor, setting, quantity)
+        table = value_table(*arguments, quantity)
         if table.rows:
             found.append((f"{quantity.name.capitalize()}, where both succeeded", table))
     return found
-
-
-def _comparison_head(factor: Factor, setting: str, several: bool) -> tuple[str, ...]:
-    """Names of the columns; the reference has one where there are several."""
-    return (
-        "scenario",
-        *([setting] if setting else []),
-        factor,
-        *(["reference"] if several else []),
-    )
-
-
-def _comparison_names(comparison: Comparison, setting: str, several: bool) -> tuple[str, ...]:
-    return (
-        ALL if comparison.scenario == ALL else code(comparison.scenario),
-        *([code(comparison.setting)] if setting else []),
-        code(comparison.second),
-        *([code(comparison.first)] if several else []),
-    )

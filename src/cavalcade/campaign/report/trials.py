@@ -5,13 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 from cavalcade.campaign.methods import METHOD_VARIANTS
 from cavalcade.campaign.samplers import EXPECTED, SOLVED
-
-if TYPE_CHECKING:
-    from types import TracebackType
 
 NO_DISTURBANCE = "none"
 
@@ -172,15 +169,9 @@ class TrialTable:
         )
 
     def __enter__(self) -> Self:
-        """Itself."""
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         """Close the table."""
         self._connection.close()
 

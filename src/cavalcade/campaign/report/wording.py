@@ -92,20 +92,12 @@ def p_value(value: float) -> str:
     return f"{value:.3f}" if value < 0.1 else f"{value:.2f}"
 
 
-def success_text(found: PairedProportions) -> str:
-    """What the comparison of successes comes to."""
+def proportion_text(found: PairedProportions, what: str) -> str:
+    """What the comparison of how many `what` there were comes to."""
     if found.difference.includes_zero:
         return NO_DIFFERENCE
     points = abs(100.0 * found.difference.value)
-    return f"{'more' if found.difference.value > 0 else 'fewer'} successes by {points:.1f} points"
-
-
-def collision_text(found: PairedProportions) -> str:
-    """What the comparison of avoidable collisions comes to."""
-    if found.difference.includes_zero:
-        return NO_DIFFERENCE
-    points = abs(100.0 * found.difference.value)
-    return f"{'more' if found.difference.value > 0 else 'fewer'} collisions by {points:.1f} points"
+    return f"{'more' if found.difference.value > 0 else 'fewer'} {what} by {points:.1f} points"
 
 
 def value_text(found: PairedValues, quantity: Quantity) -> str:

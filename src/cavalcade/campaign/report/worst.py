@@ -9,9 +9,10 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cavalcade.campaign.report.canvas import Artist, Figure
+from cavalcade.campaign.report.canvas import OUTCOME_COLORS, Artist, Figure
 from cavalcade.campaign.report.trials import Trial, TrialTable
 from cavalcade.campaign.report.wording import code, number, plain
+from cavalcade.campaign.trial import TIMES
 from cavalcade.errors import OutputError
 
 if TYPE_CHECKING:
@@ -24,22 +25,7 @@ worst trials only."""
 MOST = 8
 """So many are shown."""
 
-_SEVERITY = (
-    "collision",
-    "fallen",
-    "invalid",
-    "crashed",
-    "stuck",
-    "stopped",
-    "timeout",
-    "budget",
-    "infeasible",
-    "overtime",
-    "refused",
-)
-
-_VARYING = ("wall_time_s", "planning_time_s", "cycle_ms", "real_time_factor", "versions")
-"""Keys of a summary that a repetition may change."""
+_SEVERITY = tuple(OUTCOME_COLORS)
 
 
 @dataclass(frozen=True)
@@ -100,32 +86,16 @@ def _bound_of(trial: Trial) -> str:
     return "the slowest robot alone" if trial.planned else "the lower bound"
 
 
-@dataclass(frozen=True)
-class Shown:
-    """One of the worst trials as the report shows it.
-
-    Attributes:
-        name: Of the trial.
-        about: Why it is here, and what it measured.
-        command: Repeats it, given in the campaign's folder.
-        remark: On its repetition; may be empty.
-        figure: Its picture, or None.
-    """
-
-    name: str
-    about: str
-    command: str
-    remark: str
-    figure: Figure | None
-
-
 def shown_worst(
     table: TrialTable,
     lines: Mapping[str, Mapping[str, Any]],
     artist: Artist,
     replay: Replay | None,
-) -> list[Shown]:
+) -> list[dict[str, Any]]:
     """The worst trials, each with a picture where it can be repeated.
+
+    Of each it is said why it is here and what it measured, with the command that repeats it in the
+    campaign's folder, and a remark on its repetition, which may be empty.
 
     Args:
         table: Of all trials.
@@ -138,9 +108,14 @@ def shown_worst(
         trial, figure, remark = worst.trial, None, ""
         if artist.folder is not None and replay is not None and trial.ran:
             figure, remark = _repeat(trial, lines[trial.name], artist, replay)
-        about = f"{_capital(plain(worst.why))}. {_facts(trial)}"
-        command = f"cavalcade trial . {trial.name} --out worst/{trial.name}"
-        found.append(Shown(trial.name, about, command, remark, figure))
+        shown = {
+            "name": trial.name,
+            "about": f"{_capital(plain(worst.why))}. {_facts(trial)}",
+            "command": f"cavalcade trial . {trial.name} --out worst/{trial.name}",
+            "remark": remark,
+            "figure": figure,
+        }
+        found.append(shown)
     return found
 
 
@@ -184,7 +159,7 @@ def _draw(repeated: JobResult, path: Path) -> Path | None:
 
 def same_run(first: Mapping[str, Any], second: Mapping[str, Any]) -> bool:
     """Whether two summaries agree but for times of computing and versions."""
-    keys = (set(first) | set(second)) - set(_VARYING)
+    keys = (set(first) | set(second)) - set(TIMES)
     return all(first.get(key) == second.get(key) for key in keys)
 
 

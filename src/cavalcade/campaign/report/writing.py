@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 if TYPE_CHECKING:
-    from cavalcade.campaign.report.document import Named
     from cavalcade.campaign.report.worst import Replay
+    from cavalcade.campaign.suite import Suite
 
 MARKDOWN, PAGE, FIGURES = "report.md", "report.html", "figures"
 
@@ -23,7 +23,7 @@ _SPECIAL = re.compile(r"([\\*_<>\[\]#~])")
 
 def write_report(
     folder: str | Path,
-    suite: Named,
+    suite: Suite,
     lines: Sequence[Mapping[str, Any]],
     pictures: bool = True,
     *,
@@ -37,7 +37,8 @@ def write_report(
 
     Args:
         folder: Of the campaign; it exists.
-        suite: That was run.
+        suite: That was run; its `variants`, `disturbances` and `worlds` give the order of rows and
+            say what is compared against what.
         lines: The trials that have finished, as in `trials.jsonl`; may be empty.
         pictures: Draw the charts and, with `replay`, the worst trials.
         command: That made the campaign, shown in the header; paths in it are shortened.

@@ -9,17 +9,17 @@ from __future__ import annotations
 import math
 import re
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
 from cavalcade.campaign.samplers.data import DataFolder
 from cavalcade.campaign.samplers.feasibility import DiscRegions
-from cavalcade.campaign.samplers.sampler import Instance, Sampler
-from cavalcade.campaign.samplers.teams import TeamSection, fits, placed, scenario_data
+from cavalcade.campaign.samplers.sampler import Instance, Sampler, open_world
+from cavalcade.campaign.samplers.teams import TeamSection, fits
 from cavalcade.errors import InputError
 from cavalcade.scenario.fields import Length, Positive
-from cavalcade.world import OccupancyMap, load_barn, shape_to_mapping
+from cavalcade.world import OccupancyMap, load_barn
 
 FOLDER = Path("barn") / "circles"
 _FILE = re.compile(r"world_(\d{1,6})\.csv")
@@ -34,17 +34,14 @@ class BarnSampler(Sampler):
     out, so that a trial is repeated without the data set.
     """
 
+    LEVEL_NAME: ClassVar = "robots"
+
     sampler: Literal["barn"]
     teams: Annotated[tuple[TeamSection, ...], Field(min_length=1)]
     start: Length = 3.0
     ahead: Length = 10.0
     beyond: Length = 5.0
     timeout: Positive = 180.0
-
-    @property
-    def level_name(self) -> str | None:
-        """What the curve runs over."""
-        return "robots"
 
     def limit(self, data: DataFolder) -> int | None:
         """Every world with every team."""
@@ -55,11 +52,7 @@ class BarnSampler(Sampler):
         return None if _files(data) else data.lack(FOLDER / "world_*.csv")
 
     def sample(self, seed: int, data: DataFolder) -> Instance:
-        """World number `seed`.
-
-        Raises:
-            InputError: The data are absent or malformed, or a team does not fit.
-        """
+        """World number `seed`."""
         files = _files(data)
         if not files:
             raise InputError(data.lack(FOLDER / "world_*.csv"))
@@ -67,20 +60,16 @@ class BarnSampler(Sampler):
         team = self.teams[(index + turn) % len(self.teams)]
         field = load_barn(files[index], self.beyond)
         ground = DiscRegions(OccupancyMap.empty(field.size), field.circles)
-        slots = team.places()
         middle = round(field.size[0] / 2.0, 4)
         start, goal = (middle, self.start, _UP), (middle, self.start + self.ahead, _UP)
         for pose, key in ((start, "start"), (goal, "ahead")):
-            if not fits(ground, pose, slots, None):
+            if not fits(ground, pose, team.places()):
                 raise InputError(f"a {team.shape} does not fit there", file=files[index], key=key)
-        world = {
-            "empty": {"size": list(field.size)},
-            "obstacles": [shape_to_mapping(circle) for circle in field.circles],
-        }
         name = f"barn-{_number(files[index])}-{team.robots}"
+        world = open_world(field.size, field.circles)
         return Instance(
-            scenario_data(name, world, team, start, goal, self.timeout, seed),
-            ground.connect(placed(start, slots), placed(goal, slots)),
+            team.scenario(name, world, start, goal, self.timeout, seed),
+            team.gets_across(ground, start, goal),
             float(team.robots),
         )
 

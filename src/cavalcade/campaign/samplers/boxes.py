@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, Strict
 
 from cavalcade.campaign.samplers.data import DataFolder
-from cavalcade.campaign.samplers.individual_goals import Robot, TeamSampler, discs_pass, sample_team
-from cavalcade.campaign.samplers.sampler import Count, Instance, Lengths, sample_length
+from cavalcade.campaign.samplers.individual_goals import ATTEMPTS, TeamSampler, discs_pass
+from cavalcade.campaign.samplers.sampler import Count, Instance, Lengths, open_world, sample_length
 from cavalcade.errors import InputError
 from cavalcade.scenario.fields import Size
-from cavalcade.world import Box, shape_to_mapping
+from cavalcade.world import Box
 
 _TAG = 23
-_ATTEMPTS = 50
 
 TeamSize = Annotated[int, Strict(), Field(ge=1, le=64)]
 
@@ -28,41 +27,26 @@ class BoxesSampler(TeamSampler):
     from each start to its goal: worlds without that are sampled again.
     """
 
+    LEVEL_NAME: ClassVar = "robots"
+
     sampler: Literal["boxes"]
     robots: Annotated[tuple[TeamSize, ...], Field(min_length=1)] = (2, 5, 10, 15, 20)
     size: Size = (20.0, 20.0)
     boxes: Count = 10
     side: Lengths = (0.5, 2.0)
 
-    @property
-    def level_name(self) -> str | None:
-        """What the curve runs over."""
-        return "robots"
-
     def sample(self, seed: int, data: DataFolder) -> Instance:
-        """World number `seed`.
-
-        Raises:
-            InputError: The boxes leave no place.
-        """
+        """World number `seed`."""
         rng = np.random.default_rng([seed, _TAG])
         count = self.robots[seed % len(self.robots)]
-        models = self.models_of(seed, count)
-        areas = [(0.0, 0.0, *self.size)] * count
-        for _ in range(_ATTEMPTS):
+        area = (0.0, 0.0, *self.size)
+        for _ in range(ATTEMPTS):
             boxes = [self._box(rng) for _ in range(self.boxes)]
-            starts = sample_team(rng, models, areas, self.gap, boxes, border=self.border)
-            goals = sample_team(rng, models, areas, self.gap, boxes, border=self.border)
-            if starts is None or goals is None:
-                continue
-            robots = [Robot(*row) for row in zip(models, starts, goals, strict=True)]
-            if not discs_pass(self.size, boxes, robots):
-                continue
-            world: dict[str, Any] = {"empty": {"size": list(self.size)}}
-            if boxes:
-                world["obstacles"] = [shape_to_mapping(box) for box in boxes]
-            scenario = self.scenario_of(f"crowd-{count}-{seed}", world, robots, seed)
-            return Instance(scenario, True, float(count))
+            robots = self.sample_robots(rng, seed, [(area, area)] * count, boxes)
+            if robots is not None and discs_pass(self.size, boxes, robots):
+                world = open_world(self.size, boxes)
+                scenario = self.scenario_of(f"crowd-{count}-{seed}", world, robots, seed)
+                return Instance(scenario, True, float(count))
         raise InputError(f"the boxes leave no place for {count} robots", key="boxes")
 
     def _box(self, rng: np.random.Generator) -> Box:

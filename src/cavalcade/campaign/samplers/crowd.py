@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from itertools import combinations
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 from cavalcade.campaign.samplers.data import DataFolder
 from cavalcade.campaign.samplers.feasibility import DiscRegions
 from cavalcade.campaign.samplers.sampler import Counts, Instance, Lengths, Sampler, sample_length
-from cavalcade.campaign.samplers.teams import Slots, TeamSection, placed, sample_pose, scenario_data
+from cavalcade.campaign.samplers.teams import Slots, TeamSection, sample_pose
 from cavalcade.errors import InputError
 from cavalcade.scenario.fields import Length, NotNegative, Positive, expected
 from cavalcade.world import OccupancyMap, generate
@@ -33,6 +33,8 @@ class CrowdSampler(Sampler):
     takes to turn the shape in it. `spacing` is the least distance between two slots; those of the
     custom shape, `slots`, are scaled to it.
     """
+
+    LEVEL_NAME: ClassVar = "robots"
 
     sampler: Literal["crowd"]
     robots: Counts = (2, 16)
@@ -62,17 +64,8 @@ class CrowdSampler(Sampler):
             raise expected("no shape takes that many", key="robots")
         return self
 
-    @property
-    def level_name(self) -> str | None:
-        """What the curve runs over."""
-        return "robots"
-
     def sample(self, seed: int, data: DataFolder) -> Instance:
-        """World number `seed`.
-
-        Raises:
-            InputError: The obstacles leave the team no place.
-        """
+        """World number `seed`."""
         rng = np.random.default_rng([seed, _TAG])
         teams = self._teams()
         shape, robots = teams[seed % len(teams)]
@@ -100,8 +93,8 @@ class CrowdSampler(Sampler):
             }
             name = f"{shape}-{robots}-{seed}"
             return Instance(
-                scenario_data(name, {"generate": source}, team, start, goal, self.timeout, seed),
-                ground.connect(placed(start, slots), placed(goal, slots)),
+                team.scenario(name, {"generate": source}, start, goal, self.timeout, seed),
+                team.gets_across(ground, start, goal),
                 float(robots),
             )
         raise InputError(f"the obstacles leave no place for {robots} robots", key="density")

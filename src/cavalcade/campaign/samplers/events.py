@@ -22,9 +22,11 @@ from cavalcade.campaign.samplers.sampler import (
     Lengths,
     Pose,
     Sampler,
+    open_world,
+    rounded,
     sample_count,
 )
-from cavalcade.campaign.samplers.teams import TeamSection, fits, placed, scenario_data
+from cavalcade.campaign.samplers.teams import TeamSection, fits
 from cavalcade.errors import InputError
 from cavalcade.scenario.fields import Positive
 from cavalcade.world import (
@@ -72,38 +74,29 @@ class EventsSampler(Sampler):
     timeout: Positive = 240.0
 
     def sample(self, seed: int, data: DataFolder) -> Instance:
-        """World number `seed`.
-
-        Raises:
-            InputError: The obstacles leave hardly ever a way.
-        """
+        """World number `seed`."""
         rng = np.random.default_rng([seed, _TAG])
-        slots = _TEAM.places()
         for _ in range(_ATTEMPTS):
             count = sample_count(rng, self.obstacles)
             number = int(rng.integers(2**31))
             instance = generate("clutter", SIZE, number, obstacles=count, require_feasible=False)
             ground = _ground(instance.shapes)
-            starts = placed(START, slots)
-            if not fits(ground, START, slots, None):
+            if not fits(ground, START, _TEAM.places()):
                 continue
-            if not ground.connect(starts, placed(GOAL, slots)):
+            if not _TEAM.gets_across(ground, START, GOAL):
                 continue
-            events = self._events(rng, instance.shapes, starts)
+            events = self._events(rng, instance.shapes)
             if events is not None:
                 break
         else:
             raise InputError("they leave hardly ever a way", key="obstacles")
-        world = {
-            "empty": {"size": list(SIZE)},
-            "obstacles": [shape_to_mapping(shape) for shape in instance.shapes],
-        }
-        data_ = scenario_data(f"events-{seed}", world, _TEAM, START, GOAL, self.timeout, seed)
-        data_["execution"]["events"] = events
-        return Instance(data_, True)
+        world = open_world(SIZE, instance.shapes)
+        scenario = _TEAM.scenario(f"events-{seed}", world, START, GOAL, self.timeout, seed)
+        scenario["execution"]["events"] = events
+        return Instance(scenario, True)
 
     def _events(
-        self, rng: np.random.Generator, standing: Sequence[Shape], starts: Any
+        self, rng: np.random.Generator, standing: Sequence[Shape]
     ) -> list[dict[str, Any]] | None:
         """Events in order of time; None if the last goal could not be reached after them."""
         events: list[dict[str, Any]] = []
@@ -122,7 +115,7 @@ class EventsSampler(Sampler):
         events.append({"at": _time(rng, 8.0, 25.0), "goals": [list(goal)]})
         if len({event["at"] for event in events}) < len(events):
             return None  # the checker tells obstacles that appear by their time
-        if not _ground(shapes).connect(starts, placed(goal, changed.places())):
+        if not _ground(shapes).connect(_TEAM.places(START), changed.places(goal)):
             return None
         return sorted(events, key=lambda event: float(event["at"]))
 
@@ -177,7 +170,7 @@ def _goal(rng: np.random.Generator) -> Pose:
     """Anywhere, at any yaw."""
     yaw = rng.uniform(-math.pi, math.pi)
     x, y = (rng.uniform(1.5, side - 1.5) for side in SIZE)
-    return _round(x), _round(y), _round(yaw)
+    return rounded((x, y, yaw))
 
 
 def _time(rng: np.random.Generator, first: float, last: float) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Annotated, Any, Literal, Self
 
@@ -18,12 +18,12 @@ from cavalcade.campaign.samplers.sampler import (
     Lengths,
     Pose,
     Sampler,
+    rounded,
     sample_count,
     sample_length,
 )
-from cavalcade.campaign.samplers.teams import TeamSection, fits, placed, sample_pose, scenario_data
+from cavalcade.campaign.samplers.teams import TeamSection, fits, sample_pose
 from cavalcade.errors import InputError
-from cavalcade.geometry import Array
 from cavalcade.scenario.fields import (
     Fraction,
     Length,
@@ -47,11 +47,9 @@ LEVELS: Mapping[Kind, str] = MappingProxyType(
 )
 """What each kind's curve runs over."""
 
-_STEPS: Mapping[Kind, float] = MappingProxyType(
-    {"clutter": STEP, "forest": STEP, "rooms": STEP, "corridor": 0.04}
-)
-"""Distance of the nodes of the test for feasibility, m: distances to a corridor's long walls take
-time, and it is either wide enough or not."""
+_CORRIDOR_STEP = 0.04
+"""Distance of the nodes of the test for feasibility there, m: distances to a corridor's long walls
+take time, and it is either wide enough or not."""
 
 _TAG = 1
 _ATTEMPTS = 50
@@ -108,11 +106,7 @@ class GeneratedSampler(Sampler):
         return LEVELS[self.kind]
 
     def sample(self, seed: int, data: DataFolder) -> Instance:
-        """World number `seed`.
-
-        Raises:
-            InputError: The options allow no world, or none with room for the team.
-        """
+        """World number `seed`."""
         rng = np.random.default_rng([seed, _TAG, list(LEVELS).index(self.kind)])
         refused = InputError(f"no {self.kind} of that size has room for the team", key="team")
         for attempt in range(_ATTEMPTS):
@@ -148,20 +142,14 @@ class GeneratedSampler(Sampler):
         seed: int,
     ) -> Instance | None:
         """The world with the team in it; None if it does not fit."""
-        ground = DiscRegions(
-            OccupancyMap.empty(world.size, world.resolution), world.shapes, step=_STEPS[self.kind]
-        )
-        slots = self.team.places()
-        hints: tuple[Pose | None, Pose | None] = (None, None)
-        if self.poses == "middle":
-            hints = (world.start, world.goal)
+        base = OccupancyMap.empty(world.size, world.resolution)
+        step = _CORRIDOR_STEP if self.kind == "corridor" else STEP
+        ground = DiscRegions(base, world.shapes, step=step)
         areas = self._areas(rng)
-        poses = [
-            _pose(rng, ground, slots, area, hint) for area, hint in zip(areas, hints, strict=True)
-        ]
-        if poses[0] is None or poses[1] is None:
+        start = self._pose(rng, ground, areas[0], world.start)
+        goal = self._pose(rng, ground, areas[1], world.goal)
+        if start is None or goal is None:
             return None
-        start, goal = poses[0], poses[1]
         source = {
             "kind": world.kind,
             "size": list(world.size),
@@ -169,17 +157,28 @@ class GeneratedSampler(Sampler):
             "require_feasible": False,
             **options,
         }
-        name = f"{self.kind}-{seed}"
+        name, ground_data = f"{self.kind}-{seed}", {"generate": source}
         return Instance(
-            scenario_data(name, {"generate": source}, self.team, start, goal, self.timeout, seed),
-            ground.connect(placed(start, slots), placed(goal, slots)),
+            self.team.scenario(name, ground_data, start, goal, self.timeout, seed),
+            self.team.gets_across(ground, start, goal),
             self._level(world, options),
         )
+
+    def _pose(
+        self, rng: np.random.Generator, ground: DiscRegions, area: Area, hint: Sequence[float]
+    ) -> Pose | None:
+        """A pose at which the team fits: the generator's own if that is wanted and will do."""
+        slots = self.team.places()
+        if self.poses == "anywhere":
+            return sample_pose(rng, ground, slots, area)
+        pose = rounded(hint)
+        return pose if fits(ground, pose, slots) else sample_pose(rng, ground, slots, area, pose[2])
 
     def _areas(self, rng: np.random.Generator) -> tuple[Area, Area]:
         """Where the team starts and ends, m."""
         if self.kind != "rooms":
-            return _end_zones(self.size, _ZONE if self.zone is None else self.zone)
+            (width, height), zone = self.size, _ZONE if self.zone is None else self.zone
+            return (0.0, 0.0, zone, height), (width - zone, 0.0, width, height)
         side = _SIDE if self.room is None else self.room
         return _two_rooms(rng if self.poses == "anywhere" else None, self.size, side, self.apart)
 
@@ -189,24 +188,6 @@ class GeneratedSampler(Sampler):
             return float(len(world.shapes))
         value = options.get("door" if self.kind == "rooms" else "width")
         return None if value is None else float(value)
-
-
-def _pose(
-    rng: np.random.Generator, ground: DiscRegions, slots: Array, area: Area, hint: Pose | None
-) -> Pose | None:
-    """The pose that is hinted at if the team fits there, else one from the area."""
-    if hint is None:
-        return sample_pose(rng, ground, slots, area)
-    hint = (round(hint[0], 4), round(hint[1], 4), round(hint[2], 4))
-    if fits(ground, hint, slots, None):
-        return hint
-    return sample_pose(rng, ground, slots, area, hint[2])
-
-
-def _end_zones(size: tuple[float, float], zone: float) -> tuple[Area, Area]:
-    """The zones of that width on the left and on the right of a world."""
-    width, height = size
-    return (0.0, 0.0, zone, height), (width - zone, 0.0, width, height)
 
 
 def _two_rooms(

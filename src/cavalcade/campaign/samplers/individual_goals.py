@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from cavalcade.campaign.samplers.feasibility import DiscRegions
-from cavalcade.campaign.samplers.sampler import Area, Pose, Sampler
+from cavalcade.campaign.samplers.sampler import Area, Pose, Sampler, rounded
 from cavalcade.geometry import Array
 from cavalcade.robots import MODELS, RobotModel
 from cavalcade.scenario.fields import NotNegative
@@ -24,6 +24,12 @@ Models = Annotated[tuple[Legged, ...], Field(min_length=1, max_length=64)]
 
 _GRAIN = 0.05
 """Distance of the nodes of the test for feasibility, m; the gaps here are much wider."""
+
+_TRIES = 300
+"""Poses that are tried for each robot."""
+
+ATTEMPTS = 50
+"""Worlds that are sampled until one has room for all robots."""
 
 
 class IndividualGoalsSampler(Sampler):
@@ -65,9 +71,38 @@ class TeamSampler(IndividualGoalsSampler):
     gap: NotNegative = 0.05
     border: NotNegative = 0.01
 
-    def models_of(self, seed: int, robots: int) -> list[str]:
-        """The models in turn, by the seed and by the robot."""
-        return [self.models[(seed + k) % len(self.models)] for k in range(robots)]
+    def sample_robots(
+        self,
+        rng: np.random.Generator,
+        seed: int,
+        zones: Sequence[tuple[Area, Area]],
+        solids: Sequence[Shape] = (),
+        *,
+        starts: list[Pose] | None = None,
+        gap: float | None = None,
+    ) -> list[Robot] | None:
+        """A robot for each pair of areas, to start in the first and end in the second one.
+
+        Args:
+            rng: Source of all randomness but for the models, which come in turn.
+            seed: Of the instance.
+            zones: x_min, y_min, x_max, y_max, m.
+            solids: What stands.
+            starts: Poses that are not to be sampled.
+            gap: As in `sample_poses`; None for the sampler's own.
+
+        Returns:
+            None where no place is found.
+        """
+        models = models_in_turn(self.models, seed, len(zones))
+        apart = self.gap if gap is None else gap
+        here, there = zip(*zones, strict=True)
+        if starts is None:
+            starts = sample_poses(rng, models, here, apart, solids, self.border)
+        goals = sample_poses(rng, models, there, apart, solids, self.border)
+        if starts is None or goals is None:
+            return None
+        return [Robot(*row) for row in zip(models, starts, goals, strict=True)]
 
 
 @dataclass(frozen=True)
@@ -77,6 +112,11 @@ class Robot:
     model: str
     start: Pose
     goal: Pose
+
+
+def models_in_turn(models: Sequence[str], seed: int, robots: int) -> list[str]:
+    """A model for each robot, in turn by the seed and by the robot."""
+    return [models[(seed + k) % len(models)] for k in range(robots)]
 
 
 def bodies_meet(one: RobotModel, at: Array, other: RobotModel, there: Array) -> NDArray[np.bool_]:
@@ -111,15 +151,13 @@ def keeps_apart(model: str, pose: Pose, others: Sequence[tuple[str, Pose]], gap:
     )
 
 
-def sample_team(
+def sample_poses(
     rng: np.random.Generator,
     models: Sequence[str],
     areas: Sequence[Area],
     gap: float,
-    solids: Sequence[Shape] = (),
-    yaws: Sequence[float] | None = None,
-    tries: int = 300,
-    border: float = 0.01,
+    solids: Sequence[Shape],
+    border: float,
 ) -> list[Pose] | None:
     """A pose for each robot with the whole body in its area; None where none is found.
 
@@ -129,18 +167,15 @@ def sample_team(
         areas: For each robot x_min, y_min, x_max, y_max, m; the body stays inside at any yaw.
         gap: Between footprints at least, m; also to solids, at any yaw.
         solids: What stands.
-        yaws: The robots' yaws, rad; None samples them.
-        tries: For each robot.
         border: Kept free between the body at any yaw and the border of its area, m.
     """
     found: list[tuple[str, Pose]] = []
-    for k, (name, area) in enumerate(zip(models, areas, strict=True)):
+    for name, area in zip(models, areas, strict=True):
         reach = math.hypot(MODELS[name].length, MODELS[name].width) / 2.0 + border
-        for _ in range(tries):
+        for _ in range(_TRIES):
             x = rng.uniform(area[0] + reach, max(area[2] - reach, area[0] + reach))
             y = rng.uniform(area[1] + reach, max(area[3] - reach, area[1] + reach))
-            yaw = rng.uniform(-math.pi, math.pi)
-            pose = rounded((x, y, yaw if yaws is None else yaws[k]))
+            pose = rounded((x, y, rng.uniform(-math.pi, math.pi)))
             free = all(
                 float(shape.distance(np.array([pose[:2]]))[0]) >= reach + gap for shape in solids
             )
@@ -150,12 +185,6 @@ def sample_team(
         else:
             return None
     return [pose for _, pose in found]
-
-
-def rounded(pose: Sequence[float]) -> Pose:
-    """The pose in tenths of a millimetre and of a milliradian."""
-    x, y, yaw = (round(float(value), 4) for value in pose)
-    return x, y, yaw
 
 
 def discs_pass(size: tuple[float, float], solids: Sequence[Shape], robots: Sequence[Robot]) -> bool:

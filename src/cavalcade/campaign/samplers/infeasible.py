@@ -3,25 +3,27 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
 
 from cavalcade.campaign.samplers.data import DataFolder
-from cavalcade.campaign.samplers.individual_goals import (
-    Robot,
-    TeamSampler,
+from cavalcade.campaign.samplers.individual_goals import ATTEMPTS, Robot, TeamSampler
+from cavalcade.campaign.samplers.sampler import (
+    INFEASIBLE,
+    REFUSED,
+    Instance,
+    Pose,
+    open_world,
     rounded,
-    sample_team,
 )
-from cavalcade.campaign.samplers.sampler import INFEASIBLE, REFUSED, Instance, Pose
 from cavalcade.errors import InputError
 from cavalcade.robots import MODELS
-from cavalcade.world import Box, Circle, Shape, shape_to_mapping
+from cavalcade.world import Box, Circle, Shape
 
 _TAG = 25
 _SIZE = (12.0, 8.0)
-_ATTEMPTS = 50
 
 Kind = Literal[
     "goals-overlap",
@@ -45,67 +47,39 @@ class InfeasibleSampler(TeamSampler):
     kind: Kind
 
     def sample(self, seed: int, data: DataFolder) -> Instance:
-        """World number `seed`.
-
-        Raises:
-            InputError: There is no place, which does not happen.
-        """
+        """World number `seed`."""
         rng = np.random.default_rng([seed, _TAG])
-        models = self.models_of(seed, 3)
         width, height = _SIZE
         left, right = (0.0, 0.0, 4.5, height), (width - 4.5, 0.0, width, height)
-        for _ in range(_ATTEMPTS):
-            starts = sample_team(rng, models, [left] * 3, 0.3, border=self.border)
-            goals = sample_team(rng, models, [right] * 3, 0.3, border=self.border)
-            if starts is None or goals is None:
-                continue
-            first, second = (int(k) for k in rng.permutation(3)[:2])
-            made = self._spoilt(rng, models, starts, goals, first, second)
-            if made is None:
-                continue
-            robots = [Robot(*row) for row in zip(models, starts, goals, strict=True)]
-            scenario = self.scenario_of(f"{self.kind}-{seed}", made, robots, seed)
-            expected = REFUSED if self.kind == "starts-overlap" else INFEASIBLE
-            return Instance(scenario, False, expected=expected)
+        for _ in range(ATTEMPTS):
+            robots = self.sample_robots(rng, seed, [(left, right)] * 3, gap=0.3)
+            world = None if robots is None else self._spoilt(rng, robots)
+            if robots is not None and world is not None:
+                scenario = self.scenario_of(f"{self.kind}-{seed}", world, robots, seed)
+                expected = REFUSED if self.kind == "starts-overlap" else INFEASIBLE
+                return Instance(scenario, False, expected=expected)
         raise InputError("there is no place", key="kind")
 
-    def _spoilt(
-        self,
-        rng: np.random.Generator,
-        models: list[str],
-        starts: list[Pose],
-        goals: list[Pose],
-        first: int,
-        second: int,
-    ) -> dict[str, Any] | None:
-        """The world, after starts or goals have been changed in place; None where it would not do.
-
-        Args:
-            rng: Source of all randomness.
-            models: Of the robots.
-            starts, goals: Of the robots.
-            first, second: Robots that are made to ask for what cannot be.
-        """
-        free = {"empty": {"size": list(_SIZE)}}
-        x, y, yaw = goals[first]
-        if self.kind in ("goals-overlap", "starts-overlap"):
-            poses = goals if self.kind == "goals-overlap" else starts
-            x, y, yaw = poses[first]
-            reach, angle = rng.uniform(0.02, 0.9 * MODELS["go1"].width), rng.uniform(0.0, math.tau)
-            turned = rng.uniform(-math.pi, math.pi)
-            # Nearer than a width, the discs inside of both bodies overlap.
-            x, y = x + reach * math.cos(angle), y + reach * math.sin(angle)
-            poses[second] = rounded((x, y, turned))
-            return free
+    def _spoilt(self, rng: np.random.Generator, robots: list[Robot]) -> dict[str, Any] | None:
+        """The world, after a robot or two have been changed in place; None if it would not do."""
+        first, second = (int(k) for k in rng.permutation(3)[:2])
+        one, other = robots[first], robots[second]
+        x, y, yaw = one.goal
+        if self.kind == "goals-overlap":
+            robots[second] = replace(other, goal=_overlapping(rng, one.goal))
+            return open_world(_SIZE)
+        if self.kind == "starts-overlap":
+            robots[second] = replace(other, start=_overlapping(rng, one.start))
+            return open_world(_SIZE)
         if self.kind == "goals-equal":
-            goals[second] = goals[first]
-            return free
+            robots[second] = replace(other, goal=one.goal)
+            return open_world(_SIZE)
         if self.kind == "goal-off-the-map":
-            goals[first] = rounded((_SIZE[0] + rng.uniform(0.0, 2.0), y, yaw))
-            return free
+            robots[first] = replace(one, goal=rounded((_SIZE[0] + rng.uniform(0.0, 2.0), y, yaw)))
+            return open_world(_SIZE)
         if self.kind == "goal-in-a-hole":
-            hole = _SIZE[0] / 2.0
-            goals[first] = rounded((hole + rng.uniform(-0.1, 0.1), y, yaw))
+            hole = _SIZE[0] / 2.0 + rng.uniform(-0.1, 0.1)
+            robots[first] = replace(one, goal=rounded((hole, y, yaw)))
             return {"generate": {"kind": "gap", "size": list(_SIZE), "width": 0.4}}
         solids: list[Shape]
         if self.kind == "goal-in-an-obstacle":
@@ -118,10 +92,15 @@ class InfeasibleSampler(TeamSampler):
                     round(yaw + k * math.pi / 2.0, 6))
                 for k in range(4)
             ]  # fmt: skip
-        for k, pose in enumerate([*starts, *goals]):
-            if k != 3 + first and _near(solids, pose):
-                return None
-        return free | {"obstacles": [shape_to_mapping(shape) for shape in solids]}
+        free = [robot.start for robot in robots] + [r.goal for r in robots if r is not one]
+        return None if any(_near(solids, pose) for pose in free) else open_world(_SIZE, solids)
+
+
+def _overlapping(rng: np.random.Generator, pose: Pose) -> Pose:
+    """A pose nearer than a width, so that the discs inside of both bodies overlap."""
+    reach, angle = rng.uniform(0.02, 0.9 * MODELS["go1"].width), rng.uniform(0.0, math.tau)
+    turned = rng.uniform(-math.pi, math.pi)
+    return rounded((pose[0] + reach * math.cos(angle), pose[1] + reach * math.sin(angle), turned))
 
 
 def _ahead(pose: Pose, distance: float, turned: float) -> tuple[float, float]:

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
 
 from cavalcade.campaign.samplers.data import DataFolder
-from cavalcade.campaign.samplers.distances import distances_from
-from cavalcade.campaign.samplers.feasibility import DiscRegions
-from cavalcade.campaign.samplers.sampler import Instance, Lengths, Pose, Sampler
-from cavalcade.campaign.samplers.teams import TeamSection, fits, placed, scenario_data
+from cavalcade.campaign.samplers.feasibility import RADIUS, DiscRegions
+from cavalcade.campaign.samplers.sampler import Instance, Lengths, Pose, Sampler, rounded
+from cavalcade.campaign.samplers.teams import TeamSection, fits
 from cavalcade.errors import InputError
-from cavalcade.geometry import Array
+from cavalcade.geometry import Array, transform_points
 from cavalcade.scenario.fields import Positive, Section, expected
 from cavalcade.world import MapWarning, load_map
 
@@ -30,6 +30,10 @@ _NEARLY = 1.0
 
 _GRACE, _SLOWEST = 60.0, 0.1
 """Seconds allowed for any way, and m/s for its length."""
+
+_GRAIN = RADIUS / 2.0
+"""Side of the blocks by which distances are measured, m. For the disc's centre walls are at least
+two radii thick, so that blocks of half a radius never join what they part."""
 
 
 class MapChoice(Section):
@@ -51,6 +55,8 @@ class MapsSampler(Sampler):
     Map, team, start and goal are sampled by the seed; the team gets from start to goal.
     """
 
+    LEVEL_NAME: ClassVar = "length of the way, m"
+
     sampler: Literal["maps"]
     maps: Annotated[tuple[MapChoice, ...], Field(min_length=1)]
     teams: tuple[TeamSection, ...] = ()
@@ -63,11 +69,6 @@ class MapsSampler(Sampler):
                 raise expected("no team for this map", key=f"maps[{index}].teams")
         return self
 
-    @property
-    def level_name(self) -> str | None:
-        """What the curve runs over."""
-        return "length of the way, m"
-
     def missing(self, data: DataFolder) -> str | None:
         """The first map that is not there."""
         for choice in self.maps:
@@ -76,11 +77,7 @@ class MapsSampler(Sampler):
         return None
 
     def sample(self, seed: int, data: DataFolder) -> Instance:
-        """World number `seed`.
-
-        Raises:
-            InputError: A map is absent or malformed, or no such way is found on it.
-        """
+        """World number `seed`."""
         rng = np.random.default_rng([seed, _TAG])
         weights = np.array([choice.weight for choice in self.maps])
         choice = self.maps[int(rng.choice(len(weights), p=weights / weights.sum()))]
@@ -96,18 +93,12 @@ class MapsSampler(Sampler):
         if found is None:
             raise InputError(f"no way for a {team.shape} is found", file=file, key="way")
         start, goal, way = found
-        data_ = scenario_data(
-            f"{file.parent.name}-{file.stem}-{seed}",
-            {"map": str(file)},
-            team,
-            start,
-            goal,
-            round(_GRACE + way / _SLOWEST),
-            seed,
+        name, timeout = f"{file.parent.name}-{file.stem}-{seed}", round(_GRACE + way / _SLOWEST)
+        return Instance(
+            team.scenario(name, {"map": str(file)}, start, goal, timeout, seed),
+            team.gets_across(ground, start, goal),
+            round(way, 2),
         )
-        slots = team.places()
-        feasible = ground.connect(placed(start, slots), placed(goal, slots))
-        return Instance(data_, feasible, round(way, 2))
 
 
 def _crossing(
@@ -119,7 +110,7 @@ def _crossing(
         cell, start = _pose(rng, ground, clear)
         if not _stands(ground, start, slots, cell):
             continue
-        distances = distances_from(ground, cell, bounds[1])
+        distances = Distances(ground, cell, bounds[1])
         same = clear[ground.labels.flat[clear] == ground.labels[cell]]
         length = distances.to(np.stack(np.unravel_index(same, ground.labels.shape), axis=1))
         longest = length[np.isfinite(length)].max()
@@ -142,12 +133,66 @@ def _pose(
     row, col = divmod(int(clear[int(rng.integers(len(clear)))]), ground.labels.shape[1])
     x, y = ground.nodes([[row, col]])[0]
     yaw = rng.uniform(-math.pi, math.pi)
-    return (row, col), (round(float(x), 4), round(float(y), 4), round(float(yaw), 4))
+    return (row, col), rounded((x, y, yaw))
 
 
 def _stands(ground: DiscRegions, pose: Pose, slots: Array, cell: tuple[int, int]) -> bool:
     """Whether the team fits at a pose, all of it in the same region as a node."""
     name = int(ground.labels[cell])
-    return fits(ground, pose, slots, None) and all(
-        name in ground.regions(place) for place in placed(pose, slots)
+    return fits(ground, pose, slots) and all(
+        name in ground.regions(place) for place in transform_points(pose, slots)
     )
+
+
+class Distances:
+    """Lengths of a disc's paths from one place to all others, over blocks of nodes.
+
+    Attributes:
+        length: `(rows, cols)` m, at most 8 % too long; inf where the disc does not get.
+
+    Args:
+        ground: Where the disc may be.
+        cell: The place: a clear node (row, col).
+        most: Longer paths are not looked for, m.
+    """
+
+    def __init__(self, ground: DiscRegions, cell: Sequence[int], most: float) -> None:
+        from scipy.sparse import csr_array
+        from scipy.sparse.csgraph import dijkstra
+
+        self._block = block = max(1, math.floor(_GRAIN / ground.step))
+        free = _blocks(ground.labels == ground.labels[tuple(cell)], block)
+        index = np.full(free.shape, -1, dtype=np.int64)
+        index[free] = np.arange(np.count_nonzero(free))
+        side = block * ground.step
+        tails, heads, lengths = [], [], []
+        for down, right in ((0, 1), (1, 0), (1, 1), (1, -1)):
+            here, there = index[: len(index) - down], index[down:]
+            if right:
+                here, there = (
+                    (here[:, :-1], there[:, 1:]) if right > 0 else (here[:, 1:], there[:, :-1])
+                )
+            joined = (here >= 0) & (there >= 0)
+            tails.append(here[joined])
+            heads.append(there[joined])
+            lengths.append(np.full(len(tails[-1]), side * math.hypot(down, right)))
+        count = int(index.max()) + 1
+        ends = (np.concatenate(tails), np.concatenate(heads))
+        graph = csr_array((np.concatenate(lengths), ends), shape=(count, count))
+        source = int(index[cell[0] // block, cell[1] // block])
+        found = dijkstra(graph, directed=False, indices=source, limit=most)
+        self.length: Array = np.full(free.shape, np.inf)
+        self.length[free] = found
+
+    def to(self, cells: ArrayLike) -> Array:
+        """Lengths `(N,)` of the paths to nodes `(N, 2)` given as [row, col], m."""
+        rows, cols = np.asarray(cells, dtype=int).T // self._block
+        found: Array = self.length[rows, cols]
+        return found
+
+
+def _blocks(nodes: NDArray[np.bool_], block: int) -> NDArray[np.bool_]:
+    """Whether any node of each block `(rows, cols)` is set."""
+    for axis, side in enumerate(nodes.shape):
+        nodes = np.logical_or.reduceat(nodes, np.arange(0, side, block), axis=axis)
+    return nodes

@@ -8,13 +8,8 @@ from typing import Literal
 import numpy as np
 
 from cavalcade.campaign.samplers.data import DataFolder
-from cavalcade.campaign.samplers.individual_goals import (
-    Robot,
-    TeamSampler,
-    bodies_meet,
-    sample_team,
-)
-from cavalcade.campaign.samplers.sampler import Instance
+from cavalcade.campaign.samplers.individual_goals import Robot, TeamSampler, bodies_meet
+from cavalcade.campaign.samplers.sampler import Instance, open_world
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array
 from cavalcade.robots import MODELS
@@ -41,34 +36,20 @@ class PairsSampler(TeamSampler):
     keep: Literal["any", "colliding", "free"] = "any"
 
     def sample(self, seed: int, data: DataFolder) -> Instance:
-        """World number `seed`.
-
-        Raises:
-            InputError: The ground is too small.
-        """
+        """World number `seed`."""
         rng = np.random.default_rng([seed, _TAG])
+        area = (0.0, 0.0, *self.size)
+        x, y = self.size[0] / 2.0, self.size[1] / 2.0
+        beside = [(x, y - self.apart / 2.0, 0.0), (x, y + self.apart / 2.0, 0.0)]
+        starts = None if self.starts == "random" else beside
         for _ in range(_MOST_DRAWS):
-            robots = self._robots(rng, seed)
+            robots = self.sample_robots(rng, seed, [(area, area)] * 2, starts=starts)
             if robots is None:
                 continue
             if self.keep == "any" or self._collide(robots) == (self.keep == "colliding"):
-                world = {"empty": {"size": list(self.size)}}
-                name = f"pair-{self.keep}-{seed}"
+                name, world = f"pair-{self.keep}-{seed}", open_world(self.size)
                 return Instance(self.scenario_of(name, world, robots, seed), True)
         raise InputError("no such pair is found on that ground", key="size")
-
-    def _robots(self, rng: np.random.Generator, seed: int) -> list[Robot] | None:
-        models = self.models_of(seed, 2)
-        areas = [(0.0, 0.0, *self.size)] * 2
-        if self.starts == "random":
-            starts = sample_team(rng, models, areas, self.gap, border=self.border)
-        else:
-            x, y = self.size[0] / 2.0, self.size[1] / 2.0
-            starts = [(x, y - self.apart / 2.0, 0.0), (x, y + self.apart / 2.0, 0.0)]
-        goals = sample_team(rng, models, areas, self.gap, border=self.border)
-        if starts is None or goals is None:
-            return None
-        return [Robot(*row) for row in zip(models, starts, goals, strict=True)]
 
     def _collide(self, robots: list[Robot]) -> bool:
         """Whether the robots meet if each goes its own way."""

@@ -3,15 +3,27 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from cavalcade.campaign.samplers.data import DataFolder
-from cavalcade.campaign.samplers.individual_goals import Robot, TeamSampler, discs_pass
-from cavalcade.campaign.samplers.sampler import SOLVED, UNSOLVED, Instance, Lengths, sample_length
+from cavalcade.campaign.samplers.individual_goals import (
+    Robot,
+    TeamSampler,
+    discs_pass,
+    models_in_turn,
+)
+from cavalcade.campaign.samplers.sampler import (
+    SOLVED,
+    UNSOLVED,
+    Instance,
+    Lengths,
+    open_world,
+    sample_length,
+)
 from cavalcade.robots import MODELS
-from cavalcade.world import Box, Shape, shape_to_mapping
+from cavalcade.world import Box, Shape
 
 _TAG = 22
 
@@ -26,6 +38,8 @@ class PassingSampler(TeamSampler):
     narrower than both.
     """
 
+    LEVEL_NAME: ClassVar = "width of the corridor, m"
+
     sampler: Literal["passing"]
     kind: Literal["alcove", "wide", "narrow"]
     length: Lengths = (6.0, 12.0)
@@ -33,15 +47,10 @@ class PassingSampler(TeamSampler):
     alcove: Lengths = (1.4, 2.0)
     depth: Lengths = (0.8, 1.2)
 
-    @property
-    def level_name(self) -> str | None:
-        """What the curve runs over."""
-        return "width of the corridor, m"
-
     def sample(self, seed: int, data: DataFolder) -> Instance:
         """World number `seed`."""
         rng = np.random.default_rng([seed, _TAG])
-        models = self.models_of(seed, 2)
+        models = models_in_turn(self.models, seed, 2)
         widths = [MODELS[name].width for name in models]
         length, room = sample_length(rng, self.length), sample_length(rng, self.room)
         wide = sample_length(rng, self.alcove)
@@ -70,12 +79,9 @@ class PassingSampler(TeamSampler):
             Robot(models[0], (*first, 0.0), (*last, 0.0)),
             Robot(models[1], (*last, turned), (*first, turned)),
         ]
-        world: dict[str, Any] = {"empty": {"size": list(size)}}
-        if solids:
-            world["obstacles"] = [shape_to_mapping(shape) for shape in solids]
         passable = self.kind != "narrow"
         return Instance(
-            self.scenario_of(f"{self.kind}-{seed}", world, robots, seed),
+            self.scenario_of(f"{self.kind}-{seed}", open_world(size, solids), robots, seed),
             passable and discs_pass(size, solids, robots),
             width,
             SOLVED if passable else UNSOLVED,

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, Strict
 
 from cavalcade.campaign.samplers.data import DataFolder
 from cavalcade.scenario.fields import Length, Section, expected
+from cavalcade.world import Shape, shape_to_mapping
 
 SOLVED, INFEASIBLE, UNSOLVED, REFUSED = "solved", "infeasible", "unsolved", "refused"
 
@@ -53,6 +54,9 @@ class Instance:
 class Sampler(Section, ABC):
     """Samples instances by seed. Samplers are sections of a suite file."""
 
+    LEVEL_NAME: ClassVar[str | None] = None
+    """`level_name` where it is the same for all sections of a kind."""
+
     @property
     def individual_goals(self) -> bool:
         """Whether each robot has a goal of its own, instead of a formation's."""
@@ -61,7 +65,7 @@ class Sampler(Section, ABC):
     @property
     def level_name(self) -> str | None:
         """Name of the curve's axis, with its unit; None if there is no curve."""
-        return None
+        return self.LEVEL_NAME
 
     def limit(self, data: DataFolder) -> int | None:
         """How many different worlds there are; None if there is no end of them."""
@@ -73,11 +77,7 @@ class Sampler(Section, ABC):
 
     @abstractmethod
     def sample(self, seed: int, data: DataFolder) -> Instance:
-        """Instance number `seed`, always the same.
-
-        Raises:
-            InputError: The section's values allow no world, or data are missing or malformed.
-        """
+        """Instance number `seed`, always the same."""
 
 
 def _pair(value: Any) -> Any:
@@ -104,6 +104,20 @@ Lengths = Annotated[tuple[Length, Length], BeforeValidator(_pair), AfterValidato
 def sample_count(rng: np.random.Generator, bounds: tuple[int, int]) -> int:
     """A whole number, both bounds included."""
     return int(rng.integers(bounds[0], bounds[1] + 1))
+
+
+def rounded(pose: Sequence[float]) -> Pose:
+    """The pose in tenths of a millimetre and of a milliradian."""
+    x, y, yaw = (round(float(value), 4) for value in pose)
+    return x, y, yaw
+
+
+def open_world(size: Sequence[float], solids: Sequence[Shape] = ()) -> dict[str, Any]:
+    """Ground of that size with what stands on it, as the `world` of a scenario file."""
+    world: dict[str, Any] = {"empty": {"size": list(size)}}
+    if solids:
+        world["obstacles"] = [shape_to_mapping(shape) for shape in solids]
+    return world
 
 
 def sample_length(rng: np.random.Generator, bounds: tuple[float, float]) -> float:

@@ -57,11 +57,7 @@ class ShippedSampler(Sampler):
         return self._own_goals
 
     def sample(self, seed: int, data: DataFolder) -> Instance:
-        """The scenario with that seed.
-
-        Raises:
-            InputError: There is no such scenario, or it cannot be used.
-        """
+        """The scenario with that seed."""
         scenario = self._loaded(seed)
         values: dict[str, Any] = scenario.model_dump(mode="json", exclude_none=True)
         budget = self.budget.model_dump(mode="json", exclude_none=True)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import Field, PrivateAttr, Strict, ValidationError, model_validator
 
 from cavalcade.campaign.samplers.feasibility import DiscRegions
-from cavalcade.campaign.samplers.sampler import Area, Pose
+from cavalcade.campaign.samplers.sampler import Area, Pose, rounded
 from cavalcade.geometry import Array, transform_points
 from cavalcade.robots import MODELS
 from cavalcade.scenario.fields import Length, Point, Section, expected
@@ -71,30 +71,53 @@ class TeamSection(Section):
         """The formation as a scenario file says it."""
         return self._formation.model_dump(mode="json", exclude_none=True)
 
-    def places(self) -> Array:
-        """The slots `(N, 2)` in the formation's frame, m."""
+    def places(self, pose: Pose | None = None) -> Array:
+        """The slots `(N, 2)`, m: in the formation's frame, or with its centre at `pose`."""
         from cavalcade.execution.formation_policy import formation_of
         from cavalcade.scenario import PlannerSection
 
-        return formation_of(self._formation, self.robots, PlannerSection()).slots
+        slots = formation_of(self._formation, self.robots, PlannerSection()).slots
+        return slots if pose is None else transform_points(pose, slots)
 
-    def starts(self, pose: Sequence[float]) -> list[dict[str, Any]]:
-        """The robots of a scenario file, in their slots around `pose` (x, y, yaw)."""
-        places = placed(pose, self.places())
-        yaw = round(float(pose[2]), 6)
-        return [
-            {"model": "go1", "start": [round(x, 6), round(y, 6), yaw]} for x, y in places.tolist()
-        ]
+    def gets_across(self, ground: DiscRegions, start: Pose, goal: Pose) -> bool:
+        """Whether a disc gets from every slot at the start to every one at the goal."""
+        return ground.connect(self.places(start), self.places(goal))
+
+    def scenario(
+        self,
+        name: str,
+        world: Mapping[str, Any],
+        start: Pose,
+        goal: Pose,
+        timeout: float,
+        seed: int,
+    ) -> dict[str, Any]:
+        """A scenario as its file says it, without a planner section.
+
+        Args:
+            name: Of the scenario.
+            world: Its `world`.
+            start, goal: Poses (x, y, yaw) of the formation's centre, m and rad.
+            timeout: s of simulated time.
+            seed: Of all that is random in the execution.
+        """
+        yaw = round(float(start[2]), 6)
+        return {
+            "version": 1,
+            "name": name,
+            "world": dict(world),
+            "robots": [
+                {"model": "go1", "start": [round(x, 6), round(y, 6), yaw]}
+                for x, y in self.places(start).tolist()
+            ],
+            "task": {"formation": self.formation, "goals": [[float(value) for value in goal]]},
+            "execution": {"timeout": timeout, "seed": seed},
+        }
 
 
-def placed(pose: Sequence[float], slots: Array) -> Array:
-    """Slots `(N, 2)` with the formation's centre at `pose`, m."""
-    return transform_points(pose, slots)
-
-
-def fits(ground: DiscRegions, pose: Sequence[float], slots: Array, area: Area | None) -> bool:
+def fits(ground: DiscRegions, pose: Pose, slots: Array, area: Area | None = None) -> bool:
     """Whether every robot can stand in its slot at any yaw, within the area if there is one."""
-    places = placed(pose, slots)
+    places = transform_points(pose, slots)
     if area is not None:
         low, high = np.array(area[:2]) + BODY, np.array(area[2:]) - BODY
         if (places < low).any() or (places > high).any():
@@ -121,36 +144,7 @@ def sample_pose(
     for _ in range(_TRIES):
         x, y = rng.uniform(area[0], area[2]), rng.uniform(area[1], area[3])
         turned = rng.uniform(-math.pi, math.pi) if yaw is None else yaw
-        pose = (round(float(x), 4), round(float(y), 4), round(float(turned), 4))
+        pose = rounded((x, y, turned))
         if fits(ground, pose, slots, area):
             return pose
     return None
-
-
-def scenario_data(
-    name: str,
-    world: Mapping[str, Any],
-    team: TeamSection,
-    start: Sequence[float],
-    goal: Sequence[float],
-    timeout: float,
-    seed: int,
-) -> dict[str, Any]:
-    """A scenario as its file says it, without a planner section.
-
-    Args:
-        name: Of the scenario.
-        world: Its `world`.
-        team: Who drives.
-        start, goal: Poses (x, y, yaw) of the formation's centre, m and rad.
-        timeout: s of simulated time.
-        seed: Of all that is random in the execution.
-    """
-    return {
-        "version": 1,
-        "name": name,
-        "world": dict(world),
-        "robots": team.starts(start),
-        "task": {"formation": team.formation, "goals": [[float(value) for value in goal]]},
-        "execution": {"timeout": timeout, "seed": seed},
-    }

@@ -8,13 +8,14 @@ import numpy as np
 from pydantic import Field, Strict
 
 from cavalcade.campaign.samplers.data import DataFolder
-from cavalcade.campaign.samplers.individual_goals import Robot, TeamSampler, sample_team
-from cavalcade.campaign.samplers.sampler import Area, Instance, Lengths, sample_length
+from cavalcade.campaign.samplers.individual_goals import ATTEMPTS, TeamSampler
+from cavalcade.campaign.samplers.sampler import Area, Instance, Lengths, open_world, sample_length
 from cavalcade.errors import InputError
 from cavalcade.scenario.fields import Length, Size
 
 _TAG = 24
-_ATTEMPTS = 50
+_VALUES = {"gap": "width", "step": "height", "slope": "angle", "rough": "height"}
+"""The generator's option that `value` is, by kind."""
 
 
 class TerrainSampler(TeamSampler):
@@ -42,40 +43,29 @@ class TerrainSampler(TeamSampler):
         return "angle of the slope, rad" if self.kind == "slope" else f"{self.kind}, m"
 
     def sample(self, seed: int, data: DataFolder) -> Instance:
-        """World number `seed`.
-
-        Raises:
-            InputError: The zones are too small.
-        """
+        """World number `seed`."""
         rng = np.random.default_rng([seed, _TAG])
-        models = self.models_of(seed, self.robots)
         value = None if self.value is None else sample_length(rng, self.value)
         left: Area = (0.0, 0.0, self.zone, self.size[1])
         right: Area = (self.size[0] - self.zone, 0.0, *self.size)
-        back = [self.against and k % 3 == 2 for k in range(self.robots)]
-        for _ in range(_ATTEMPTS):
-            there = [right if b else left for b in back]
-            starts = sample_team(rng, models, there, self.gap, border=self.border)
-            there = [left if b else right for b in back]
-            goals = sample_team(rng, models, there, self.gap, border=self.border)
-            if starts is None or goals is None:
-                continue
-            robots = [Robot(*row) for row in zip(models, starts, goals, strict=True)]
-            scenario = self.scenario_of(
-                f"{self.kind}-{seed}", self._world(value, seed), robots, seed
-            )
-            return Instance(scenario, True, None if self.level_name is None else value)
+        zones = [
+            (right, left) if self.against and k % 3 == 2 else (left, right)
+            for k in range(self.robots)
+        ]
+        for _ in range(ATTEMPTS):
+            robots = self.sample_robots(rng, seed, zones)
+            if robots is not None:
+                world = self._world(value, seed)
+                scenario = self.scenario_of(f"{self.kind}-{seed}", world, robots, seed)
+                return Instance(scenario, True, None if self.level_name is None else value)
         raise InputError(f"no place for {self.robots} robots", key="zone")
 
     def _world(self, value: float | None, seed: int) -> dict[str, Any]:
         if self.kind == "flat":
-            return {"empty": {"size": list(self.size)}}
+            return open_world(self.size)
         source: dict[str, Any] = {"kind": self.kind, "size": list(self.size)}
         if self.kind == "rough":
             source |= {"seed": seed, "zone": self.zone}
         if value is not None:
             source[_VALUES[self.kind]] = value
         return {"generate": source}
-
-
-_VALUES = {"gap": "width", "step": "height", "slope": "angle", "rough": "height"}

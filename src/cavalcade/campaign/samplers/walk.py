@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import Field, Strict
 
 from cavalcade.campaign.samplers.data import DataFolder
-from cavalcade.campaign.samplers.individual_goals import Models
+from cavalcade.campaign.samplers.individual_goals import Models, models_in_turn
 from cavalcade.campaign.samplers.sampler import Instance, Sampler
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array
@@ -82,11 +82,7 @@ class WalkSampler(Sampler):
     models: Models = ("go1",)
 
     def sample(self, seed: int, data: DataFolder) -> Instance:
-        """Commands number `seed`.
-
-        Raises:
-            InputError: The values allow none.
-        """
+        """Commands number `seed`."""
         rng = np.random.default_rng([seed, _TAG])
         if self.kind in _TERRAINS:
             return Instance(self._on_terrain(rng, seed), True)
@@ -186,7 +182,7 @@ class WalkSampler(Sampler):
         duration: float | None,
         events: list[dict[str, Any]],
     ) -> dict[str, Any]:
-        models = [self.models[(seed + k) % len(self.models)] for k in range(self.robots)]
+        models = models_in_turn(self.models, seed, self.robots)
         task: dict[str, Any] = {"commands": commands}
         return {
             "version": 1,

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 from cavalcade.fleet.mujoco.blocks import HEIGHT, Block, blocks_of_map, blocks_of_shape
 from cavalcade.geometry import Array, rectangle_corners
 from cavalcade.scenario.timeline import ObstacleSpan
-from cavalcade.scenario.worlds import World, shape_of
-from cavalcade.world import OccupancyMap, Terrain
+from cavalcade.scenario.worlds import World
+from cavalcade.world import OccupancyMap, Terrain, shape_from_mapping
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,10 @@ class PhysicsGround:
         `movable_spans`.
         """
         cell = world.map.resolution
-        groups = [(span, blocks_of_shape(shape_of(span.obstacle), cell)) for span in world.spans]
+        groups = [
+            (span, blocks_of_shape(shape_from_mapping(span.obstacle.words), cell))
+            for span in world.spans
+        ]
         blocks = [block for span, group in groups if span.fixed for block in group]
         ground = cls(world.terrain).with_fixed((*blocks_of_map(world.base), *blocks))
         moving = tuple(ground.raised(group) for span, group in groups if not span.fixed)

@@ -8,9 +8,10 @@ from operator import attrgetter
 import numpy as np
 
 from cavalcade.fleet.mujoco._step import keep_peaks
-from cavalcade.fleet.mujoco.contacts import Contact, ContactRecorder
+from cavalcade.fleet.mujoco.contacts import ContactRecorder
 from cavalcade.fleet.mujoco.simulator import TeamSimulator
 from cavalcade.geometry import Array
+from cavalcade.recording.physics_track import ContactEvent
 
 SAMPLE_PERIOD = 0.02
 """Time between two samples, s."""
@@ -35,7 +36,7 @@ class Samples:
     joint_rates: Array
     torques: Array
     foot_forces: Array
-    contacts: tuple[Contact, ...]
+    contacts: tuple[ContactEvent, ...]
 
 
 class Sampler:
@@ -60,7 +61,7 @@ class Sampler:
         self._rates: list[Array] = []
         self._torques: list[Array] = []
         self._foot_forces: list[Array] = []
-        self._contacts: list[Contact] = []
+        self._contacts: list[ContactEvent] = []
         self._keep()
 
     def step(self) -> bool:
@@ -84,7 +85,7 @@ class Sampler:
         return self._qpos[-1]
 
     @property
-    def contacts(self) -> list[Contact]:
+    def contacts(self) -> list[ContactEvent]:
         """All so far, as of `Samples`; not to be changed."""
         return self._contacts
 
