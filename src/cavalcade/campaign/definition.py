@@ -204,14 +204,11 @@ def difference(definition: Definition, other: Mapping[str, Any]) -> str | None:
 
 
 def _changed(suite: Suite, seed: int | None, seeds: int | None) -> Suite:
-    for key, value, least, most in (
-        ("--seed", seed, 0, 2**63 - 1),
-        ("--seeds", seeds, 1, MOST_SEEDS),
-    ):
+    bounds = (("--seed", seed, 0, 2**63 - 1), ("--seeds", seeds, 1, MOST_SEEDS))
+    for key, value, least, most in bounds:
         if value is not None and not least <= value <= most:
-            raise InputError(
-                f"expected a whole number from {least} to {most}, got {value}", key=key
-            )
+            text = f"expected a whole number from {least} to {most}, got {value}"
+            raise InputError(text, key=key)
     if seeds is not None:
         suite = replace(suite, worlds=tuple(replace(group, seeds=seeds) for group in suite.worlds))
     return suite if seed is None else replace(suite, seed=seed)

@@ -59,7 +59,6 @@ class CampaignReporter:
         return self
 
     def __exit__(self, *error: object) -> None:
-        """Take the bar away."""
         self.close()
 
     def say(self, text: str) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Self
 
@@ -70,7 +70,7 @@ class Store:
             self._file = os.open(self.folder / LINES, flags, 0o644)
             self._size = os.fstat(self._file).st_size
         except BaseException as error:
-            self._close()
+            self.__exit__()
             remove_empty(made)
             if isinstance(error, OSError):
                 raise self._failed(error) from None
@@ -101,7 +101,10 @@ class Store:
                 written += os.write(self._file, data[written:])
             os.fsync(self._file)
         except OSError as error:
-            self._take_back()
+            # Leave nothing of it. Where this fails too, the torn line is mended when the campaign
+            # goes on.
+            with contextlib.suppress(OSError):
+                os.ftruncate(self._file, self._size)
             raise self._failed(error) from None
         self._size += len(data)
         self._done.add(str(line["trial"]))
@@ -131,7 +134,12 @@ class Store:
 
     def __exit__(self, *error: object) -> None:
         """Unlock the folder."""
-        self._close()
+        if self._lock >= 0:
+            unlock(self.folder)
+        for handle in (self._file, self._lock):
+            if handle >= 0:
+                os.close(handle)
+        self._file = self._lock = -1
 
     def _mend(self, warn: Callable[[str], None]) -> None:
         """Read what is there; take out what is no line of this campaign."""
@@ -141,22 +149,21 @@ class Store:
         kept: list[bytes] = []
         corrupt: list[bytes] = []
         warnings: list[str] = []
-        for number, raw in enumerate(_raw_lines(file), 1):
-            trial = self._trial_of(raw)
-            if trial is not None and trial not in self._done:
-                self._done.add(trial)
-                kept.append(raw)
-            elif trial is not None:
-                corrupt.append(raw)
-                warnings.append(f"{file}: line {number}: {trial} stands there twice")
-            elif not raw.endswith(b"\n"):
-                warnings.append(f"{file}: line {number}: torn; its trial is repeated")
-            else:
-                corrupt.append(raw)
-                warnings.append(
-                    f"{file}: line {number}: not a trial of this campaign; moved to {CORRUPT}, "
-                    "its trial is repeated"
-                )
+        with file.open("rb") as stream:
+            for number, raw in enumerate(stream, 1):
+                trial = self._trial_of(raw)
+                if trial is not None and trial not in self._done:
+                    self._done.add(trial)
+                    kept.append(raw)
+                    continue
+                fault = f"not a trial of this campaign; moved to {CORRUPT}, its trial is repeated"
+                if trial is not None:
+                    fault = f"{trial} stands there twice"
+                elif not raw.endswith(b"\n"):
+                    fault = "torn; its trial is repeated"
+                if raw.endswith(b"\n"):
+                    corrupt.append(raw)
+                warnings.append(f"{file}: line {number}: {fault}")
         if not warnings:
             return
         if corrupt:
@@ -188,31 +195,12 @@ class Store:
         same = whole and all(line[key] == model[key] for key in _OF_THE_DEFINITION)
         return trial if same else None
 
-    def _take_back(self) -> None:
-        """Leave nothing of a line that could not be written whole."""
-        # Where this fails too, the torn line is mended when the campaign goes on.
-        with contextlib.suppress(OSError):
-            os.ftruncate(self._file, self._size)
-
     def _failed(self, error: OSError, what: str = "written") -> OutputError:
         place = Path(error.filename) if error.filename else self.folder / LINES
         text = f"{place}: cannot be {what}: {error.strerror or error}"
         if self._done:
             text += f"; the {len(self._done)} trials so far are kept, go on with --resume"
         return OutputError(text)
-
-    def _close(self) -> None:
-        if self._lock >= 0:
-            unlock(self.folder)
-        for handle in (self._file, self._lock):
-            if handle >= 0:
-                os.close(handle)
-        self._file = self._lock = -1
-
-
-def _raw_lines(file: Path) -> Iterable[bytes]:
-    with file.open("rb") as stream:
-        yield from stream
 
 
 def _encoded(text: str) -> bytes:
