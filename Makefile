@@ -1,7 +1,8 @@
 # make demo   the main job: four Go1s in a square walk through the paper's arena, in physics
 # make test   the whole suite, in the same environment
 # make venv   only the environment
-# make lint   ruff, mypy and the layers contract
+# make test-fast  what a change needs at once: everything that takes no more than a moment
+# make lint   ruff, mypy, the layers and the structure
 # make bench  timing against peers, and the start (scikit-fmm may need a C++ compiler)
 # make evidence  the paper's scenarios and all campaigns, for hours; the runs so far are kept
 
@@ -21,7 +22,7 @@ export MPLCONFIGDIR ?= $(abspath $(VENV))/matplotlib
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test venv lint bench evidence clean
+.PHONY: help demo test test-fast venv lint bench evidence clean
 
 help:
 	@sed -n 's/^# make/make/p' Makefile
@@ -56,11 +57,15 @@ test: $(VENV)/.stamp-test
 	-@$(BIN)/cavalcade run triangle-lab --out $(RUNS)/warm --force --quiet
 	@$(BIN)/python -m pytest --numprocesses $(WORKERS) --durations 5
 
+test-fast: $(VENV)/.stamp-test
+	@$(BIN)/python -m pytest --numprocesses $(WORKERS) -m "not slow"
+
 lint: $(VENV)/.stamp-lint
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports
+	@$(BIN)/python tools/check_structure.py
 
 bench: $(VENV)/.stamp-bench
 	@-$(PIP) --only-binary :all: eikonalfm
@@ -68,6 +73,7 @@ bench: $(VENV)/.stamp-bench
 	@$(BIN)/python benchmarks/bench_cycle.py
 	@$(BIN)/python benchmarks/bench_body.py
 	@$(BIN)/python benchmarks/bench_startup.py
+	@$(BIN)/python benchmarks/bench_waits.py
 
 # A campaign that is there is gone on with; after a change of the code, remove $(RUNS)/evidence first.
 # Exit code 1 of a campaign: its data are not there, or MuJoCo is not installed.

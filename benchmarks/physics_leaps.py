@@ -18,10 +18,10 @@ from typing import Any
 
 import numpy as np
 
+from cavalcade.checking.heights import Heights
 from cavalcade.checking.physics.floor import floor_of
 from cavalcade.checking.physics.leaps import Leap, LeapVerdict, judge_leap
 from cavalcade.checking.physics.record import RobotRecord, Touch
-from cavalcade.checking.plans.heights import Heights
 from cavalcade.execution.leaping import leaps_of, request_of
 from cavalcade.fleet import LeapRequest
 from cavalcade.fleet.mujoco import PhysicsGround, PhysicsSettings

@@ -24,8 +24,8 @@ from .formation import Imperfections as Imperfections
 from .formation import SafetyFilter as SafetyFilter
 from .formation import SafetyInputs as SafetyInputs
 from .geometry.trajectory import Trajectory as Trajectory
-from .jobs.planning import plan as plan
-from .jobs.result import JobResult as JobResult
+from .jobs.running import JobResult as JobResult
+from .jobs.running import plan as plan
 from .jobs.running import run as run
 from .kinodynamic import BodySettings as BodySettings
 from .kinodynamic import plan_body as plan_body

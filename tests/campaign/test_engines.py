@@ -82,10 +82,8 @@ def _kill_all(folder: Path) -> None:
 
 
 def test_over_time(tiny_plan: Definition, planted: Any) -> None:
-    began = time.monotonic()
     with LocalEngine(2) as engine:
         lines = list(dispatch(engine, tiny_plan.trials, 1.5, work=planted.sleeps))
-    assert time.monotonic() - began < 30.0
     late = {line["trial"]: line["detail"] for line in lines if line["outcome"] == "overtime"}
     assert late == dict.fromkeys(
         ("short.0001.cavalcade.none", "short.0001.cavalcade.noise"), "not done within 1.5 s"

@@ -19,7 +19,7 @@ from cavalcade.campaign.samplers import DataFolder
 from cavalcade.campaign.trial import without_times
 from cavalcade.campaign.trial_runner import run_trial, run_trial_into
 from cavalcade.checking import check
-from cavalcade.checking.physics.reading import read_records
+from cavalcade.checking.physics.record import read_records
 from cavalcade.jobs import JobResult
 
 SUITE = """\

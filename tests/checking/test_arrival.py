@@ -106,7 +106,7 @@ def test_a_lost_robot_may_stand_anywhere(claims):
     ],
 )
 def test_neighbouring_slots_lie_as_far_apart_as_the_file_says(make_scenario, shape, robots, apart):
-    from cavalcade.checking.slots import slots_of
+    from cavalcade.checking.arrival import slots_of
 
     starts = [[0.5 + 0.8 * k, 1.0, 1.57] for k in range(robots)]
     scenario = make_scenario(starts, task={"formation": shape, "goals": [[5, 5, 0]]})

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cavalcade.checking.commands import check_commands
+from cavalcade.checking.arrival import check_commands
 from cavalcade.checking.tracks import Track
 from cavalcade.scenario import parse_scenario
 

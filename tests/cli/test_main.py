@@ -6,7 +6,6 @@ import json
 import os
 import subprocess
 import sys
-import time
 import types
 import warnings
 from collections.abc import Callable
@@ -131,7 +130,7 @@ def test_what_cannot_be_written_is_two(
         (["show", "cone", "--out", "cone.txt"], "expected the name of a picture"),
         (["show", "cone", "--out", "no/such/folder/cone.png"], "no/such/folder: no such folder"),
         (["import", "x"], "--out"),
-        (["import", "x", "--out", "y.yaml"], "x: cannot be read"),
+        (["import", "x", "--out", "y.yaml"], "x: no such file"),
         (["studio"], "studio arrives with"),
     ],
 )
@@ -280,16 +279,6 @@ def test_listing_imports_nothing_heavy() -> None:
         [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False
     )
     assert done.returncode == 0, done.stderr
-
-
-def test_the_first_word_comes_quickly() -> None:
-    # Medians would be steadier; the best of three is enough to catch a heavy import.
-    times = []
-    for _ in range(3):
-        start = time.perf_counter()
-        assert _command("scenarios").returncode == 0
-        times.append(time.perf_counter() - start)
-    assert min(times) < 1.0
 
 
 def test_exit_codes_reach_the_shell(tmp_path: Path) -> None:

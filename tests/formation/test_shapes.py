@@ -7,7 +7,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from cavalcade.checking.slots import slots_of
+from cavalcade.checking.arrival import slots_of
 from cavalcade.errors import InputError
 from cavalcade.formation import (
     LABORATORY_SPRINGS,

@@ -7,7 +7,7 @@ import pytest
 
 from cavalcade.locomotion._centroid import measure_centroid
 from cavalcade.locomotion._kinematics import measure_body
-from cavalcade.locomotion._leap_legs import flying_foot, keep_clear
+from cavalcade.locomotion._leap import flying_foot, keep_clear
 from cavalcade.locomotion.leap import LeapManoeuvre, LeapSettings, plan_leap
 from cavalcade.locomotion.parameters import robot_parameters
 from cavalcade.locomotion.records import BODY, FLIGHT, LEAP, ROBOT, Centroid, Measured

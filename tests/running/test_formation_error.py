@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from cavalcade.geometry import rotation
-from cavalcade.metrics.formation_error import placement_errors
+from cavalcade.metrics.run_summary import placement_errors
 
 SQUARE = np.array([(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5)])
 ALL = np.ones((1, 4), dtype=bool)

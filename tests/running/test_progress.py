@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from cavalcade.jobs.reporter import Reporter, result_rows
+from cavalcade.jobs.reporter import JobReporter, result_rows
 from cavalcade.recording import Frame
 
 
@@ -38,7 +38,7 @@ SUMMARY: dict[str, Any] = {
 
 
 def test_plain_lines_every_ten_seconds_and_at_events(capsys: pytest.CaptureFixture[str]) -> None:
-    with Reporter("a [run]") as reporter:
+    with JobReporter("a [run]") as reporter:
         for k in range(251):
             note = "robot 1 [lost]" if k == 130 else ""
             reporter(frame(k / 10, *([note] if note else [])))
@@ -47,7 +47,7 @@ def test_plain_lines_every_ten_seconds_and_at_events(capsys: pytest.CaptureFixtu
 
 
 def test_quiet_is_quiet(capsys: pytest.CaptureFixture[str]) -> None:
-    with Reporter("a", quiet=True) as reporter:
+    with JobReporter("a", quiet=True) as reporter:
         reporter(frame(20.0, "note"))
         reporter.say("hello")
         reporter.finish(SUMMARY, [Path("x")])
@@ -59,7 +59,7 @@ def test_a_bar_on_a_terminal(
 ) -> None:
     monkeypatch.setenv("FORCE_COLOR", "1")
     monkeypatch.setenv("TERM", "xterm")
-    with Reporter("crossing") as reporter:
+    with JobReporter("crossing") as reporter:
         for k in range(30):
             reporter(frame(k / 10))
         reporter.finish(SUMMARY, [])
@@ -69,7 +69,7 @@ def test_a_bar_on_a_terminal(
 
 
 def test_the_table_shows_what_is_known(capsys: pytest.CaptureFixture[str]) -> None:
-    with Reporter("a") as reporter:
+    with JobReporter("a") as reporter:
         reporter.finish(SUMMARY, [Path("runs") / "a" / "summary.json"])
     said = capsys.readouterr().out
     assert "0.31 m (centre)" in said

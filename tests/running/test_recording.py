@@ -10,10 +10,16 @@ import pytest
 from rosbags.rosbag2 import Reader
 
 from cavalcade.errors import OutputError, RecordingError
-from cavalcade.recording.frames import Frame, ObstacleTrack, Recording
+from cavalcade.recording.frames import (
+    PATH_POINTS,
+    Frame,
+    ObstacleTrack,
+    Recorder,
+    Recording,
+    thinned,
+)
 from cavalcade.recording.mcap_reader import read_recording
 from cavalcade.recording.mcap_writer import write_recording
-from cavalcade.recording.recorder import PATH_POINTS, Recorder, thinned
 from cavalcade.recording.status import PlannerStatus
 from cavalcade.robots import robot_model
 from cavalcade.world import OccupancyMap

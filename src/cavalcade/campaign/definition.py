@@ -17,7 +17,7 @@ from cavalcade.campaign.shipped import find_suite, load_suite
 from cavalcade.campaign.suite import MOST_SEEDS, Suite, parse_suite, with_current_names
 from cavalcade.campaign.trial import Trial, check_worlds, trials_of
 from cavalcade.errors import InputError, RecordingError, ScenarioError
-from cavalcade.scenario.backends import BACKENDS
+from cavalcade.scenario.rules import BACKENDS
 from cavalcade.scenario.spellings import current_value
 from cavalcade.yaml_text import parse_yaml
 

@@ -17,9 +17,9 @@ from cavalcade.campaign.verdict import (
     lines_of,
 )
 from cavalcade.checking.check import judge, judge_physics
-from cavalcade.checking.physics.crossings import leap_reason
-from cavalcade.checking.physics.record import RobotRecord, Touch
-from cavalcade.checking.plans.terrainfile import read_heights
+from cavalcade.checking.heights import read_heights
+from cavalcade.checking.physics.leaps import leap_reason
+from cavalcade.checking.physics.record import RobotRecord, Touch, records_from
 from cavalcade.checking.report import Report
 from cavalcade.checking.tracks import Track
 from cavalcade.execution.arrival import tolerance_of
@@ -55,32 +55,27 @@ def records_of(track: PhysicsTrack) -> tuple[RobotRecord, ...]:
     """Each robot's bodies, joints and contacts, to the bit as from the recording's file."""
     time = _as_stamped(track.time)
     touches = [
-        tuple(
+        [
             Touch(contact.time, contact.part, contact.other)
-            for contact in sorted(track.contacts, key=lambda one: one.time)
+            for contact in track.contacts
             if contact.robot == robot
-        )
+        ]
         for robot in range(track.size)
     ]
-    return tuple(
-        RobotRecord(
-            robot,
-            time,
-            track.base[:, robot],
-            track.joints[:, robot],
-            track.joint_rates[:, robot],
-            track.torques[:, robot],
-            track.foot_forces[:, robot],
-            touches[robot],
-        )
-        for robot in range(track.size)
+    return records_from(
+        time,
+        track.base,
+        track.joints,
+        track.joint_rates,
+        track.torques,
+        track.foot_forces,
+        touches,
     )
 
 
 def _as_stamped(time: Array) -> Array:
     """Seconds as they come out of the stamps of messages."""
-    from cavalcade.recording.cdr import stamps_of
-    from cavalcade.recording.mcap_writer import nanoseconds
+    from cavalcade.recording.cdr import nanoseconds, stamps_of
 
     seconds, rest = stamps_of(nanoseconds(time)).T
     return np.asarray(seconds + 1e-9 * rest)

@@ -13,7 +13,7 @@ from cavalcade.campaign.verdict import COLLISION, INVALID, Verdict, count_contac
 from cavalcade.checking import judge_plan
 from cavalcade.coordination import TeamProblem, plan_team, problem_of
 from cavalcade.jobs import JobResult
-from cavalcade.jobs.individual_task import settings_of
+from cavalcade.jobs.planning import settings_of
 from cavalcade.scenario import Scenario, World
 
 _ALONE = "cbs"

@@ -5,17 +5,15 @@ from __future__ import annotations
 import sys
 import time as clock
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
-if TYPE_CHECKING:
-    from rich.console import Console
-    from rich.progress import Progress as Bar
+from cavalcade.jobs.reporter import Reporter
 
 PLAIN_PERIOD, PLAIN_SHARE, PLAIN_LEAST = 30.0, 0.05, 5.0
 """Where there is no terminal, a line is printed every 30 s, or every 5 % but not within 5 s."""
 
 
-class CampaignReporter:
+class CampaignReporter(Reporter):
     """Says on stdout how far a campaign is. Use it as a context; with `quiet` it says nothing.
 
     Args:
@@ -35,36 +33,25 @@ class CampaignReporter:
         quiet: bool = False,
         now: Callable[[], float] = clock.monotonic,
     ) -> None:
-        self._name, self._total, self._before = name, total, done
-        self._quiet, self._now = quiet, now
+        super().__init__(quiet)
+        self._name, self._total, self._before, self._now = name, total, done, now
         self._finished = 0
         self._failed = 0
         self._started = self._said = now()
         self._said_at = 0
-        self._console: Console | None = None
-        self._bar: Bar | None = None
-        self._task: Any = None
 
     def __enter__(self) -> Self:
         """Say what is to come."""
-        if self._quiet:
-            return self
-        from rich.console import Console
-
-        self._console = Console(file=sys.stdout, highlight=False, soft_wrap=True)
+        super().__enter__()
         there = f", {self._before} of them done already" if self._before else ""
         self.say(f"{self._name}: {self._total} trials{there}")
-        if self._console.is_terminal and self._before < self._total:
-            self._show_bar(self._console)
+        if self._console and self._console.is_terminal and self._before < self._total:
+            from rich.progress import MofNCompleteColumn, TextColumn
+
+            failed = TextColumn("{task.fields[failed]}{task.fields[left]}", markup=False)
+            counts = {"total": self._total, "completed": self._before, "failed": "", "left": ""}
+            self._show_bar([MofNCompleteColumn(), failed], 2, description=self._name, **counts)
         return self
-
-    def __exit__(self, *error: object) -> None:
-        self.close()
-
-    def say(self, text: str) -> None:
-        """One line."""
-        if self._console is not None:
-            self._console.print(text, markup=False)
 
     def warn(self, text: str) -> None:
         """One line on stderr, said even if quiet."""
@@ -94,12 +81,6 @@ class CampaignReporter:
             text = f"{done} of {self._total} trials ({percent:.0f} %), {self._failures()}"
             self.say(f"{text}{self._left()}")
 
-    def close(self) -> None:
-        """Take the bar away."""
-        if self._bar is not None:
-            self._bar.stop()
-            self._bar = None
-
     def seconds_left(self) -> float | None:
         """How much longer it will take at the pace so far, s; None before the first trial."""
         if not self._finished:
@@ -113,25 +94,6 @@ class CampaignReporter:
     def _left(self) -> str:
         seconds = self.seconds_left()
         return "" if seconds is None else f", {duration(seconds)} left"
-
-    def _show_bar(self, console: Console) -> None:
-        from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
-        from rich.progress import Progress as Bar
-
-        self._bar = Bar(
-            TextColumn("{task.description}", markup=False),
-            BarColumn(),
-            MofNCompleteColumn(),
-            TextColumn("{task.fields[failed]}{task.fields[left]}", markup=False),
-            TimeElapsedColumn(),
-            console=console,
-            transient=True,
-            refresh_per_second=2,
-        )
-        self._task = self._bar.add_task(
-            self._name, total=self._total, completed=self._before, failed="", left=""
-        )
-        self._bar.start()
 
 
 def duration(seconds: float) -> str:

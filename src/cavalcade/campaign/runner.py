@@ -121,7 +121,7 @@ def _compiles(reporter: CampaignReporter, formations: bool, plans: bool) -> bool
         formations: There are trials of formations.
         plans: There are trials with individual goals, whose kernels are prepared for.
     """
-    from cavalcade.jobs.warm import kernels_are_cached
+    from cavalcade.jobs.reporter import kernels_are_cached
 
     first = formations and not kernels_are_cached()
     long = "about 20 s" if first else ""

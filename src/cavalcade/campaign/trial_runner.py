@@ -123,7 +123,7 @@ def _carried_out(
 def _planned(known: _Known, out: Path | None, force: bool, quiet: bool) -> tuple[Line, JobResult]:
     from cavalcade.campaign.planned import judged_plan, measured_plan
     from cavalcade.campaign.warming import warm
-    from cavalcade.jobs.planning import plan
+    from cavalcade.jobs import plan
 
     scenario = known.sample()
     warm(known.trial.variant, scenario.world.has_heights)

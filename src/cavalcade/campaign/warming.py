@@ -49,7 +49,7 @@ def warm(variant: str, uneven: bool) -> None:
     """Plan a small problem once in this process, and have it judged."""
     from cavalcade.campaign.methods import planner_settings
     from cavalcade.campaign.planned import judged_plan
-    from cavalcade.jobs.planning import plan
+    from cavalcade.jobs import plan
     from cavalcade.scenario import parse_scenario
 
     world: dict[str, Any] = {"empty": {"size": [6.0, 4.0]}}

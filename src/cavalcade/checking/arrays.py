@@ -11,13 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import ValidationError
 
-from cavalcade.checking.check import make_report
-from cavalcade.checking.contact import find_contacts
-from cavalcade.checking.limits import exceeded, measure
+from cavalcade.checking.check import judge_planar
 from cavalcade.checking.mapfile import Ground, read_ros_map
-from cavalcade.checking.motion import bodies, common_clock
-from cavalcade.checking.report import Report
-from cavalcade.checking.samples import disordered
+from cavalcade.checking.report import Report, make_report
 from cavalcade.checking.solids import Solid, outline, scene_on
 from cavalcade.checking.tracks import Track
 from cavalcade.errors import InputError
@@ -57,16 +53,7 @@ def check_motion(
     scene = scene_on(
         _ground(size, map), tuple(_solid(k, words) for k, words in enumerate(obstacles))
     )
-    violations = disordered(tracks)
-    if violations:
-        return make_report(violations)
-    efforts = [measure(track, model) for track, model in zip(tracks, models, strict=True)]
-    ticks = common_clock(tracks, scene.solids)
-    contacts, gap = find_contacts(scene, bodies(tracks, tuple(models), ticks), ticks)
-    violations += contacts
-    for robot, (effort, model) in enumerate(zip(efforts, models, strict=True)):
-        violations += exceeded(effort, model, robot)
-    return make_report(violations, efforts, float(ticks[-1] - ticks[0]), gap)
+    return make_report(*judge_planar(scene, tracks, tuple(models)))
 
 
 def _tracks(time: np.ndarray, poses: np.ndarray, robots: int) -> tuple[Track, ...]:
@@ -90,13 +77,12 @@ def _ground(size: tuple[float, float] | None, map: str | Path | None) -> Ground:
     width, height = (float(side) for side in size or ())
     if not (0.0 < width < math.inf and 0.0 < height < math.inf):
         raise InputError("expected width and height in m", key="size")
-    return Ground((width, height), (0.0, 0.0, 0.0), np.empty((0, 4)))
+    return Ground((width, height), (0.0, 0.0, 0.0))
 
 
 def _solid(index: int, words: Mapping[str, Any]) -> Solid:
     key = f"obstacles[{index}]"
     try:
-        points, radius = outline(Obstacle.model_validate(dict(words)))
+        return Solid(key, *outline(Obstacle.model_validate(dict(words))))
     except (ValidationError, ValueError) as error:
         raise InputError("expected a box, a circle or a polygon", key=key) from error
-    return Solid(key, points, radius, 0.0, math.inf, np.zeros(1), np.zeros((1, 2)))

@@ -1,15 +1,18 @@
-"""Whether a team that claims to have arrived stands in its slots, still, and facing the goal."""
+"""Whether a team that claims to have arrived, or to be done, ends where it should, and still.
+
+Robots in a formation stand in its slots, those with goals of their own at these, those that follow
+commands where they were sent last.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from cavalcade.checking.report import Violation
-from cavalcade.checking.slots import slots_of
 from cavalcade.checking.tracks import Track
 from cavalcade.geometry import Array, transform_points, wrap_angle
 from cavalcade.scenario import FormationSection, Scenario
@@ -44,15 +47,9 @@ PHYSICS = Criterion(distance=0.15, turn=0.2, speed=0.05, mean=True)
 _SLACK = 1e-3
 """For each of them, m, rad or m/s: rounding."""
 
-
-@dataclass(frozen=True)
-class _Task:
-    """What holds at the end: the last goal and formation, and the robots that take part."""
-
-    goal: tuple[float, float, float]
-    formation: FormationSection
-    whole: bool
-    present: tuple[int, ...]
+AWAY = 0.25
+"""A robot that was sent to a point ends no farther from it than this, m; it stands as soon as it is
+within 0.10 m, and its stopping distance and sway are left to it."""
 
 
 def check_arrival(
@@ -63,55 +60,80 @@ def check_arrival(
 ) -> list[Violation]:
     """What contradicts the claim that the whole team has arrived.
 
-    After the loss of a robot the shape is the planner's choice: then only stillness, heading and
-    a place within the shape's extent are checked.
-
-    Args:
-        scenario: With the goals, the formation and the events that change them.
-        tracks: With increasing time stamps.
-        goal_moved: How far the goal is said to have been moved to fit, m.
-        criterion: When robots have arrived.
+    The goal is said to have been moved by `goal_moved` m to fit. After the loss of a robot the
+    shape is the planner's choice: then only stillness, heading and a place within the shape's
+    extent are checked.
     """
-    end = max(float(track.time[-1]) for track in tracks)
-    task = _task_at(scenario, end)
-    final = np.array([tracks[k].pose[-1] for k in task.present])
-    slots = transform_points(task.goal, slots_of(task.formation, len(scenario.robots)))
-    if task.whole and len(slots) == len(final):
+    goal, formation, present = _task_at(scenario, max(float(track.time[-1]) for track in tracks))
+    final = np.array([tracks[k].pose[-1] for k in present])
+    slots = transform_points(goal, slots_of(formation, len(scenario.robots)))
+    if len(present) == len(scenario.robots) and len(slots) == len(final):
         errors, limit = _slot_errors(final[:, :2], slots, goal_moved), criterion.distance
         words = "its slot"
     else:
-        centre = np.array(task.goal[:2])
+        centre = np.array(goal[:2])
         errors = np.hypot(*(final[:, :2] - centre).T)
         limit = float(np.hypot(*(slots - centre).T).max()) + criterion.distance + goal_moved
         words = "the goal"
-    turns = np.abs(wrap_angle(final[:, 2] - task.goal[2]))
-    return standing(scenario, tracks, task.present, errors, turns, end, words, criterion, limit)
+    turns = np.abs(wrap_angle(final[:, 2] - goal[2]))
+    return _standing(scenario, tracks, present, errors, turns, words, criterion, limit)
 
 
-def standing(
+def check_own_arrival(
+    scenario: Scenario, tracks: tuple[Track, ...], criterion: Criterion = IDEAL
+) -> list[Violation]:
+    """What contradicts the claim that every robot stands at its goal."""
+    final = np.array([track.pose[-1] for track in tracks])
+    goals = np.array(scenario.goals)
+    errors = np.hypot(*(final[:, :2] - goals[:, :2]).T)
+    turns = np.abs(wrap_angle(final[:, 2] - goals[:, 2]))
+    # Where a robot that goes in all directions looks is of no interest.
+    turns[[model.drive.startswith("integrator") for model in scenario.models]] = 0.0
+    everyone, limit = range(len(tracks)), criterion.distance
+    return _standing(scenario, tracks, everyone, errors, turns, "its goal", criterion, limit)
+
+
+def check_commands(scenario: Scenario, tracks: tuple[Track, ...]) -> list[Violation]:
+    """What contradicts the claim that the task is done.
+
+    It has lasted as long as it should, and every robot ends where it was sent last, if anywhere.
+    """
+    task = scenario.task
+    end = max(float(track.time[-1]) for track in tracks)
+    length = task.length - 1e-6
+    result = []
+    if end < length:
+        text = f"the task claims to be done after {end:.2f} s of {task.length:.2f} s"
+        result.append(Violation("arrival", end, tuple(range(len(tracks))), text, end, length))
+    places: list[tuple[float, float] | None] = [None] * len(tracks)
+    for command in task.commands or ():
+        for robot in range(len(tracks)):
+            if command.robot is None or command.robot == robot:
+                places[robot] = command.to
+    for robot, (place, track) in enumerate(zip(places, tracks, strict=True)):
+        away = 0.0 if place is None else math.dist(place, track.pose[-1, :2])
+        if away > AWAY:
+            text = f"robot {robot} claims to have arrived but ends {away:.3f} m from its point"
+            result.append(Violation("arrival", end, (robot,), text, away, AWAY))
+    return result
+
+
+def _standing(
     scenario: Scenario,
     tracks: tuple[Track, ...],
-    robots: tuple[int, ...],
+    robots: Sequence[int],
     errors: Array,
     turns: Array,
-    end: float,
     words: str,
-    criterion: Criterion = IDEAL,
-    limit: float | None = None,
+    criterion: Criterion,
+    limit: float,
 ) -> list[Violation]:
     """Robots that are too far off, turned or not yet still.
 
-    Args:
-        scenario: Whose cycle counts.
-        tracks: Of all robots.
-        robots: Those that take part.
-        errors, turns: Of each of them, m and rad.
-        end: When that is, s.
-        words: What the distance is from.
-        criterion: When a robot has arrived.
-        limit: Of the distance, m, if it is not the criterion's.
+    `errors`, m from what `words` say, and `turns`, rad, are those of `robots`; `limit` is that of
+    the errors. The scenario's cycle counts.
     """
-    limit = criterion.distance if limit is None else limit
+    end = max(float(track.time[-1]) for track in tracks)
     result = []
     for robot, error, turn in zip(robots, errors, turns, strict=True):
         where = f"robot {robot} claims to have arrived"
@@ -128,7 +150,10 @@ def standing(
     return result
 
 
-def _task_at(scenario: Scenario, end: float) -> _Task:
+def _task_at(
+    scenario: Scenario, end: float
+) -> tuple[tuple[float, float, float], FormationSection, tuple[int, ...]]:
+    """The last goal and formation, and the robots that take part at the end."""
     goals, formation = scenario.task.goals, scenario.task.the_formation
     lost: set[int] = set()
     for event in scenario.execution.events:
@@ -141,7 +166,7 @@ def _task_at(scenario: Scenario, end: float) -> _Task:
         if event.rejoin is not None:
             lost.discard(event.rejoin)
     present = tuple(k for k in range(len(scenario.robots)) if k not in lost)
-    return _Task(goals[-1], formation, not lost, present)
+    return goals[-1], formation, present
 
 
 def _late_speed(track: Track, cycle: float, criterion: Criterion) -> float:
@@ -167,8 +192,7 @@ def _slot_errors(places: Array, slots: Array, goal_moved: float) -> Array:
     _, taken = linear_sum_assignment((gaps * gaps).sum(axis=-1))
     rest = places - slots[taken]
     best = _best_shift(rest, goal_moved) if goal_moved > 0.0 else np.zeros(2)
-    errors: Array = np.hypot(*(rest - best).T)
-    return errors
+    return np.hypot(*(rest - best).T)
 
 
 def _best_shift(rest: Array, most: float) -> Array:
@@ -194,3 +218,40 @@ def _least(value: Callable[[float], float], low: float, high: float) -> float:
         else:
             low += third
     return (low + high) / 2.0
+
+
+def slots_of(formation: FormationSection, robots: int) -> Array:
+    """Slots `(robots, 2)` in m: a second reading of the scenario file's shapes.
+
+    Formation frame: x forward, y left, the origin at the formation's centre.
+    """
+    steps = np.arange(robots, dtype=float)
+    if formation.slots is not None:
+        return np.array(formation.slots, dtype=float)
+    if formation.shape == "square":
+        return _ring(4, _size(formation.side) / np.sqrt(2.0))
+    if formation.shape == "triangle":
+        return _ring(3, _size(formation.side) / np.sqrt(3.0))
+    if formation.shape == "circle":
+        return _ring(robots, _size(formation.radius) if robots > 1 else 0.0)
+    spacing = _size(formation.spacing)
+    middle = (robots - 1) / 2.0
+    if formation.shape == "line":
+        return np.column_stack((np.zeros(robots), (middle - steps) * spacing))
+    if formation.shape == "column":
+        return np.column_stack(((middle - steps) * spacing, np.zeros(robots)))
+    # A wedge: two arms at right angles, the tip in front and on the axis, however long the arms.
+    arm = np.ceil(steps / 2.0) * spacing / np.sqrt(2.0)
+    side = np.where(steps % 2 == 1, 1.0, -1.0)
+    return np.column_stack((arm.mean() - arm, side * arm))
+
+
+def _ring(count: int, radius: float) -> Array:
+    angle = 2.0 * np.pi * np.arange(count) / count
+    return radius * np.column_stack((np.cos(angle), np.sin(angle)))
+
+
+def _size(value: float | None) -> float:
+    if value is None:
+        raise ValueError("the scenario is not resolved")
+    return value

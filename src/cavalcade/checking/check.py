@@ -8,23 +8,28 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from cavalcade.checking.arrival import IDEAL, PHYSICS, Criterion, check_arrival
-from cavalcade.checking.commands import check_commands
+from cavalcade.checking.arrival import (
+    IDEAL,
+    PHYSICS,
+    Criterion,
+    check_arrival,
+    check_commands,
+    check_own_arrival,
+)
 from cavalcade.checking.contact import find_contacts
-from cavalcade.checking.limits import TOLERANCE, Effort, exceeded, measure
+from cavalcade.checking.heights import read_heights
+from cavalcade.checking.limits import TOLERANCE, Effort, exceeded, measure, with_own_limits
 from cavalcade.checking.motion import bodies, common_clock
-from cavalcade.checking.own_goals import check_own_arrival, with_own_limits
-from cavalcade.checking.physics.crossings import check_leaps
-from cavalcade.checking.physics.reading import read_records
-from cavalcade.checking.physics.record import RobotRecord
+from cavalcade.checking.physics.leaps import check_leaps
+from cavalcade.checking.physics.record import RobotRecord, read_records
 from cavalcade.checking.physics.run import judge_motion
 from cavalcade.checking.plans import judge_plan, read_plan
-from cavalcade.checking.plans.terrainfile import read_heights
-from cavalcade.checking.report import Figures, Report, Violation
+from cavalcade.checking.report import Figures, Report, Violation, make_report
 from cavalcade.checking.samples import disordered, incomplete, misplaced
-from cavalcade.checking.solids import build_scene
+from cavalcade.checking.solids import Scene, build_scene
 from cavalcade.checking.tracks import Track, read_tracks
 from cavalcade.errors import InputError, RecordingError
+from cavalcade.robots import RobotModel
 from cavalcade.scenario import Scenario, load_scenario, resolve_scenario
 
 OWN_SPEEDING = 0.05
@@ -64,7 +69,7 @@ def check(directory: str | Path) -> Report:
     run = _judge_recording(scenario, recording, summary)
     # The summary is that of the run: it says nothing of the plan's figures.
     planned = judge_plan(scenario, read_plan(plan), summary, figures=False)
-    return _report([*run.violations, *planned.violations], run.figures)
+    return make_report([*run.violations, *planned.violations], run.figures)
 
 
 def judge(
@@ -87,28 +92,16 @@ def judge(
     """
     if records is not None:
         return judge_physics(scenario, tracks, records, summary)
-    place = None
-    if (heights := read_heights(scenario)) is not None:
-        place = heights.size, heights.origin
-    scene = build_scene(scenario, place)
-    violations = disordered(tracks)
-    if violations:
-        return _report(violations, None)
+    scene = build_scene(scenario, read_heights(scenario))
     models, speeding = scenario.models, TOLERANCE
     if scenario.task.kind == "individual":
         leaps = scenario.world.has_heights
         models = tuple(with_own_limits(model, leaps) for model in models)
         speeding = OWN_SPEEDING
-    efforts = [measure(track, model) for track, model in zip(tracks, models, strict=True)]
-    ticks = common_clock(tracks, scene.solids)
-    contacts, gap = find_contacts(scene, bodies(tracks, models, ticks), ticks)
-    violations += contacts
-    for robot, (effort, model) in enumerate(zip(efforts, models, strict=True)):
-        violations += exceeded(effort, model, robot, speeding)
-    violations += misplaced(tracks, scenario.starts)
-    violations += incomplete(tracks, scenario.execution.rate, _number(summary, "sim_time_s"))
-    violations += _unfinished(scenario, tracks, summary, IDEAL)
-    return make_report(violations, efforts, float(ticks[-1] - ticks[0]), gap)
+    violations, figures = judge_planar(scene, tracks, models, speeding)
+    if figures is not None:
+        violations += _claimed(scenario, tracks, summary, IDEAL)
+    return make_report(violations, figures)
 
 
 def judge_physics(
@@ -122,45 +115,63 @@ def judge_physics(
     Bodies, joints and contacts are judged instead of footprints and limits of planning.
 
     Args:
-        scenario: A resolved one.
-        tracks: The true planar motion of each of its robots.
-        records: Their bodies, joints and forces.
-        summary: What the run says of itself.
+        scenario, tracks, summary: As of `judge`.
+        records: Bodies, joints and forces of each robot.
 
     Raises:
         RecordingError: The map file cannot be read, or a robot has no description.
     """
     heights = read_heights(scenario)
-    scene = build_scene(scenario, None if heights is None else (heights.size, heights.origin))
+    scene = build_scene(scenario, heights)
     violations = disordered(tracks)
     if violations:
-        return _report(violations, None)
+        return make_report(violations)
     violations, gap, physics = judge_motion(scenario, tracks, records, summary, scene, heights)
-    violations += misplaced(tracks, scenario.starts)
-    violations += incomplete(tracks, scenario.execution.rate, _number(summary, "sim_time_s"))
-    violations += _unfinished(scenario, tracks, summary, PHYSICS)
+    violations += _claimed(scenario, tracks, summary, PHYSICS)
     if summary.get("success") and scenario.task.kind == "commands":
         violations += check_leaps(scenario, records, heights)
     efforts = [measure(track, model) for track, model in zip(tracks, scenario.models, strict=True)]
     duration = max(float(track.time[-1] - track.time[0]) for track in tracks)
-    figures = replace(_figures(efforts, duration, gap), physics=physics)
-    return _report(violations, figures)
+    return make_report(violations, replace(_figures(efforts, duration, gap), physics=physics))
 
 
-def _unfinished(
+def judge_planar(
+    scene: Scene,
+    tracks: tuple[Track, ...],
+    models: tuple[RobotModel, ...],
+    speeding: float = TOLERANCE,
+) -> tuple[list[Violation], Figures | None]:
+    """Contact between samples and limits of planar motion; no figures if its time is in disorder.
+
+    Speed and yaw rate may exceed their limits by the fraction `speeding`.
+    """
+    violations = disordered(tracks)
+    if violations:
+        return violations, None
+    efforts = [measure(track, model) for track, model in zip(tracks, models, strict=True)]
+    ticks = common_clock(tracks, scene.solids)
+    violations, gap = find_contacts(scene, bodies(tracks, models, ticks), ticks)
+    for robot, (effort, model) in enumerate(zip(efforts, models, strict=True)):
+        violations += exceeded(effort, model, robot, speeding)
+    return violations, _figures(efforts, float(ticks[-1] - ticks[0]), gap)
+
+
+def _claimed(
     scenario: Scenario, tracks: tuple[Track, ...], summary: dict[str, Any], criterion: Criterion
 ) -> list[Violation]:
-    """Where the summary claims success: what of the task was not done."""
+    """Starts, samples and, where the summary claims success, what of the task was not done."""
+    violations = misplaced(tracks, scenario.starts)
+    violations += incomplete(tracks, scenario.execution.rate, _number(summary, "sim_time_s"))
     if not summary.get("success"):
-        return []
+        return violations
     match scenario.task.kind:
         case "commands":
-            return check_commands(scenario, tracks)
+            return violations + check_commands(scenario, tracks)
         case "individual":
-            return check_own_arrival(scenario, tracks, criterion)
+            return violations + check_own_arrival(scenario, tracks, criterion)
         case "formation":
             moved = _number(summary, "goal_moved_m") or 0.0
-            return check_arrival(scenario, tracks, moved, criterion)
+            return violations + check_arrival(scenario, tracks, moved, criterion)
 
 
 def _judge_recording(scenario: Scenario, path: Path, summary: dict[str, Any]) -> Report:
@@ -183,20 +194,6 @@ def _figures(efforts: list[Effort], duration: float, gap: float) -> Figures:
         max_acceleration=largest("acceleration"),
         max_yaw_acceleration=largest("yaw_acceleration"),
     )
-
-
-def make_report(
-    violations: list[Violation],
-    efforts: list[Effort] | None = None,
-    duration: float = 0.0,
-    gap: float = math.inf,
-) -> Report:
-    """The verdict on planar motion; without efforts it could not be measured."""
-    return _report(violations, None if efforts is None else _figures(efforts, duration, gap))
-
-
-def _report(violations: list[Violation], figures: Figures | None) -> Report:
-    return Report(tuple(sorted(violations, key=lambda violation: violation.time)), figures)
 
 
 def _read_scenario(path: Path) -> Scenario:

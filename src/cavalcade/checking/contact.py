@@ -7,14 +7,12 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cavalcade.checking import distance
-from cavalcade.checking.broad import overlapping
 from cavalcade.checking.motion import Body
 from cavalcade.checking.report import Kind, Violation
 from cavalcade.checking.solids import Scene, Solid
-from cavalcade.checking.sweep import TOUCH, Distance, closest_approach, first_contact
+from cavalcade.checking.sweep import TOUCH, Distance, Rows, closest_approach, first_contact
 from cavalcade.geometry import Array, inverse_transform_points
 
 FARTHEST = 1.0
@@ -22,8 +20,6 @@ FARTHEST = 1.0
 
 _MARGINS = (0.1, 0.3, FARTHEST)
 """How far to look, m: as far as it takes to see something."""
-
-Intervals = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -44,7 +40,7 @@ class Pairing:
     robots: tuple[int, ...]
     obstacle: str
     body: Body
-    interval: Intervals
+    interval: Rows
     distance: Distance
     reach: Array
     lower: Array
@@ -55,13 +51,8 @@ def find_contacts(
 ) -> tuple[list[Violation], float]:
     """Every contact, and the smallest gap in m, at most `FARTHEST`.
 
-    A contact that lasts is one violation, at its first moment.
-
-    Args:
-        scene: What may be touched.
-        team: The robots.
-        ticks: `(T + 1,)` s, the ends of the intervals.
-        among: Whether robots are seen by each other.
+    A contact that lasts is one violation, at its first moment. The intervals end at `ticks`
+    `(T + 1,)` s; robots are seen by each other only if they are `among` what may be touched.
     """
     for margin in _MARGINS:
         violations: list[Violation] = []
@@ -76,9 +67,7 @@ def find_contacts(
     return violations, 0.0 if gap <= TOUCH else gap
 
 
-def _events(
-    pairing: Pairing, contact: NDArray[np.int64], fraction: Array, ticks: Array
-) -> Iterator[Violation]:
+def _events(pairing: Pairing, contact: Rows, fraction: Array, ticks: Array) -> Iterator[Violation]:
     """One violation per run of intervals in contact."""
     order = np.argsort(pairing.interval[contact], kind="stable")
     contact, fraction = contact[order], fraction[order]
@@ -86,28 +75,21 @@ def _events(
     starts = np.flatnonzero(np.diff(interval, prepend=-2) > 1)
     for k in starts:
         # Of the pieces touched in this interval the first one counts.
-        same = np.flatnonzero(interval == interval[k])
+        same = interval == interval[k]
         moment = min(
-            first_contact(
-                pairing.distance, float(pairing.reach[contact[m]]), int(contact[m]), fraction[m]
-            )
-            for m in same
+            first_contact(pairing.distance, float(pairing.reach[row]), int(row), seen)
+            for row, seen in zip(contact[same], fraction[same], strict=True)
         )
         begin, end = ticks[interval[k]], ticks[interval[k] + 1]
         time = float(begin + moment * (end - begin))
         x, y, yaw = pairing.body.at(interval[k : k + 1], np.array([moment]))[0]
         first = pairing.robots[0]
         other = f"robot {pairing.robots[1]}" if len(pairing.robots) > 1 else pairing.obstacle
-        yield Violation(
-            pairing.kind,
-            time,
-            pairing.robots,
+        text = (
             f"robot {first} touches {other}; robot {first} is at "
-            f"({x:.3f}, {y:.3f}) m, {yaw:.3f} rad",
-            0.0,
-            0.0,
-            pairing.obstacle,
+            f"({x:.3f}, {y:.3f}) m, {yaw:.3f} rad"
         )
+        yield Violation(pairing.kind, time, pairing.robots, text, 0.0, 0.0, pairing.obstacle)
 
 
 def _pairings(
@@ -129,7 +111,7 @@ def _with_border(body: Body, scene: Scene) -> Pairing:
     centre = inverse_transform_points(scene.origin, body.begin[:, :2] + body.change[:, :2] / 2.0)
     reach = np.hypot(body.change[:, 0], body.change[:, 1]) + body.turning
 
-    def to_border(rows: NDArray[np.int64], fraction: Array) -> Array:
+    def to_border(rows: Rows, fraction: Array) -> Array:
         pose = body.at(rows, fraction)
         pose[:, :2] = inverse_transform_points(scene.origin, pose[:, :2])
         pose[:, 2] -= yaw
@@ -145,31 +127,28 @@ def _with_fixed(body: Body, scene: Scene, margin: float) -> Iterator[Pairing]:
     fixed = [solid for solid in scene.solids if not solid.moves]
     path = body.bounds
     if fixed:
-        near, which = overlapping(path, np.array([solid.bounds for solid in fixed]), margin)
+        near, which = distance.overlapping(
+            path, np.array([solid.bounds for solid in fixed]), margin
+        )
         for k in np.unique(which):
             solid = fixed[k]
-            yield _with_points(
-                body,
-                near[which == k],
-                solid.points,
-                solid.radius,
-                ("robot-obstacle", solid.key),
-            )
+            name: tuple[Kind, str] = ("robot-obstacle", solid.key)
+            yield _with_points(body, near[which == k], solid.points, solid.radius, name)
     if len(scene.blocks):
         boxes = np.hstack((scene.blocks.min(axis=1), scene.blocks.max(axis=1)))
-        near, which = overlapping(path, boxes, margin)
+        near, which = distance.overlapping(path, boxes, margin)
         yield _with_points(body, near, scene.blocks[which], 0.0, ("robot-map", "map"))
 
 
 def _with_points(
-    body: Body, interval: Intervals, points: Array, radius: float, name: tuple[Kind, str]
+    body: Body, interval: Rows, points: Array, radius: float, name: tuple[Kind, str]
 ) -> Pairing:
     """With something that stays: `points` `(P, 2)`, or `(M, P, 2)` one piece per interval."""
     change = body.change[interval]
     reach = np.hypot(change[:, 0], change[:, 1]) + body.turning[interval]
     pieces = points if points.ndim == 3 else np.broadcast_to(points, (len(interval), *points.shape))
 
-    def to_piece(rows: NDArray[np.int64], fraction: Array) -> Array:
+    def to_piece(rows: Rows, fraction: Array) -> Array:
         seen = distance.seen_from(body.at(interval[rows], fraction), pieces[rows])
         return _footprint_to(body, seen, radius)
 
@@ -194,7 +173,7 @@ def _with_moving(body: Body, solid: Solid, ticks: Array, margin: float) -> Pairi
     there = (middle >= solid.start) & (middle < solid.end)
     interval = np.flatnonzero(there & (lower <= margin))
 
-    def to_solid(rows: NDArray[np.int64], fraction: Array) -> Array:
+    def to_solid(rows: Rows, fraction: Array) -> Array:
         at = interval[rows]
         place = before[at] + fraction[:, None] * shift[at]
         seen = distance.seen_from(body.at(at, fraction), solid.points + place[:, None])
@@ -220,7 +199,7 @@ def _with_robot(one: Body, two: Body, margin: float) -> Pairing:
     interval = np.flatnonzero(lower <= margin)
     skin = one.skin + two.skin
 
-    def to_other(rows: NDArray[np.int64], fraction: Array) -> Array:
+    def to_other(rows: Rows, fraction: Array) -> Array:
         at = interval[rows]
         other = distance.corners(two.at(at, fraction), two.half)
         seen = distance.seen_from(one.at(at, fraction), other)

@@ -1,7 +1,8 @@
 """Distances from an oriented rectangle to what it may run into. Exact, in metres, 0 in contact.
 
 Everything is seen from the rectangle: it lies at the origin, its sides along the axes, and is
-described by `half`, half of its length and half of its width.
+described by `half`, half of its length and half of its width. A cheap first look at boxes along the
+axes, `overlapping`, leaves few pairs for that.
 """
 
 from __future__ import annotations
@@ -10,6 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.geometry import Array
+
+_LEAF = 16
+_NONE = np.empty(0, dtype=np.int64)
 
 
 def seen_from(pose: Array, points: Array) -> Array:
@@ -68,10 +72,8 @@ def _edges_cross(half: Array, a: Array, b: Array) -> NDArray[np.bool_]:
     inside = np.abs(a) <= half
     enter = np.where(flat, np.where(inside, -np.inf, np.inf), np.minimum(one, two))
     leave = np.where(flat, np.where(inside, np.inf, -np.inf), np.maximum(one, two))
-    crossed: NDArray[np.bool_] = (
-        np.maximum(enter.max(axis=-1), 0.0) <= np.minimum(leave.min(axis=-1), 1.0)
-    ).any(axis=1)
-    return crossed
+    crossed = np.maximum(enter.max(axis=-1), 0.0) <= np.minimum(leave.min(axis=-1), 1.0)
+    return crossed.any(axis=1)
 
 
 def _holds_origin(a: Array, b: Array) -> NDArray[np.bool_]:
@@ -79,5 +81,46 @@ def _holds_origin(a: Array, b: Array) -> NDArray[np.bool_]:
     spans = (a[..., 1] > 0.0) != (b[..., 1] > 0.0)
     turn = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
     right = np.where(b[..., 1] > a[..., 1], turn > 0.0, turn < 0.0)
-    odd: NDArray[np.bool_] = (spans & right).sum(axis=1) % 2 == 1
-    return odd
+    return (spans & right).sum(axis=1) % 2 == 1
+
+
+def overlapping(
+    along: Array, others: Array, margin: float
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Pairs of boxes closer than `margin` in x and in y, `(K,)` and `(K,)` indices.
+
+    Args:
+        along: `(T, 4)` boxes x0, y0, x1, y1 in m of which neighbours lie close together, as those
+            of a path do: it is halved until few others are left.
+        others: `(S, 4)` boxes in any order.
+        margin: m.
+    """
+    grown = along + np.array([-margin, -margin, margin, margin])
+    first, second = [_NONE], [_NONE]
+    stack = [(0, len(grown), np.arange(len(others)))]
+    while stack:
+        begin, end, candidates = stack.pop()
+        part = grown[begin:end]
+        hull = np.concatenate((part[:, :2].min(axis=0), part[:, 2:].max(axis=0)))
+        candidates = candidates[_meet(hull[None], others[candidates])[0]]
+        if not len(candidates):
+            continue
+        if end - begin > _LEAF:
+            middle = (begin + end) // 2
+            stack += [(middle, end, candidates), (begin, middle, candidates)]
+            continue
+        one, two = np.nonzero(_meet(part, others[candidates]))
+        first.append(begin + one)
+        second.append(candidates[two])
+    return np.concatenate(first), np.concatenate(second)
+
+
+def _meet(one: Array, two: Array) -> NDArray[np.bool_]:
+    """Whether boxes `(A, 4)` and `(B, 4)` overlap, `(A, B)`."""
+    a, b = one[:, None], two[None]
+    return (
+        (a[..., 0] <= b[..., 2])
+        & (b[..., 0] <= a[..., 2])
+        & (a[..., 1] <= b[..., 3])
+        & (b[..., 1] <= a[..., 3])
+    )

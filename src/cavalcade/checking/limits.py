@@ -8,17 +8,23 @@ within one interval.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cavalcade.checking.report import Kind, Violation
+from cavalcade.checking.stretches import beyond_by
 from cavalcade.checking.tracks import Track
 from cavalcade.geometry import Array
+from cavalcade.geometry.constants import GRAVITY
 from cavalcade.robots import RobotModel
 
 TOLERANCE = 0.02
 """Limits may be exceeded by this fraction."""
+
+SIDEWAYS = 0.1
+"""Of its speed a unicycle may show sideways: means over samples, and how they are followed."""
 
 _YAWS = np.linspace(0.0, 1.0, 5)
 
@@ -67,11 +73,7 @@ def exceeded(
 ) -> list[Violation]:
     """One violation per limit and uninterrupted stretch beyond it, at its first moment.
 
-    Args:
-        effort: What the robot did.
-        model: With its limits; infinite ones don't hold.
-        robot: Which.
-        speeding: By this fraction speed and yaw rate may exceed theirs.
+    Infinite limits don't hold; speed and yaw rate may exceed theirs by the fraction `speeding`.
     """
     rules: tuple[tuple[Kind, Array, float, str], ...] = (
         ("speed", effort.speed_ratio, 1.0, "times the speed that its ellipse allows"),
@@ -84,35 +86,36 @@ def exceeded(
             "rad/s² of yaw acceleration",
         ),
     )
-    return [
-        violation
-        for kind, values, limit, words in rules
-        for violation in _stretches(
-            kind,
-            values,
-            limit,
-            words,
-            effort.time,
-            robot,
-            speeding if kind in ("speed", "yaw-rate") else TOLERANCE,
-        )
-    ]
-
-
-def _stretches(
-    kind: Kind,
-    values: Array,
-    limit: float,
-    words: str,
-    time: Array,
-    robot: int,
-    tolerance: float,
-) -> list[Violation]:
-    beyond = np.concatenate(([False], values > limit * (1.0 + tolerance), [False]))
-    edges = np.flatnonzero(np.diff(beyond.astype(np.int8)))
     result = []
-    for begin, end in zip(edges[::2], edges[1::2], strict=True):
-        worst = float(values[begin:end].max())
-        text = f"robot {robot} reaches {worst:.3f} {words}; the limit is {limit:g}"
-        result.append(Violation(kind, float(time[begin]), (robot,), text, worst, limit))
+    for kind, value, limit, unit in rules:
+        tolerance = speeding if kind in ("speed", "yaw-rate") else TOLERANCE
+        too_much = np.where(value > limit * (1.0 + tolerance), value, 0.0)
+        words = f"reaches {{value:.3f}} {unit}; the limit is {{limit:g}}"
+        result += beyond_by(too_much, kind, robot, effort.time, value, limit, words)
     return result
+
+
+def with_own_limits(model: RobotModel, leaps: bool) -> RobotModel:
+    """The model with the limits that hold on the way to a goal of its own, of all directions.
+
+    If legs may leap, friction holds under up to their largest force.
+    """
+    if model.legs is not None and model.drive == "legged":
+        force = model.legs.grf_max if leaps else 1.0
+        return replace(
+            model,
+            max_speed_x=model.legs.v_max,
+            max_speed_y=model.legs.v_max,
+            max_yaw_rate=model.legs.yaw_rate,
+            max_acceleration=model.legs.mu * GRAVITY * force,
+            max_yaw_acceleration=math.inf,
+        )
+    turning, second = model.drive.startswith("unicycle"), model.drive.endswith("-2")
+    free = model.round and not turning
+    return replace(
+        model,
+        max_speed_y=model.max_speed_x * (SIDEWAYS if turning else 1.0),
+        max_yaw_rate=math.inf if free else model.max_yaw_rate,
+        max_acceleration=model.max_acceleration if second else math.inf,
+        max_yaw_acceleration=model.max_yaw_acceleration if second and turning else math.inf,
+    )

@@ -5,7 +5,7 @@ Nothing of the world package is used, so that a mistake there shows here.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +36,7 @@ class Ground:
 
     size: tuple[float, float]
     origin: tuple[float, float, float]
-    blocks: Array
+    blocks: Array = field(default_factory=lambda: np.empty((0, 4)))
 
 
 def read_ros_map(path: Path, unknown_is_free: bool) -> Ground:
@@ -99,8 +99,7 @@ def merge_cells(occupied: Bools) -> NDArray[np.int64]:
 
 def _ground(occupied: Bools, resolution: float, origin: tuple[float, float, float]) -> Ground:
     rows, cols = occupied.shape
-    cells = merge_cells(occupied)
-    blocks = cells[:, [1, 0, 3, 2]].astype(np.float64) * resolution
+    blocks = merge_cells(occupied)[:, [1, 0, 3, 2]].astype(np.float64) * resolution
     return Ground((cols * resolution, rows * resolution), origin, blocks)
 
 

@@ -40,8 +40,7 @@ class Body:
     @property
     def turning(self) -> Array:
         """`(T,)` bound on how far a point of the footprint moves about the centre, m."""
-        turn: Array = float(np.hypot(*self.half)) * np.abs(self.change[:, 2])
-        return turn
+        return float(np.hypot(*self.half)) * np.abs(self.change[:, 2])
 
     @property
     def bounds(self) -> Array:
@@ -51,8 +50,7 @@ class Body:
 
     def at(self, interval: NDArray[np.int64], fraction: Array) -> Array:
         """Poses `(M, 3)` at fractions `(M,)` of intervals `(M,)`."""
-        pose: Array = self.begin[interval] + fraction[:, None] * self.change[interval]
-        return pose
+        return self.begin[interval] + fraction[:, None] * self.change[interval]
 
 
 def common_clock(tracks: tuple[Track, ...], solids: tuple[Solid, ...]) -> Array:
@@ -75,15 +73,9 @@ def bodies(
     """The robots' footprints over the intervals between ticks `(T + 1,)`."""
     result = []
     for k, (track, model) in enumerate(zip(tracks, models, strict=True)):
+        half, skin = np.array([model.length, model.width]) / 2.0, 0.0
+        if model.round:
+            half, skin = np.zeros(2), model.length / 2.0
         pose = track.at(ticks)
-        result.append(body_of(k, model, pose))
+        result.append(Body(k, half, pose[:-1], np.diff(pose, axis=0), skin))
     return tuple(result)
-
-
-def body_of(index: int, model: RobotModel, pose: Array) -> Body:
-    """The footprint of robot `index` that moves evenly from pose to pose `(T + 1, 3)`."""
-    half = np.array([model.length, model.width]) / 2.0
-    skin = 0.0
-    if model.round:
-        half, skin = np.zeros(2), model.length / 2.0
-    return Body(index, half, pose[:-1], np.diff(pose, axis=0), skin)

@@ -134,3 +134,8 @@ class Report:
     def ok(self) -> bool:
         """Whether no rule was broken."""
         return not self.violations
+
+
+def make_report(violations: list[Violation], figures: Figures | None = None) -> Report:
+    """The violations in order of time; without figures the motion could not be measured."""
+    return Report(tuple(sorted(violations, key=lambda violation: violation.time)), figures)

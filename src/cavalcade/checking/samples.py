@@ -6,6 +6,9 @@ import numpy as np
 
 from cavalcade.checking.report import Violation
 from cavalcade.checking.tracks import Track
+from cavalcade.geometry import Array, wrap_angle
+
+Pose = tuple[float, float, float]
 
 _SLACK = 1e-6
 _START = (0.05, 0.05)
@@ -44,10 +47,9 @@ def incomplete(tracks: tuple[Track, ...], rate: float, end: float | None) -> lis
             result.append(Violation("samples", float(track.time[k]), (robot,), text, gap, cycle))
         if len(track.time) != len(samples):
             missing = float(np.setdiff1d(samples, track.time)[0])
-            text = f"robot {robot} has {len(track.time)} samples of {len(samples)}"
-            result.append(
-                Violation("samples", missing, (robot,), text, len(track.time), len(samples))
-            )
+            have, most = len(track.time), len(samples)
+            text = f"robot {robot} has {have} samples of {most}"
+            result.append(Violation("samples", missing, (robot,), text, have, most))
     if end is not None and samples[-1] - samples[0] < end - 2.0 * cycle - _SLACK:
         duration = float(samples[-1] - samples[0])
         everyone = tuple(range(len(tracks)))
@@ -56,17 +58,24 @@ def incomplete(tracks: tuple[Track, ...], rate: float, end: float | None) -> lis
     return result
 
 
-def misplaced(
-    tracks: tuple[Track, ...], starts: tuple[tuple[float, float, float], ...]
-) -> list[Violation]:
+def misplaced(tracks: tuple[Track, ...], starts: tuple[Pose, ...]) -> list[Violation]:
     """Robots that do not begin where the scenario says."""
     result = []
     for robot, (track, start) in enumerate(zip(tracks, starts, strict=True)):
-        x, y, yaw = track.pose[0] - start
-        distance, turn = float(np.hypot(x, y)), abs(float((yaw + np.pi) % (2 * np.pi) - np.pi))
-        if distance > _START[0] or turn > _START[1]:
-            text = f"robot {robot} begins {distance:.3f} m and {turn:.3f} rad from its start"
-            result.append(
-                Violation("start", float(track.time[0]), (robot,), text, distance, _START[0])
-            )
+        result += off_start(robot, float(track.time[0]), track.pose[0], start, _START)
     return result
+
+
+def off_start(
+    robot: int, time: float, pose: Array, start: Pose, most: tuple[float, float], heads: bool = True
+) -> list[Violation]:
+    """A robot that begins further from its start than `most`, m and rad.
+
+    It does not matter how it is turned unless it `heads` anywhere.
+    """
+    x, y, yaw = pose - start
+    distance, turn = float(np.hypot(x, y)), float(np.abs(wrap_angle(yaw)))
+    if distance <= most[0] and (turn <= most[1] or not heads):
+        return []
+    text = f"robot {robot} begins {distance:.3f} m and {turn:.3f} rad from its start"
+    return [Violation("start", time, (robot,), text, distance, most[0])]

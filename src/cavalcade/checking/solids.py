@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
+from cavalcade.checking.heights import Heights
 from cavalcade.checking.mapfile import Ground, read_movingai, read_ros_map
 from cavalcade.geometry import Array, rectangle_corners, rotation
 from cavalcade.scenario import Obstacle, ObstacleSpan, Scenario, obstacle_spans
@@ -28,11 +29,11 @@ class Solid:
 
     key: str
     points: Array
-    radius: float
-    start: float
-    end: float
-    time: Array
-    offset: Array
+    radius: float = 0.0
+    start: float = 0.0
+    end: float = math.inf
+    time: Array = field(default_factory=lambda: np.zeros(1))
+    offset: Array = field(default_factory=lambda: np.zeros((1, 2)))
 
     @property
     def moves(self) -> bool:
@@ -68,22 +69,14 @@ class Scene:
     origin: tuple[float, float, float]
 
 
-Place = tuple[tuple[float, float], tuple[float, float, float]]
-
-
-def build_scene(scenario: Scenario, place: Place | None = None) -> Scene:
-    """The scene of a resolved scenario.
-
-    Args:
-        scenario: What stands where.
-        place: Size (width, height) in m and origin (x, y, yaw) of ground with heights, which has
-            no occupied cells.
+def build_scene(scenario: Scenario, heights: Heights | None = None) -> Scene:
+    """The scene of a resolved scenario; ground with heights has no occupied cells.
 
     Raises:
         RecordingError: A map file cannot be read.
         ScenarioError: An event removes what is not there.
     """
-    ground = _ground(scenario) if place is None else Ground(*place, np.empty((0, 4)))
+    ground = _ground(scenario) if heights is None else Ground(heights.size, heights.origin)
     fixed = len(scenario.world.obstacles)
     solids = tuple(
         _solid(span, f"world.obstacles[{k}]" if k < fixed else f"event at {span.start:g} s")
@@ -108,20 +101,12 @@ def _ground(scenario: Scenario) -> Ground:
         return read_movingai(Path(world.movingai.file), world.movingai.resolution)
     if world.empty is None:
         raise ValueError("the scenario is not resolved")
-    return Ground(world.empty.size, (*(world.empty.origin or (0.0, 0.0)), 0.0), np.empty((0, 4)))
+    return Ground(world.empty.size, (*(world.empty.origin or (0.0, 0.0)), 0.0))
 
 
 def _solid(span: ObstacleSpan, key: str) -> Solid:
-    points, radius = outline(span.obstacle)
-    return Solid(
-        key,
-        points,
-        radius,
-        span.start,
-        span.end,
-        np.array(span.time, dtype=float),
-        np.array(span.offset, dtype=float),
-    )
+    time, offset = np.array(span.time, dtype=float), np.array(span.offset, dtype=float)
+    return Solid(key, *outline(span.obstacle), span.start, span.end, time, offset)
 
 
 def outline(obstacle: Obstacle) -> tuple[Array, float]:

@@ -56,8 +56,7 @@ def closest_approach(distance: Distance, reach: Array, lower: Array, gap: float)
         gap: Smallest gap known from elsewhere, m; only smaller ones are looked for.
     """
     order = np.argsort(lower, kind="stable")
-    contacts: list[Rows] = []
-    fractions: list[Array] = []
+    contacts, fractions = [np.empty(0, dtype=np.int64)], [np.empty(0)]
     for first in range(0, len(order), _CHUNK):
         rows = order[first : first + _CHUNK]
         if lower[rows[0]] > max(gap, TOUCH):
@@ -65,8 +64,6 @@ def closest_approach(distance: Distance, reach: Array, lower: Array, gap: float)
         contact, fraction, gap = _subdivide(distance, reach, rows, gap)
         contacts.append(contact)
         fractions.append(fraction)
-    if not contacts:
-        return Approach(np.empty(0, dtype=np.int64), np.empty(0), gap)
     return Approach(np.concatenate(contacts), np.concatenate(fractions), gap)
 
 
@@ -93,26 +90,23 @@ def _subdivide(
 ) -> tuple[Rows, Array, float]:
     begin = np.zeros(len(rows))
     size = 1.0
-    contacts: list[Rows] = []
-    fractions: list[Array] = []
+    contacts, fractions = [np.empty(0, dtype=np.int64)], [np.empty(0)]
     while len(rows):
         middle = begin + 0.5 * size
         far = distance(rows, middle)
         slack = 0.5 * size * reach[rows]
         gap = min(gap, float(far.min()))
-        touching = far <= TOUCH
+        touching = settled = far <= TOUCH
         if touching.any():
             contacts.append(rows[touching])
             fractions.append(middle[touching])
-        # One contact per candidate is enough: its first moment is looked for separately.
-        settled = np.isin(rows, rows[touching]) if touching.any() else touching
+            # One contact per candidate is enough: its first moment is looked for separately.
+            settled = np.isin(rows, rows[touching])
         low = far - slack
         again = ~settled & ((low <= 0.5 * TOUCH) | (low < gap - GAP_ERROR))
         rows, begin = rows[again], begin[again]
         size *= 0.5
         rows = np.concatenate((rows, rows))
         begin = np.concatenate((begin, begin + size))
-    if not contacts:
-        return np.empty(0, dtype=np.int64), np.empty(0), gap
     found, where = np.unique(np.concatenate(contacts), return_index=True)
     return found, np.concatenate(fractions)[where], gap

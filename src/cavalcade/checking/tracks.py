@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -43,7 +44,18 @@ def read_tracks(path: Path, robots: int) -> tuple[Track, ...]:
         RecordingError: The file is missing or damaged, a robot has no poses, there are robots
             that the scenario does not have, or a pose is not finite or not planar.
     """
-    samples = _read_poses(path)
+    samples: dict[int, list[tuple[float, ...]]] = {}
+
+    def type_of(topic: str) -> str:
+        return _TYPE if _TOPIC.fullmatch(topic) else ""
+
+    def take(topic: str, message: Any) -> None:
+        robot = int(topic[len("/robot_") : -len("/pose")])
+        place, turn = message.pose.position, message.pose.orientation
+        sample = (stamp_of(message), place.x, place.y, turn.x, turn.y, turn.z, turn.w)
+        samples.setdefault(robot, []).append(sample)
+
+    read_messages(path, type_of, take)
     unknown = sorted(set(samples) - set(range(robots)))
     if unknown:
         raise RecordingError(
@@ -54,27 +66,50 @@ def read_tracks(path: Path, robots: int) -> tuple[Track, ...]:
     return tuple(_track(samples.get(k, []), path, f"/robot_{k}/pose") for k in range(robots))
 
 
-def _read_poses(path: Path) -> dict[int, list[tuple[float, ...]]]:
-    """Stamp, x, y, and the quaternion's x, y, z, w of every pose, by robot."""
+def _track(samples: list[tuple[float, ...]], path: Path, topic: str) -> Track:
+    if not samples:
+        raise RecordingError("no poses recorded", file=path, key=topic)
+    table = table_of(samples, path, topic)
+    x, y, z, w = table[:, 3:].T
+    tilted = (np.abs(table[:, 3:] ** 2 @ np.ones(4) - 1.0) > 1e-3) | (np.hypot(x, y) > 1e-3)
+    if tilted.any():
+        raise RecordingError(
+            f"the orientation at {table[tilted.argmax(), 0]:.3f} s is not a planar rotation",
+            file=path,
+            key=topic,
+        )
+    yaw = np.unwrap(2.0 * np.arctan2(z, w))
+    return Track(table[:, 0], np.column_stack((table[:, 1:3], yaw)))
+
+
+def read_messages(
+    path: Path, type_of: Callable[[str], str], take: Callable[[str, Any], None]
+) -> None:
+    """Hand messages of a recording to `take`, with their topics, in order.
+
+    Args:
+        path: An MCAP file.
+        type_of: The type that a topic's messages must have; empty if they are of no interest.
+        take: May raise a RecordingError, too.
+
+    Raises:
+        RecordingError: The file is missing or damaged, or a topic is of another type.
+    """
     from rosbags.rosbag2 import Reader, ReaderError
     from rosbags.typesys import Stores, get_typestore
 
     if not path.is_file():
         raise RecordingError("there is no such file", file=path)
     store = get_typestore(Stores.ROS2_HUMBLE)
-    samples: dict[int, list[tuple[float, ...]]] = {}
     try:
         with Reader(path) as reader:
-            wanted = [c for c in reader.connections if _TOPIC.fullmatch(c.topic)]
-            wrong = next((c for c in wanted if c.msgtype != _TYPE), None)
-            if wrong is not None:
-                raise RecordingError(
-                    f"expected {_TYPE}, not {wrong.msgtype}", file=path, key=wrong.topic
-                )
-            for connection, _, data in reader.messages(wanted) if wanted else ():
-                robot = int(connection.topic[len("/robot_") : -len("/pose")])
-                sample = _sample(store.deserialize_cdr(data, _TYPE))
-                samples.setdefault(robot, []).append(sample)
+            wanted = [one for one in reader.connections if type_of(one.topic)]
+            for one in wanted:
+                if one.msgtype != (expected := type_of(one.topic)):
+                    text = f"expected {expected}, not {one.msgtype}"
+                    raise RecordingError(text, file=path, key=one.topic)
+            for one, _, data in reader.messages(wanted) if wanted else ():
+                take(one.topic, store.deserialize_cdr(data, one.msgtype))
     except RecordingError:
         raise
     except ReaderError as error:
@@ -86,18 +121,20 @@ def _read_poses(path: Path) -> dict[int, list[tuple[float, ...]]]:
         raise RecordingError(
             f"not a readable MCAP recording ({type(error).__name__})", file=path
         ) from error
-    return samples
 
 
-def _sample(message: Any) -> tuple[float, ...]:
-    stamp, place, turn = message.header.stamp, message.pose.position, message.pose.orientation
-    time = stamp.sec + 1e-9 * stamp.nanosec
-    return time, place.x, place.y, turn.x, turn.y, turn.z, turn.w
+def stamp_of(message: Any) -> float:
+    """The time in s in a message's header."""
+    stamp = message.header.stamp
+    return float(stamp.sec + 1e-9 * stamp.nanosec)
 
 
-def _track(samples: list[tuple[float, ...]], path: Path, topic: str) -> Track:
-    if not samples:
-        raise RecordingError("no poses recorded", file=path, key=topic)
+def table_of(samples: list[tuple[float, ...]], path: Path, topic: str) -> Array:
+    """The samples `(T, K)` of a topic.
+
+    Raises:
+        RecordingError: A figure is no finite number.
+    """
     table = np.array(samples, dtype=float)
     # Written so that nan is bad too.
     bad = ~(np.abs(table) < _LARGEST).all(axis=1)
@@ -105,13 +142,4 @@ def _track(samples: list[tuple[float, ...]], path: Path, topic: str) -> Track:
         raise RecordingError(
             f"sample {int(bad.argmax())} is not finite or beyond all measure", file=path, key=topic
         )
-    x, y, z, w = table[:, 3:].T
-    tilted = (np.abs(table[:, 3:] ** 2 @ np.ones(4) - 1.0) > 1e-3) | (np.hypot(x, y) > 1e-3)
-    if tilted.any():
-        raise RecordingError(
-            f"the orientation at {table[tilted.argmax(), 0]:.3f} s is not a planar rotation",
-            file=path,
-            key=topic,
-        )
-    yaw = np.unwrap(2.0 * np.arctan2(z, w))
-    return Track(table[:, 0], np.column_stack((table[:, 1:3], yaw)))
+    return table

@@ -19,7 +19,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     try:
         # Here and not above, so that Ctrl-C may come from the first moment on.
-        from cavalcade.cli.command_line import run_command
+        from cavalcade.cli.commands import run_command
 
         return run_command(arguments)
     except KeyboardInterrupt:

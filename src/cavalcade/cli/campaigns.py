@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from cavalcade.cli import options
-from cavalcade.cli.printing import print_json
 
 if TYPE_CHECKING:
     from cavalcade.campaign.repeat import Repeated
@@ -92,7 +91,7 @@ def campaign(
         )
         raise
     if as_json:
-        print_json(result.summary | {"files": [str(file) for file in result.files]})
+        options.print_json(result.summary | {"files": [str(file) for file in result.files]})
     elif not quiet:
         _print_groups(result.summary)
         for file in result.files:
@@ -116,15 +115,13 @@ def trial(
         _warn_of_difference(done)
     line = done.line
     if as_json:
-        print_json(line)
+        options.print_json(line)
     elif not quiet:
         again = "; the same as in the campaign" if done.same else ""
         print(f"{trial_id}: {line['outcome']}, {_judgement(line)}{again}")
     if not line["success"]:
         detail = line["detail"] or next(iter(line["violations"]), "")
-        why = f"{line['outcome']} ({detail})" if detail else line["outcome"]
-        print(f"cavalcade: {trial_id}: not achieved: {why}", file=sys.stderr)
-        raise typer.Exit(1)
+        raise options.not_achieved(trial_id, line["outcome"], detail)
 
 
 def _said(**options: Any) -> list[str]:

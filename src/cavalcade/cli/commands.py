@@ -1,20 +1,33 @@
-"""One small function per command. What a command needs is imported when it runs."""
+"""From the words of a command to its exit code, by one small function per command.
+
+What a command needs is imported when it runs. Exit codes: 0 done as asked; 1 not achieved; 2 bad
+input, one line on stderr; 130 interrupted.
+"""
 
 from __future__ import annotations
 
 import math
+import os
 import sys
+import warnings
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cavalcade.cli import campaigns, importing, options, plans
-from cavalcade.cli.printing import print_json
+from cavalcade.cli import campaigns, options
+from cavalcade.errors import CavalcadeError, OutputError
 
 if TYPE_CHECKING:
     from cavalcade.checking import Report, Violation
+    from cavalcade.jobs import JobResult
+
+BAD_INPUT, INTERRUPTED = 2, 130
+
+# The base of everything typer says about a wrong option; some versions bring their own click.
+_UsageError: type[Exception] = typer.BadParameter.__mro__[2]
 
 app = typer.Typer(
     name="cavalcade",
@@ -56,13 +69,7 @@ def run(
     from cavalcade.jobs import run as run_scenario
 
     result = run_scenario(loaded, out, force=force, realtime=realtime, quiet=quiet or as_json)
-    if as_json:
-        print_json(result.summary)
-    if not result.success:
-        detail = result.summary.get("detail")
-        why = f"{result.reason} ({detail})" if detail else result.reason
-        print(f"cavalcade: {loaded.name}: not achieved: {why}", file=sys.stderr)
-        raise typer.Exit(1)
+    _finish(loaded.name, result, as_json, "not achieved")
 
 
 @app.command()
@@ -76,7 +83,7 @@ def check(
 
     report = check_directory(directory)
     if as_json:
-        print_json({"ok": report.ok, **_finite(asdict(report))})
+        options.print_json({"ok": report.ok, **_finite(asdict(report))})
     elif report.violations:
         first, more = report.violations[0], len(report.violations) - 1
         rest = f" (and {more} more)" if more else ""
@@ -94,7 +101,7 @@ def scenarios(as_json: options.Json = False) -> None:
 
     found = scenario_descriptions()
     if as_json:
-        print_json(found)
+        options.print_json(found)
         return
     width = max(map(len, found), default=0)
     for name, description in found.items():
@@ -130,7 +137,7 @@ def schema() -> None:
     """Print the JSON Schema of scenario files."""
     from cavalcade.scenario import scenario_schema
 
-    print_json(scenario_schema())
+    options.print_json(scenario_schema())
 
 
 def _later(name: str, what: str) -> None:
@@ -147,10 +154,62 @@ def _later(name: str, what: str) -> None:
 
 app.command()(campaigns.campaign)
 app.command()(campaigns.trial)
-app.command("import")(importing.import_file)
-app.command()(plans.plan)
+
+
+@app.command("import")
+def import_file(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="A problem file of db-CBS.")],
+    out: Annotated[Path, typer.Option("--out", metavar="FILE", help="The scenario file to write.")],
+    force: Annotated[bool, typer.Option("--force", help="Replace the file.")] = False,
+    quiet: options.Quiet = False,
+) -> None:
+    """Write a problem file of another project as a scenario."""
+    from cavalcade.scenario import build_world, dump_scenario, import_problem
+
+    scenario = import_problem(file)
+    build_world(scenario)
+    if out.is_dir():
+        raise OutputError(f"{out}: is a folder; expected the name of a scenario file")
+    if out.exists() and not force:
+        raise OutputError(f"{out}: is there already; --force replaces it")
+    dump_scenario(scenario, out)
+    if not quiet:
+        print(out)
+
+
+@app.command()
+def plan(
+    scenario: options.ScenarioArgument,
+    out: options.Out,
+    method: Annotated[
+        str | None,
+        typer.Option(
+            "--method", metavar="NAME", help="Over the file: sequential, joint, cbs or auto."
+        ),
+    ] = None,
+    seed: options.Seed = None,
+    overrides: options.Set = None,
+    force: options.Force = False,
+    quiet: options.Quiet = False,
+    as_json: options.Json = False,
+) -> None:
+    """Plan a team whose robots have goals of their own; leave plan, figures and replay."""
+    loaded = options.load(scenario, overrides, seed, None)
+    from cavalcade.jobs import plan as plan_scenario
+
+    result = plan_scenario(loaded, out, method, force=force, quiet=quiet or as_json)
+    _finish(loaded.name, result, as_json, "no plan")
+
 
 _later("studio", "the studio")
+
+
+def _finish(name: str, result: JobResult, as_json: bool, otherwise: str) -> None:
+    """Print the summary if it was asked for, and say why a job did not succeed."""
+    if as_json:
+        options.print_json(result.summary)
+    if not result.success:
+        raise options.not_achieved(name, result.reason, result.summary.get("detail"), otherwise)
 
 
 def _told(violation: Violation) -> str:
@@ -176,3 +235,44 @@ def _finite(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [_finite(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def run_command(arguments: Sequence[str] | None) -> int:
+    """Run one command and give its exit code.
+
+    Raises:
+        KeyboardInterrupt: Ctrl-C.
+    """
+    with warnings.catch_warnings():
+        warnings.showwarning = _show_warning
+        try:
+            code = app(
+                args=None if arguments is None else list(arguments),
+                prog_name="cavalcade",
+                standalone_mode=False,
+            )
+            sys.stdout.flush()
+        except typer.Abort:
+            raise KeyboardInterrupt from None
+        except CavalcadeError as error:
+            return _refuse(str(error))
+        except _UsageError as error:
+            return _refuse(getattr(error, "format_message", error.__str__)())
+        except BrokenPipeError:
+            # Whoever read our output has seen enough. Nothing may be flushed into it at exit.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            return 1
+        except OSError as error:
+            return _refuse(f"{error.filename or 'output'}: {error.strerror or error}")
+    if code == INTERRUPTED:  # what typer makes of Ctrl-C
+        raise KeyboardInterrupt
+    return int(code or 0)
+
+
+def _refuse(message: str) -> int:
+    print(f"cavalcade: {' '.join(message.split())}", file=sys.stderr)
+    return BAD_INPUT
+
+
+def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
+    print(f"cavalcade: warning: {' '.join(str(message).split())}", file=sys.stderr)

@@ -1,10 +1,12 @@
-"""The options that commands share."""
+"""What commands share: their options, and how results are printed."""
 
 from __future__ import annotations
 
+import json
 import re
+import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -76,3 +78,17 @@ def check_picture(path: Path) -> None:
         raise OutputError(f"{path}: is a folder; expected the name of a picture")
     if not path.parent.is_dir():
         raise OutputError(f"{path.parent}: no such folder")
+
+
+def not_achieved(
+    name: str, reason: str, detail: str | None, what: str = "not achieved"
+) -> typer.Exit:
+    """Say on stderr why something did not succeed; to be raised, it ends the command with 1."""
+    why = f"{reason} ({detail})" if detail else reason
+    print(f"cavalcade: {name}: {what}: {why}", file=sys.stderr)
+    return typer.Exit(1)
+
+
+def print_json(value: Any) -> None:
+    """One value as JSON on stdout; mappings of any kind are objects."""
+    print(json.dumps(value, indent=2, allow_nan=False, ensure_ascii=False, default=dict))

@@ -66,8 +66,8 @@ class ArrivalMonitor:
     that it named stay in force until it names others.
     """
 
-    def __init__(self, tolerance: ArrivalTolerance | None = None) -> None:
-        self._tolerance = tolerance or IDEAL
+    def __init__(self, tolerance: ArrivalTolerance = IDEAL) -> None:
+        self._tolerance = tolerance
         self._since: float | None = None
         self._places: deque[tuple[float, Array]] = deque()
         self._status: PlannerStatus | None = None
@@ -116,8 +116,8 @@ class ArrivalMonitor:
         before, there = kept[0]
         if before >= time or there.shape != places.shape:
             return False
-        way = np.hypot(*(places - there).T)
-        return bool((way <= self._tolerance.speed * (time - before)).all())
+        moved = np.hypot(*(places - there).T)
+        return bool((moved <= self._tolerance.speed * (time - before)).all())
 
     def _near(self, poses: Array, velocities: Array, targets: Array) -> bool:
         active = np.isfinite(targets).all(axis=1)

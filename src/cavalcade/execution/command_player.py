@@ -78,17 +78,10 @@ class CommandPlayer:
             paths.append(np.stack([self._from[robot], places[robot]]) if sent else np.zeros((0, 2)))
         return PlannerStatus(
             state="stuck" if self._failed is not None else "done" if done else "commanded",
-            leader=-1,
             roles=np.full(self._robots, -1),
-            slots=np.zeros((0, 2)),
             goals=places,
-            goal=None,
             paths=tuple(paths),
-            connections=np.zeros((0, 2), dtype=np.int64),
             eta=np.full(self._robots, max(self._length - self._moment, 0.0)),
-            arrived=False,
-            waypoint=0,
-            goal_moved=0.0,
             involved=() if self._failed is None else (self._failed,),
             message="" if self._failed is None else f"robot {self._failed} could not leap",
         )
@@ -187,4 +180,4 @@ def leap_request(pose: Array, point: tuple[float, float], terrain: Terrain | Non
     first, last = (
         np.array([*place, height, heading]) for place, height in zip(places, heights, strict=True)
     )
-    return LeapRequest(first, last, None if terrain is None else edges_of(terrain, first, last))
+    return LeapRequest(first, last, edges_of(terrain, first, last))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,8 @@ _TASK_KINDS = ("goals", "formation", "rejoin")
 
 _TEAM_KINDS = ("goals", "formation", "lose", "rejoin")
 """Events that a policy must be able to take up."""
+
+_NOTES = {"add": "obstacle added", "remove": "obstacle removed", "move": "obstacle moves"}
 
 MAP_PERIOD = 1.0
 """While an obstacle moves, its map is handed to the recording this often, s."""
@@ -107,7 +110,7 @@ class EventRunner:
         return tuple(_track(span) for span in self._obstacles.spans if span.start <= end)
 
     def _happen(self, event: Event) -> None:
-        team, text = self._team, str(event.kind)
+        team, text = self._team, _NOTES.get(event.kind, str(event.kind))
         if team is not None and event.goals is not None:
             team.set_goals(event.goals)
             self._goal_count = len(event.goals)
@@ -129,12 +132,6 @@ class EventRunner:
             x, y = (part / push.duration for part in push.impulse)
             _push(self._control.fleet, push.robot, (x, y, 0.0), push.duration)
             text = f"robot {push.robot} pushed"
-        elif event.add is not None:
-            text = "obstacle added"
-        elif event.remove is not None:
-            text = "obstacle removed"
-        elif event.move is not None:
-            text = "obstacle moves"
         self._notes.append(text)
 
 
@@ -147,8 +144,6 @@ class _Obstacles:
         self._world = world
         self._moving: list[Any] = []
         self._shapes = [shape_from_mapping(span.obstacle.words) for span in self.spans]
-        # Fixed ones are rasterised once; the others are added to that map as they stand.
-        self._still: OccupancyMap | None = None
         # The first map shows the world's own obstacles; what events bring is still to be drawn.
         self._drawn: list[tuple[float, float] | None] = [
             place if span.start == 0.0 else None
@@ -175,7 +170,7 @@ class _Obstacles:
             for shape, place in zip(self._shapes, places, strict=True)
             if place is not None
         ]
-        return self._still_map().with_shapes(shapes)
+        return self._still_map.with_shapes(shapes)
 
     def movers(self, time: float) -> list[Any]:
         """What moves now, as the planner takes it."""
@@ -211,12 +206,13 @@ class _Obstacles:
                 return True
         return False
 
+    @cached_property
     def _still_map(self) -> OccupancyMap:
-        if self._still is None:
-            fixed = [span for span in self._world.spans if span.fixed]
-            shapes = [shape_from_mapping(span.obstacle.words) for span in fixed]
-            self._still = self._world.base.with_shapes(shapes)
-        return self._still
+        """Fixed ones are rasterised once; the others are added to that map as they stand."""
+        fixed = [span for span in self._world.spans if span.fixed]
+        return self._world.base.with_shapes(
+            [shape_from_mapping(span.obstacle.words) for span in fixed]
+        )
 
 
 def _track(span: ObstacleSpan) -> ObstacleTrack:

@@ -19,20 +19,6 @@ from cavalcade.formation.variants import default_settings
 from cavalcade.scenario import FormationSection, PlannerSection, Scenario, World
 from cavalcade.scenario.task import ConnectionSection
 
-_SETTINGS = (
-    "r_max",
-    "d_safe_a",
-    "d_safe_b",
-    "d_switch",
-    "w_min_partial",
-    "w_min_avoid",
-    "v_max_x",
-    "v_max_y",
-    "v_min",
-    "d_slowdown",
-)
-"""The planner section's keys that are fields of `FormationSettings` of the same name."""
-
 
 def make_planner(scenario: Scenario, world: World) -> FormationPlanner:
     """The planner of a scenario with a formation, its goals set.
@@ -67,7 +53,8 @@ def settings_of(section: PlannerSection) -> FormationSettings:
     base = (
         default_settings(section.variant) if section.preset is None else PRESETS[section.preset][0]
     )
-    return base.with_values(**{key: getattr(section, key) for key in _SETTINGS})
+    names = {field.name for field in fields(FormationSettings)} - {"lookahead"}
+    return base.with_values(**{name: getattr(section, name) for name in names})
 
 
 def expected_of(scenario: Scenario) -> Imperfections:
@@ -120,10 +107,8 @@ def _shape(section: FormationSection, robots: int, springs: Springs) -> Formatio
 
 def _connection(formation: Formation, joint: ConnectionSection, springs: Springs) -> Connection:
     """A spring of the scenario; what it leaves open is the shape's own, or a diagonal's."""
-    law, length = (
-        springs.diagonals,
-        float(np.hypot(*(formation.slots[joint.a] - formation.slots[joint.b]))),
-    )
+    law = springs.diagonals
+    length = float(np.hypot(*(formation.slots[joint.a] - formation.slots[joint.b])))
     for own in formation.connections:
         if {own.a, own.b} == {joint.a, joint.b}:
             law, length = own.law, own.rest_length

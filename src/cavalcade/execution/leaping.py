@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cavalcade.execution.time_scaling import Pace
+from cavalcade.execution.time_scaling import TimeScaling
 from cavalcade.fleet import LeapingFleet, LeapRequest
 from cavalcade.geometry import Array, wrap_angle
 from cavalcade.geometry.trajectory import FLIGHT, LANDING, TAKE_OFF, Trajectory
@@ -36,8 +36,8 @@ class Leap:
     landed: int
 
 
-class Leaps:
-    """Leaps of a team whose fleet carries them out.
+class LeapScheduler:
+    """When the robots of a team leap, if their fleet carries leaps out by itself.
 
     A leap begins when nobody can come in its way any more: everybody who goes before the robot,
     up to the end of the landing, has passed. Until then the robot waits where its approach
@@ -48,7 +48,7 @@ class Leaps:
         paths: One trajectory per robot, map frame.
         fleet: That leaps.
         terrain: Ground with heights, if there is any.
-        pace: The team's progress.
+        scaling: The team's progress.
     """
 
     def __init__(
@@ -56,9 +56,10 @@ class Leaps:
         paths: Sequence[Trajectory],
         fleet: LeapingFleet,
         terrain: Terrain | None,
-        pace: Pace,
+        scaling: TimeScaling,
     ) -> None:
-        self._paths, self._fleet, self._terrain, self._pace = paths, fleet, terrain, pace
+        self._paths, self._fleet, self._terrain = paths, fleet, terrain
+        self._scaling = scaling
         self._waiting = [leaps_of(path) for path in paths]
         self._landed = np.zeros(len(paths))
         self._excused = np.zeros(len(paths), dtype=bool)
@@ -69,8 +70,8 @@ class Leaps:
 
     def step(self, now: float, poses: Array) -> None:
         """Take back who has landed."""
-        pace = self._pace
-        for robot in np.flatnonzero(pace.held & ~self._fleet.leaping).tolist():
+        scaling = self._scaling
+        for robot in np.flatnonzero(scaling.held & ~self._fleet.leaping).tolist():
             if self._fleet.leap_failed[robot]:
                 # Wherever it is, the others take it to be where it was handed over.
                 self.trouble = (f"robot {robot} failed to leap", (robot,))
@@ -78,22 +79,22 @@ class Leaps:
             leap = self._waiting[robot].pop(0)
             self._excused[robot] = False
             self._landed[robot] = self._paths[robot].time[leap.landed]
-            pace.go_on(robot, now, self._nearest(robot, poses[robot]))
+            scaling.go_on(robot, now, self._nearest(robot, poses[robot]))
         self._cap()
         self._watch(now)
 
     def hand_over(self, now: float) -> None:
         """Give the fleet who is about to begin an approach and may leap."""
-        pace = self._pace
-        progress = pace.progress(now)
+        scaling = self._scaling
+        progress = scaling.progress(now)
         for robot, waiting in enumerate(self._waiting):
-            if not waiting or pace.held[robot] or not math.isinf(pace.caps[robot]):
+            if not waiting or scaling.held[robot] or not math.isinf(scaling.caps[robot]):
                 continue
             begin = self._begin(robot)
-            if progress[robot] + pace.rates[robot] * pace.period >= begin - 1e-9:
+            if progress[robot] + scaling.rates[robot] * scaling.period >= begin - 1e-9:
                 request = request_of(self._paths[robot], waiting[0], self._terrain)
-                pace.held[robot] = True
-                pace.rates[robot] = 0.0
+                scaling.held[robot] = True
+                scaling.rates[robot] = 0.0
                 self._fleet.leap(robot, request)
 
     def _begin(self, robot: int) -> float:
@@ -103,19 +104,19 @@ class Leaps:
 
     def _cap(self) -> None:
         """Nobody goes on to an approach whose leap is not free to its end."""
-        bounds = self._pace.bounds()
+        bounds = self._scaling.bounds()
         for robot, waiting in enumerate(self._waiting):
             cap = math.inf
-            if waiting and not self._pace.held[robot]:
+            if waiting and not self._scaling.held[robot]:
                 end = self._paths[robot].time[waiting[0].landed]
                 free = self._excused[robot] or bounds[robot] >= end
                 cap = math.inf if free else self._begin(robot)
-            self._pace.caps[robot] = cap
+            self._scaling.caps[robot] = cap
 
     def _nearest(self, robot: int, pose: Array) -> float:
         """The plan time after the landing at which the plan is nearest to a pose."""
         landed = float(self._landed[robot])
-        latest = min(landed + AFTERWARDS, float(self._pace.bounds()[robot]))
+        latest = min(landed + AFTERWARDS, float(self._scaling.bounds()[robot]))
         if self._waiting[robot]:
             latest = min(latest, self._begin(robot))
         moments = np.arange(landed, max(latest, landed) + 1e-9, 0.01)
@@ -125,15 +126,15 @@ class Leaps:
 
     def _watch(self, now: float) -> None:
         """Notice when leaps wait for each other, and let one begin."""
-        pace = self._pace
-        if (pace.sure > self._furthest + 1e-6).any() or pace.held.any():
-            self._furthest = pace.sure.copy()
+        scaling = self._scaling
+        if (scaling.sure > self._furthest + 1e-6).any() or scaling.held.any():
+            self._furthest = scaling.sure.copy()
             self._moved = now
-        waits = np.flatnonzero(np.isfinite(pace.caps))
+        waits = np.flatnonzero(np.isfinite(scaling.caps))
         if not len(waits) or now - self._moved <= PATIENCE:
             return
-        bounds = pace.bounds(margin=False)
-        for robot in waits[np.argsort(pace.sure[waits], kind="stable")].tolist():
+        bounds = scaling.bounds(margin=False)
+        for robot in waits[np.argsort(scaling.sure[waits], kind="stable")].tolist():
             if bounds[robot] >= self._paths[robot].time[self._waiting[robot][0].landed]:
                 self._excused[robot] = True
                 self._moved = now
@@ -163,17 +164,17 @@ def request_of(path: Trajectory, leap: Leap, terrain: Terrain | None) -> LeapReq
     first, last = (
         np.array([*path.position[mark], path.yaw[mark]]) for mark in (leap.take_off, leap.landed)
     )
-    return LeapRequest(first, last, None if terrain is None else edges_of(terrain, first, last))
+    return LeapRequest(first, last, edges_of(terrain, first, last))
 
 
-def edges_of(terrain: Terrain, start: Array, end: Array) -> tuple[float, float] | None:
+def edges_of(terrain: Terrain | None, start: Array, end: Array) -> tuple[float, float] | None:
     """Where the ground at the start ends and that at the end begins, m from the start."""
-    way = end[:2] - start[:2]
-    length = math.hypot(*way)
-    if length < _GRAIN:
+    step = end[:2] - start[:2]
+    length = math.hypot(*step)
+    if terrain is None or length < _GRAIN:
         return None
     along = np.arange(0.0, length + _GRAIN, _GRAIN)
-    heights = terrain.heights_at(start[:2] + along[:, None] * way / length)
+    heights = terrain.heights_at(start[:2] + along[:, None] * step / length)
     apart = round(_ACROSS / _GRAIN)
     if len(heights) <= apart:
         return None

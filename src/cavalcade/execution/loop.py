@@ -14,9 +14,8 @@ from cavalcade.execution.events import EventRunner
 from cavalcade.execution.policy import Policy
 from cavalcade.fleet import Fall, FallingFleet, Fleet, SampledFleet, Watchdog
 from cavalcade.geometry import Array
-from cavalcade.recording.frames import Frame, FrameSink, Recording
-from cavalcade.recording.physics_track import ContactEvent, FallEvent, PhysicsTrack
-from cavalcade.recording.recorder import Recorder
+from cavalcade.recording.frames import Frame, FrameSink, Recorder, Recording
+from cavalcade.recording.physics_track import FallEvent, PhysicsTrack
 from cavalcade.recording.status import PlannerStatus
 from cavalcade.scenario import Scenario, World
 from cavalcade.scenario.settings import Budget
@@ -156,8 +155,7 @@ def physics_track(fleet: Fleet, start: float) -> PhysicsTrack | None:
         torques=kept.torques,
         foot_forces=kept.foot_forces,
         contacts=tuple(
-            ContactEvent(round(contact.time - start, 9), contact.robot, contact.part, contact.other)
-            for contact in kept.contacts
+            replace(contact, time=round(contact.time - start, 9)) for contact in kept.contacts
         ),
         falls=tuple(FallEvent(round(fall.time - start, 9), fall.robot) for fall in fleet.falls),
     )

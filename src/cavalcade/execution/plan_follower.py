@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cavalcade.execution.leaping import Leaps
+from cavalcade.execution.leaping import LeapScheduler
 from cavalcade.execution.speed_profile import rounded_headings
-from cavalcade.execution.time_scaling import EXACT, FollowSettings, Pace
+from cavalcade.execution.time_scaling import EXACT, FollowSettings, TimeScaling
 from cavalcade.fleet import LeapingFleet
 from cavalcade.geometry import Array, wrap_angle
 from cavalcade.geometry.trajectory import Trajectory
@@ -37,7 +37,7 @@ class PlanFollower:
 
     Each robot has a progress of its own, which is the clock's as long as it keeps up. A robot
     that lags is waited for by those whose turn comes after it, and by nobody else; see
-    `cavalcade.execution.precedence` and `pacing`.
+    `cavalcade.execution.precedence` and `time_scaling`.
 
     The velocity of each cycle is the mean of the plan's until the next one, in the body frame.
     Robots that go in all directions are corrected in all of them; unicycles forwards and by
@@ -78,8 +78,10 @@ class PlanFollower:
         self._period = 1.0 / rate
         self._refusal = refusal
         self._settings = settings
-        self._pace = Pace(self._paths, models, self._period, settings, terrain)
-        self._leaps = None if leaper is None else Leaps(self._paths, leaper, terrain, self._pace)
+        self._scaling = TimeScaling(self._paths, models, self._period, settings, terrain)
+        self._leaps: LeapScheduler | None = None
+        if leaper is not None:
+            self._leaps = LeapScheduler(self._paths, leaper, terrain, self._scaling)
         self._quiet = np.zeros(len(self._paths), dtype=bool)
         self._trace: list[tuple[float, Array]] = []
         self._start: float | None = None
@@ -100,12 +102,12 @@ class PlanFollower:
     @property
     def progress(self) -> Array:
         """`(N,)` plan times up to which the robots were sent in the last cycle, s."""
-        return self._pace.progress(self._trace[-1][0] if self._trace else 0.0)
+        return self._scaling.progress(self._trace[-1][0] if self._trace else 0.0)
 
     @property
     def delays(self) -> Array:
         """`(N,)` how much later than planned robots were sent to their ends, s; nan until then."""
-        return self._pace.arrived_late.copy()
+        return self._scaling.arrived_late.copy()
 
     def delays_at(self, times: Array) -> Array:
         """`(K, N)` what each robot was behind the plan at times `(K,)` since the start, s."""
@@ -124,25 +126,25 @@ class PlanFollower:
         if self._refusal is not None:
             self._status = self._status_at(now)
             return commands
-        pace = self._pace
-        pace.begin(now)
+        scaling = self._scaling
+        scaling.begin(now)
         ages = now - (stamps - self._start)
         if self._leaps is not None:
             self._leaps.step(now, poses)
-        seen = pace.progress(now) - pace.rates * ages
+        seen = scaling.progress(now) - scaling.rates * ages
         errors = (
             np.stack([path.poses_at(seen[k : k + 1])[0] for k, path in enumerate(self._paths)])
             - poses
         )
         errors[:, 2] = wrap_angle(errors[:, 2])
-        pace.decide(now, ages, errors, poses)
+        scaling.decide(now, ages, errors, poses)
         if self._leaps is not None:
             self._leaps.hand_over(now)
         self._status = self._status_at(now)
-        self._trace.append((now, pace.delay.copy()))
-        progress = pace.progress(now)
-        for robot in np.flatnonzero(~pace.held).tolist():
-            marks = progress[robot] + np.array([0.0, pace.rates[robot] * self._period])
+        self._trace.append((now, scaling.delay.copy()))
+        progress = scaling.progress(now)
+        for robot in np.flatnonzero(~scaling.held).tolist():
+            marks = progress[robot] + np.array([0.0, scaling.rates[robot] * self._period])
             here, there = self._paths[robot].poses_at(marks)
             commands[robot] = self._command(robot, here, there, errors[robot], poses[robot, 2])
         return commands
@@ -170,8 +172,7 @@ class PlanFollower:
         return bool(self._quiet[robot])
 
     def _status_at(self, now: float) -> PlannerStatus:
-        size = len(self._paths)
-        progress = self._pace.progress(now)
+        progress = self._scaling.progress(now)
         left = np.array(
             [max(path.duration - s, 0.0) for path, s in zip(self._paths, progress, strict=True)]
         )
@@ -184,20 +185,14 @@ class PlanFollower:
             message, involved = self._leaps.trouble
         return PlannerStatus(
             state=state,
-            leader=-1,
-            roles=np.arange(size),
-            slots=np.zeros((0, 2)),
+            roles=np.arange(len(self._paths)),
             goals=self._targets[:, :2],
-            goal=None,
             paths=tuple(
                 line[int(np.searchsorted(moments, s)) :]
                 for line, moments, s in zip(self._lines, self._moments, progress, strict=True)
             ),
-            connections=np.zeros((0, 2), dtype=np.int64),
             eta=left,
             arrived=bool((left <= 0.0).all()) and self._refusal is None,
-            waypoint=0,
-            goal_moved=0.0,
             involved=involved,
             message=message,
             targets=self._targets,

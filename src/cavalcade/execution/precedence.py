@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.execution import _precedence
+from cavalcade.execution._precedence import Braking, Progress
 from cavalcade.geometry import Array
-from cavalcade.geometry.trajectory import Trajectory
-from cavalcade.recording.plan_sampling import team_poses
+from cavalcade.geometry.trajectory import Trajectory, team_poses
 from cavalcade.robots import RobotModel
 
 STEP = 0.025
@@ -87,21 +87,9 @@ class Precedence:
         """
         return np.asarray(_precedence.strict_bounds(self._order, np.asarray(progress, float)))
 
-    def rates(
-        self,
-        progress: Array,
-        sure: Array,
-        caps: Array,
-        wanted: Array,
-        lowest: Array,
-        period: float,
-        brake: float,
-        trust: bool,
-    ) -> Array:
+    def rates(self, progress: Progress, wanted: Array, braking: Braking) -> Array:
         """`(N,)` rates of progress for the next cycle; see `_precedence.allowed_rates`."""
-        state = _precedence.Progress(progress, sure, caps, lowest)
-        braking = _precedence.Braking(period, brake, trust)
-        return np.asarray(_precedence.allowed_rates(self._order, state, wanted, braking))
+        return np.asarray(_precedence.allowed_rates(self._order, progress, wanted, braking))
 
 
 def reach_of(model: RobotModel) -> float:

@@ -72,7 +72,7 @@ def _area_at(time: Array, yaw: Array, area: Array, moments: Array) -> Array:
     return np.asarray(area[at] + after * (yaw[at] + 0.5 * slope * after))
 
 
-def pace_profile(
+def rate_profile(
     path: Trajectory, limits: LegLimits, brake: float, terrain: Terrain | None = None
 ) -> Array:
     """Largest rates of progress `(K,)` every `GRAIN` s of plan time that keep to the limits.

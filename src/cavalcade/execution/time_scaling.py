@@ -8,8 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cavalcade.execution._precedence import Braking, Progress
 from cavalcade.execution.precedence import MARGIN, Precedence, reach_of
-from cavalcade.execution.speed_profile import GRAIN, LegLimits, pace_profile
+from cavalcade.execution.speed_profile import GRAIN, LegLimits, rate_profile
 from cavalcade.geometry import Array, wrap_angle
 from cavalcade.geometry.trajectory import FLIGHT, Trajectory
 from cavalcade.robots import RobotModel
@@ -72,7 +73,7 @@ WALKING = FollowSettings(limits=LegLimits())
 """For robots on legs."""
 
 
-class Pace:
+class TimeScaling:
     """The progress of each robot: plan time minus what it is late by.
 
     A rate of 1 is the plan's own pace. Rates change no faster than robots brake, come down before
@@ -104,14 +105,15 @@ class Pace:
         self._unicycle = np.array([model.drive.startswith("unicycle") for model in models])
         self._rests = [_rests(path) for path in paths]
         self._ends = np.array([path.duration for path in paths])
-        self._brake = _brake(paths, models)
+        brake = _brake(paths, models)
+        self._braking = Braking(period, brake, settings.trust)
         self._models = models
-        self._stop = 2.0 * period + 0.5 / self._brake
+        self._stop = 2.0 * period + 0.5 / brake
         self._bare: Precedence | None = None
         size = len(paths)
         limits = settings.limits
         self._profiles = [
-            np.ones(1) if limits is None else pace_profile(path, limits, self._brake, terrain)
+            np.ones(1) if limits is None else rate_profile(path, limits, brake, terrain)
             for path in paths
         ]
         self.delay = np.zeros(size)
@@ -174,20 +176,13 @@ class Pace:
         behind = self._behind(errors, poses)
         turned = _ramp(np.abs(errors[:, 2]), self._settings.lag_heading)
         wanted = np.minimum(_ramp(behind, self._settings.lag), turned)
-        wanted = np.minimum(wanted, self._eased(progress))
-        change = self._brake * self.period
+        wanted = np.minimum(wanted, self._profile_rates(progress))
+        change = self._braking.deceleration * self.period
         wanted = np.clip(wanted, np.maximum(self.rates - change, 0.0), self.rates + change)
         wanted[self.held] = 0.0
-        self.rates = self.precedence.rates(
-            progress,
-            self.sure,
-            self.caps,
-            wanted,
-            np.where(self.held, 0.0, np.maximum(self.rates - _HARD * change, 0.0)),
-            self.period,
-            self._brake,
-            self._settings.trust,
-        )
+        lowest = np.where(self.held, 0.0, np.maximum(self.rates - _HARD * change, 0.0))
+        state = Progress(progress, self.sure, self.caps, lowest)
+        self.rates = self.precedence.rates(state, wanted, self._braking)
         late = np.isnan(self.arrived_late) & (progress >= self._ends - _STILL)
         self.arrived_late[late] = self.delay[late]
 
@@ -220,7 +215,7 @@ class Pace:
         moved = math.hypot(*(there - here)[:2]) + self._reach[robot] * abs(there[2] - here[2])
         return bool(moved <= _SLOW * self.period)
 
-    def _eased(self, progress: Array) -> Array:
+    def _profile_rates(self, progress: Array) -> Array:
         """`(N,)` the rates of the robots' profiles there."""
         return np.array(
             [

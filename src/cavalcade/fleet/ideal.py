@@ -6,21 +6,19 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from numba import njit
 from numpy.typing import ArrayLike
 
-from cavalcade.errors import InputError
-from cavalcade.fleet._kernels import advance_team
-from cavalcade.fleet.protocol import Observation
-from cavalcade.fleet.radio import CommandDelay, LocalisationNoise, Radio, start_poses
+from cavalcade.fleet.radio import CommandDelay, LocalisationNoise, RadioFleet, start_poses
 from cavalcade.geometry import Array, wrap_angle
 from cavalcade.robots.model import RobotModel
-from cavalcade.robots.motion import limits_of
+from cavalcade.robots.motion import MotionLimits, advance, limits_of
 
 LONGEST_STEP = 0.01
 """Longest internal time step, s."""
 
 
-class IdealFleet:
+class IdealFleet(RadioFleet):
     """Robots that follow body velocities within their limits (see `cavalcade.robots.motion`).
 
     Args:
@@ -48,22 +46,7 @@ class IdealFleet:
         self._poses = start_poses(poses, len(models))
         self._velocities = np.zeros_like(self._poses)
         self._limits = np.array([limits_of(model) for model in models])
-        self._time = float(time)
-        self._radio = Radio(self._poses, self._time, noise, delay, seed)
-
-    @property
-    def size(self) -> int:
-        """Number of robots."""
-        return len(self._poses)
-
-    @property
-    def time(self) -> float:
-        """The fleet's clock, s."""
-        return self._time
-
-    def observe(self) -> Observation:
-        """The newest pose report of every robot and when it was measured."""
-        return self._radio.observation(self._time)
+        super().__init__(self._poses, float(time), noise, delay, seed)
 
     def true_poses(self) -> Array:
         """`(N, 3)` true poses now, yaw in [-pi, pi)."""
@@ -75,49 +58,36 @@ class IdealFleet:
         """`(N, 3)` true velocities now, map frame: m/s, m/s, rad/s."""
         return self._velocities.copy()
 
-    def send(self, commands: ArrayLike) -> None:
-        """Command body-frame velocities `(N, 3)`: m/s, m/s, rad/s. They hold until the next.
-
-        Raises:
-            InputError: Another shape, or a value that is not finite; nothing is sent then.
-        """
-        self._radio.send(commands, self._time)
-
-    def advance(self, dt: float) -> None:
-        """Let `dt` seconds pass; every robot that answers then reports its pose.
-
-        Raises:
-            InputError: `dt` is not positive and finite.
-        """
-        if not (math.isfinite(dt) and dt > 0.0):
-            raise InputError("expected a positive time step", key="dt")
+    def _move(self, start: float, dt: float) -> Array:
         steps = max(1, math.ceil(dt / LONGEST_STEP - 1e-9))
-        start = self._time
-        if self._radio.busy:
-            for step in range(steps):
-                self._radio.deliver(start + step * dt / steps)
-                self._move(dt / steps, 1)
-        else:
-            self._move(dt / steps, steps)
-        self._time = start + dt
-        self._radio.report(self._poses, self._time)
+        # Commands that are on their way arrive between steps.
+        moves = [1] * steps if self._messages else [steps]
+        for number, together in enumerate(moves):
+            self._deliver(start + number * dt / steps)
+            advance_team(
+                self._poses, self._velocities, self._commands, self._limits, dt / steps, together
+            )
+        return self._poses
 
-    def silence(self, robot: int) -> None:
-        """The robot stops answering: no more reports, and it brakes to a halt."""
-        self._radio.silence(robot)
 
-    def revive(self, robot: int) -> None:
-        """The robot answers and listens again, from where it stands."""
-        self._radio.revive(robot)
+@njit(cache=True)
+def advance_team(
+    poses: Array, velocities: Array, commands: Array, limits: Array, dt: float, steps: int
+) -> None:
+    """Move every robot by `steps` steps of `dt` seconds under held commands, in place.
 
-    def disable(self, robot: int) -> None:
-        """The robot brakes to a halt and ignores commands, but can still be located."""
-        self._radio.disable(robot)
-
-    def enable(self, robot: int) -> None:
-        """The robot listens to commands again."""
-        self._radio.enable(robot)
-
-    def _move(self, dt: float, steps: int) -> None:
-        commands = self._radio.commands
-        advance_team(self._poses, self._velocities, commands, self._limits, dt, steps)
+    Args:
+        poses: `(N, 3)` x, y, yaw in the map frame; changed.
+        velocities: `(N, 3)` vx, vy, wz in the map frame; changed.
+        commands: `(N, 3)` body-frame velocities.
+        limits: `(N, 5)` a row of `cavalcade.robots.motion.MotionLimits` per robot.
+        dt, steps: Length of each step, s, and their number.
+    """
+    for robot in range(poses.shape[0]):
+        pose, velocity, row = poses[robot], velocities[robot], limits[robot]
+        state = (pose[0], pose[1], pose[2], velocity[0], velocity[1], velocity[2])
+        command = (commands[robot, 0], commands[robot, 1], commands[robot, 2])
+        own = MotionLimits(row[0], row[1], row[2], row[3], row[4])
+        for _ in range(steps):
+            state = advance(state, command, dt, own)
+        pose[0], pose[1], pose[2], velocity[0], velocity[1], velocity[2] = state

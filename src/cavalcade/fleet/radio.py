@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,8 +44,11 @@ class _Message:
     command: Array
 
 
-class Radio:
-    """Carries commands to the robots of a simulated fleet and their poses back.
+class RadioFleet:
+    """A simulated fleet as planners know it: a radio carries commands there and poses back.
+
+    How robots move is up to those who derive from it: `_move`, and `_hear` if they must know when
+    a command arrives.
 
     Args:
         poses: `(N, 3)` true poses at the start, map frame, m and rad; they are reported at once.
@@ -58,13 +62,14 @@ class Radio:
         self,
         poses: Array,
         time: float,
-        noise: LocalisationNoise | None = None,
-        delay: CommandDelay | None = None,
-        seed: int = 0,
+        noise: LocalisationNoise | None,
+        delay: CommandDelay | None,
+        seed: int,
     ) -> None:
         size = len(poses)
-        self.commands = np.zeros((size, 3))
-        """What each robot was told last, body frame: m/s, m/s, rad/s."""
+        self._time = time
+        # What each robot was told last, body frame: m/s, m/s, rad/s.
+        self._commands = np.zeros((size, 3))
         self._noise = noise or LocalisationNoise()
         self._delay = delay or CommandDelay()
         self._random = np.random.default_rng(seed)
@@ -77,81 +82,103 @@ class Radio:
         self._disabled = np.zeros(size, dtype=bool)
         self._reported = np.zeros((size, 3))
         self._stamps = np.full(size, time)
-        self._report(poses, time, lossy=False)
+        self._report(poses, lossy=False)
 
     @property
-    def busy(self) -> bool:
-        """Whether commands are on their way."""
-        return bool(self._messages)
+    def size(self) -> int:
+        """Number of robots."""
+        return len(self._commands)
 
     @property
-    def deaf(self) -> NDArray[np.bool_]:
-        """`(N,)` robots that ignore commands."""
-        return self._silent | self._disabled
+    def time(self) -> float:
+        """The fleet's clock, s."""
+        return self._time
 
-    def send(self, commands: ArrayLike, time: float) -> NDArray[np.bool_]:
-        """Send commands `(N, 3)` off at `time` s; who has got one already, `(N,)`.
+    def observe(self) -> Observation:
+        """The newest pose report of every robot and when it was measured."""
+        return Observation(self._time, self._reported.copy(), self._stamps.copy())
+
+    def send(self, commands: ArrayLike) -> None:
+        """Command body-frame velocities `(N, 3)`: m/s, m/s, rad/s. They hold until the next.
 
         Raises:
             InputError: Another shape, or a value that is not finite; nothing is sent then.
         """
         wanted = np.array(commands, dtype=float)
-        if wanted.shape != self.commands.shape or not np.isfinite(wanted).all():
-            raise InputError(f"expected finite commands of shape {self.commands.shape}")
+        if wanted.shape != self._commands.shape or not np.isfinite(wanted).all():
+            raise InputError(f"expected finite commands of shape {self._commands.shape}")
         if self._instant:
-            self.commands = np.where(self.deaf[:, None], 0.0, wanted)
-            return ~self.deaf
-        size = len(wanted)
+            deaf = self._silent | self._disabled
+            self._commands = np.where(deaf[:, None], 0.0, wanted)
+            self._hear(~deaf, self._time)
+            return
         self._sent += 1
-        delays = self._delay.mean + self._delay.jitter * self._random.standard_normal(size)
-        lost = self._random.random(size) < self._delay.drop
+        delays = self._delay.mean + self._delay.jitter * self._random.standard_normal(self.size)
+        lost = self._random.random(self.size) < self._delay.drop
         for robot in np.flatnonzero(~lost):
-            due = time + max(float(delays[robot]), 0.0)
+            due = self._time + max(float(delays[robot]), 0.0)
             self._messages.append(_Message(due, self._sent, int(robot), wanted[robot]))
-        return np.zeros(size, dtype=bool)
 
-    def deliver(self, now: float) -> NDArray[np.bool_]:
-        """Let commands arrive that are due at `now` s; who has got one, `(N,)`."""
-        waiting = []
-        reached = np.zeros(len(self.commands), dtype=bool)
-        for message in self._messages:
-            if message.due > now + 1e-9:
-                waiting.append(message)
-            elif message.number > self._newest[message.robot]:
-                self._newest[message.robot] = message.number
-                if not (self._silent[message.robot] or self._disabled[message.robot]):
-                    self.commands[message.robot] = message.command
-                    reached[message.robot] = True
-        self._messages = waiting
-        return reached
+    def advance(self, dt: float) -> None:
+        """Let `dt` seconds pass; every robot that answers then reports its pose.
 
-    def report(self, poses: Array, time: float) -> None:
-        """Every robot that answers reports its pose; some reports are lost."""
-        self._report(poses, time, lossy=True)
-
-    def observation(self, time: float) -> Observation:
-        """The newest report of every robot, as known at `time` s."""
-        return Observation(time, self._reported.copy(), self._stamps.copy())
+        Raises:
+            InputError: `dt` is not positive and finite, or physics has become unstable.
+        """
+        if not (math.isfinite(dt) and dt > 0.0):
+            raise InputError("expected a positive time step", key="dt")
+        start, self._time = self._time, self._time + dt
+        self._report(self._move(start, dt), lossy=True)
 
     def silence(self, robot: int) -> None:
-        """No more reports of the robot, and no commands to it."""
+        """The robot stops answering: no more reports, and it comes to a halt."""
         self._silent[robot] = True
-        self.commands[robot] = 0.0
+        self._halt(robot)
 
     def revive(self, robot: int) -> None:
-        """The robot answers and listens again."""
+        """The robot answers and listens again, from where it stands."""
         self._silent[robot] = False
 
     def disable(self, robot: int) -> None:
-        """The robot ignores commands, but reports its pose."""
+        """The robot comes to a halt and ignores commands, but can still be located."""
         self._disabled[robot] = True
-        self.commands[robot] = 0.0
+        self._halt(robot)
 
     def enable(self, robot: int) -> None:
         """The robot listens to commands again."""
         self._disabled[robot] = False
 
-    def _report(self, poses: Array, time: float, lossy: bool) -> None:
+    def _move(self, start: float, dt: float) -> Array:
+        """Move the robots from the time `start` on for `dt` s; their true poses `(N, 3)` then."""
+        raise NotImplementedError
+
+    def _hear(self, reached: NDArray[np.bool_], now: float) -> None:
+        """Robots `reached` `(N,)` have got their `_commands` at `now` s."""
+
+    def _halt(self, robot: int) -> None:
+        self._commands[robot] = 0.0
+        self._hear(np.eye(self.size, dtype=bool)[robot], self._time)
+
+    def _deliver(self, now: float) -> None:
+        """Let commands arrive that are due at `now` s."""
+        if not self._messages:
+            return
+        waiting = []
+        reached = np.zeros(self.size, dtype=bool)
+        for message in self._messages:
+            robot = message.robot
+            if message.due > now + 1e-9:
+                waiting.append(message)
+            elif message.number > self._newest[robot]:
+                self._newest[robot] = message.number
+                if not (self._silent[robot] or self._disabled[robot]):
+                    self._commands[robot] = message.command
+                    reached[robot] = True
+        self._messages = waiting
+        self._hear(reached, now)
+
+    def _report(self, poses: Array, lossy: bool) -> None:
+        """Every robot that answers reports its pose; some reports are lost where `lossy`."""
         reporting = ~self._silent
         if lossy and self._delay.drop:
             reporting &= self._random.random(len(poses)) >= self._delay.drop
@@ -161,7 +188,7 @@ class Radio:
             seen += self._random.standard_normal(seen.shape) * scale
         seen[:, 2] = wrap_angle(seen[:, 2])
         self._reported[reporting] = seen[reporting]
-        self._stamps[reporting] = time
+        self._stamps[reporting] = self._time
 
 
 def start_poses(poses: ArrayLike, robots: int) -> Array:
@@ -171,8 +198,10 @@ def start_poses(poses: ArrayLike, robots: int) -> Array:
         InputError: Another number, or a pose that is not finite.
     """
     start = np.array(poses, dtype=float)
-    if start.ndim != 2 or start.shape != (robots, 3) or not robots:
-        raise InputError(f"expected one pose (x, y, yaw) per robot, shape ({robots}, 3)")
+    if start.shape != (robots, 3) or not robots:
+        raise InputError(
+            f"expected one pose (x, y, yaw) per robot, shape ({robots}, 3)", key="poses"
+        )
     if not np.isfinite(start).all():
-        raise InputError("expected finite poses")
+        raise InputError("expected finite poses", key="poses")
     return start

@@ -1,9 +1,9 @@
 """Clearances of boxes that move among obstacles, compiled. Metres and radians.
 
-All functions look at many poses and keep running minima in `best` `(2,)`: the smallest distance
-from a centre to a surface, and the smallest gap between a box and a surface. `contact` `(M,)`
-becomes True where the box touches something. Exact distances are computed only where a bound says
-that they can lower a minimum or be a contact.
+Those named clearances look at many poses and keep running minima in `best` `(2,)`: the smallest
+distance from a centre to a surface, and the smallest gap between a box and a surface. `contact`
+`(M,)` becomes True where the box touches something. Exact distances are computed only where a bound
+says that they can lower a minimum or be a contact.
 """
 
 from __future__ import annotations
@@ -172,3 +172,34 @@ def boxes_clearance(one, other, sizes, best, contact):
             gap = boxes_gap(one[m], other[m], sizes[0], sizes[1], first, second)
             best[1] = min(best[1], gap)
             contact[m] |= gap <= 0.0
+
+
+@njit(cache=True)
+def nearest_gaps(poses, bodies):
+    """The smallest gap of each body to any other at each time.
+
+    Args:
+        poses: `(K, N, 3)` x, y, yaw.
+        bodies: `(N, 3)` length, width and inflation, see `cavalcade.geometry.boxes`.
+
+    Returns:
+        `(K, N)` m, inf for a body that is alone.
+    """
+    count, robots = poses.shape[0], poses.shape[1]
+    gaps = np.full((count, robots), np.inf)
+    first, second = np.empty((4, 2)), np.empty((4, 2))
+    for k in range(count):
+        for a in range(robots):
+            for b in range(a):
+                away = math.hypot(poses[k, a, 0] - poses[k, b, 0], poses[k, a, 1] - poses[k, b, 1])
+                reach = bodies[a, 2] + bodies[b, 2]
+                reach += 0.5 * (
+                    math.hypot(bodies[a, 0], bodies[a, 1]) + math.hypot(bodies[b, 0], bodies[b, 1])
+                )
+                # The bound says that neither minimum can change.
+                if away - reach >= gaps[k, a] and away - reach >= gaps[k, b]:
+                    continue
+                gap = boxes_gap(poses[k, a], poses[k, b], bodies[a], bodies[b], first, second)
+                gaps[k, a] = min(gaps[k, a], gap)
+                gaps[k, b] = min(gaps[k, b], gap)
+    return gaps

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -54,11 +55,17 @@ class Trajectory:
 
         Linear between samples: within 1 mm at walking speeds.
         """
-        return np.stack(
-            [
-                np.interp(times, self.time, self.position[:, 0]),
-                np.interp(times, self.time, self.position[:, 1]),
-                np.interp(times, self.time, self.yaw),
-            ],
-            axis=1,
-        )
+        columns = (self.position[:, 0], self.position[:, 1], self.yaw)
+        return np.stack([np.interp(times, self.time, column) for column in columns], axis=1)
+
+
+def common_clock(trajectories: Sequence[Trajectory], step: float = STEP) -> Array:
+    """Times `(K,)` from 0 to the moment when all are parked, that one included, s."""
+    end = max((trajectory.duration for trajectory in trajectories), default=0.0)
+    times = np.arange(0.0, end, step)
+    return np.append(times[times < end - 1e-9], end)
+
+
+def team_poses(trajectories: Sequence[Trajectory], times: Array) -> Array:
+    """Poses `(K, N, 3)` x, y, yaw at times `(K,)`; who has arrived stands at its goal."""
+    return np.stack([trajectory.poses_at(times) for trajectory in trajectories], axis=1)

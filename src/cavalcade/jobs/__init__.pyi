@@ -1,3 +1,3 @@
-from .planning import plan as plan
-from .result import JobResult as JobResult
+from .running import JobResult as JobResult
+from .running import plan as plan
 from .running import run as run

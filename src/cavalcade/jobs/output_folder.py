@@ -8,17 +8,17 @@ import shutil
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Self
 
 from cavalcade.errors import OutputError
-from cavalcade.recording import physics_mcap, plan_file
+from cavalcade.recording import mcap_writer, plan_file
 from cavalcade.scenario import Scenario, dump_scenario
 
 _STAGE = ".cavalcade-"
 SCENARIO, SUMMARY, REPLAY, FIGURES = "scenario.yaml", "summary.json", "replay.html", "figures"
-RECORDING, PLAN = physics_mcap.FILE, plan_file.FILE
-_PRODUCTS = (SCENARIO, SUMMARY, RECORDING, PLAN, REPLAY)
+RECORDING, PLAN = mcap_writer.FILE, plan_file.FILE
+_PRODUCTS = (SUMMARY, SCENARIO, RECORDING, PLAN, FIGURES, REPLAY)
+"""In a reader's order."""
 
 
 class OutputFolder:
@@ -55,12 +55,7 @@ class OutputFolder:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         shutil.rmtree(self.stage, ignore_errors=True)
         self._remove_folders()
 
@@ -85,29 +80,28 @@ class OutputFolder:
                 os.replace(draft, self.stage / SCENARIO)
             finally:
                 draft.unlink(missing_ok=True)
-            write_json(self.stage / SUMMARY, summary)
+            text = json.dumps(summary, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+            (self.stage / SUMMARY).write_text(text, encoding="utf-8")
             staged = sorted(
-                file.relative_to(self.stage) for file in self.stage.rglob("*") if file.is_file()
+                (file.relative_to(self.stage) for file in self.stage.rglob("*") if file.is_file()),
+                key=lambda name: (_PRODUCTS.index(name.parts[0]), name),
             )
             self._clear()
-            for name in sorted(staged, key=lambda name: name == Path(SUMMARY)):
+            for name in reversed(staged):
                 (self.path / name).parent.mkdir(exist_ok=True)
                 os.replace(self.stage / name, self.path / name)
         except OSError as error:
             raise OutputError(f"{self.path}: cannot be written: {_reason(error)}") from None
         self._made.clear()
-        order = (SUMMARY, SCENARIO, RECORDING, PLAN, FIGURES, REPLAY)
-        ranked = sorted(staged, key=lambda name: (_rank(name, order), name))
-        return tuple(self.path / name for name in ranked)
+        return tuple(self.path / name for name in staged)
 
     def _clear(self) -> None:
-        """Take away what an earlier run left, and nothing else."""
-        for name in (SUMMARY, *_PRODUCTS):
-            (self.path / name).unlink(missing_ok=True)
-        figures = self.path / FIGURES
-        if figures.is_dir():
-            for picture in figures.glob("*.png"):
-                picture.unlink()
+        """Take away what an earlier run left, the summary first, and nothing else."""
+        for name in _PRODUCTS:
+            if name != FIGURES:
+                (self.path / name).unlink(missing_ok=True)
+        for picture in (self.path / FIGURES).glob("*.png"):
+            picture.unlink()
 
     def _make_folders(self) -> None:
         for folder in reversed([self.path, *self.path.parents]):
@@ -124,24 +118,9 @@ class OutputFolder:
         self._made.clear()
 
 
-def write_json(path: Path, value: Mapping[str, Any]) -> None:
-    """Write JSON with sorted layout kept as given; nan and inf are refused.
-
-    Raises:
-        ValueError: A number is not finite.
-        OSError: It cannot be written.
-    """
-    text = json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    path.write_text(text, encoding="utf-8")
-
-
 def _holds_something(folder: Path) -> bool:
     # What a killed run left of its stage is not a result.
     return any(not entry.name.startswith(_STAGE) for entry in folder.iterdir())
-
-
-def _rank(name: Path, order: tuple[str, ...]) -> int:
-    return order.index(name.parts[0]) if name.parts[0] in order else len(order)
 
 
 def _reason(error: OSError) -> str:

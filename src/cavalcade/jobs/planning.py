@@ -1,106 +1,127 @@
-"""A whole planning job: from a scenario to a folder with a plan."""
+"""Plans for robots with goals of their own: made, measured, and as they were driven."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
-from pathlib import Path
-from typing import Any
+import time as clock
+from collections.abc import Callable, Sequence
 
-from cavalcade.errors import InputError
-from cavalcade.jobs.individual_task import Coordinator, make_plan
-from cavalcade.jobs.output_folder import FIGURES, PLAN, REPLAY, OutputFolder
-from cavalcade.jobs.reporter import Reporter
-from cavalcade.jobs.result import JobResult
-from cavalcade.jobs.running import load_for_running
-from cavalcade.recording.plan_file import write_plan
-from cavalcade.scenario import Scenario, build_world, resolve_scenario
-from cavalcade.scenario.settings import TEAM_METHODS
+import numpy as np
+
+from cavalcade.coordination import PlanSettings
+from cavalcade.coordination.result import TeamPlan
+from cavalcade.execution.plan_follower import PlanFollower
+from cavalcade.geometry import Array
+from cavalcade.geometry.trajectory import Trajectory
+from cavalcade.jobs.reporter import JobReporter
+from cavalcade.lattice.ground import make_ground
+from cavalcade.locomotion import leg_lengths, plan_footholds
+from cavalcade.metrics.plan_summary import PlanResult, summarise_plan
+from cavalcade.recording.frames import Recording
+from cavalcade.scenario import ResolvedScenario, Scenario, World
+
+SWAY = 0.05
+"""Robots that walk are planned for as if their bodies were this much wider on all sides, m."""
+
+Coordinator = Callable[[Scenario, World], TeamPlan]
+"""What makes a team plan; tests and users may bring their own."""
 
 
-def plan(
-    scenario: Scenario | str | Path,
-    out: str | Path | None = None,
-    method: str | None = None,
-    seed: int | None = None,
-    *,
-    overrides: Sequence[str] | Mapping[str, Any] = (),
-    force: bool = False,
-    figures: bool = True,
-    replay: bool = True,
-    quiet: bool = True,
+def make_plan(
+    scenario: ResolvedScenario,
+    world: World,
     coordinator: Coordinator | None = None,
-) -> JobResult:
-    """Plan the motion of robots that have goals of their own.
+    reporter: JobReporter | None = None,
+) -> PlanResult:
+    """Plan and measure the plan, without files.
 
     Args:
-        scenario: A loaded one, a shipped scenario's name, or a file.
-        out: The folder for the results, missing or empty; None writes nothing.
-        method: `sequential`, `joint`, `cbs` or `auto`, over the scenario's.
-        seed: Over the scenario's.
-        overrides: Over the file's values, as `load_scenario` takes them; only for a name or file.
-        force: Replace what an earlier job left in `out`.
-        figures: Draw the figures.
-        replay: Write the replay.
-        quiet: Print nothing; otherwise progress, a table and the names of the files.
-        coordinator: Makes another plan than the scenario's method would.
-
-    Raises:
-        InputError: The scenario, its world or an argument cannot be used; formation goals too.
-        OutputError: The results cannot be written; nothing is left behind then.
+        scenario: With individual goals.
+        world: Its ground.
+        coordinator: Instead of the scenario's method.
+        reporter: Told what goes on.
     """
-    loaded = load_for_running(scenario, seed, overrides, None)
-    loaded = _with_method(loaded, method)
-    _require_own_goals(loaded)
-    with ExitStack() as stack:
-        folder = stack.enter_context(OutputFolder(out, force)) if out is not None else None
-        reporter = stack.enter_context(Reporter(loaded.name, quiet))
-        resolved = resolve_scenario(loaded)
-        world = build_world(resolved)
-        made = make_plan(resolved, world, coordinator, reporter)
-        files: tuple[Path, ...] = ()
-        if folder is not None:
-            write_plan(folder.stage / PLAN, made.trajectories, made.footholds)
-            if figures:
-                from cavalcade.drawing.plans import make_plan_figures
-
-                reporter.say("Drawing the figures ...")
-                make_plan_figures(resolved, world, made, folder.stage / FIGURES)
-            if replay:
-                from cavalcade.drawing.replay.page import write_replay
-
-                path = folder.stage / REPLAY
-                write_replay(path, resolved, world, plan=made, summary=made.summary)
-            files = folder.commit(resolved, made.summary.to_dict())
-        reporter.finish(made.summary, files)
-    directory = None if folder is None else folder.path
-    return JobResult(resolved, world, made.summary, None, made, directory, files)
+    started = clock.perf_counter()
+    with (reporter or JobReporter(scenario.name, quiet=True)).planning(scenario):
+        team = (coordinator or coordinate)(scenario, world)
+    footholds, stretches = _plan_feet(scenario, world, team.trajectories)
+    summary = summarise_plan(scenario, world, team, stretches, clock.perf_counter() - started)
+    return PlanResult(team, footholds, summary)
 
 
-def _require_own_goals(scenario: Scenario) -> None:
-    """Refuse a scenario whose goals are those of a formation.
+def coordinate(scenario: Scenario, world: World) -> TeamPlan:
+    """The plan of the scenario's own method."""
+    from cavalcade.coordination import plan_team, problem_of
 
-    Raises:
-        InputError: It is one.
+    return plan_team(
+        problem_of(scenario, world),
+        scenario.planner.method,
+        settings_of(scenario),
+        scenario.seed,
+    )
+
+
+def settings_of(scenario: Scenario) -> PlanSettings:
+    """The options that the scenario's `planner` section gives over the defaults.
+
+    The variant `published` has the paper's plain choices where the section names no others.
     """
-    if not scenario.goals:
-        raise InputError(
-            "plan is for robots with goals of their own (task.goals: individual); "
-            "use `cavalcade run` for formations",
-            file=scenario.file or scenario.name,
-            key="task.goals",
+    said, default = scenario.planner, PlanSettings()
+    published = said.variant == "published"
+    margin = said.margin
+    if margin is None:
+        margin = SWAY if scenario.execution.backend == "mujoco" else 0.0
+    return PlanSettings(
+        variant="published" if published else "cavalcade",
+        constraints=said.constraints or ("static" if published else default.constraints),
+        conflict=said.conflict or ("first" if published else default.conflict),
+        leaps=default.leaps if said.leaps is None else said.leaps,
+        improve=default.improve if said.improve is None else said.improve,
+        margin=float(margin),
+        iterations=said.budget.iterations or default.iterations,
+        seconds=said.budget.seconds,
+    )
+
+
+def driven_trajectories(
+    made: PlanResult, recording: Recording, follower: PlanFollower
+) -> tuple[Trajectory | None, ...]:
+    """The poses that were driven, at the heights and phases of the robots' progress in the plan.
+
+    A robot's trajectory ends with the cycle in which its plan ends, or with the run.
+    """
+    driven: list[Trajectory | None] = []
+    delays = follower.delays_at(recording.time)
+    for robot, path in enumerate(made.trajectories):
+        if path is None:
+            driven.append(None)
+            continue
+        progress = recording.time - delays[:, robot]
+        cycles = 1 + int(np.searchsorted(progress, path.duration - 1e-9))
+        time, progress = recording.time[:cycles], progress[:cycles]
+        poses = recording.poses[:cycles, robot]
+        height = np.interp(progress, path.time, path.position[:, 2])
+        position = np.column_stack([poses[:, :2], height])
+        before = np.clip(np.searchsorted(path.time, progress + 1e-9) - 1, 0, len(path.time) - 1)
+        velocity = np.gradient(position, time, axis=0) if len(time) > 1 else np.zeros((1, 3))
+        driven.append(
+            Trajectory(time, position, velocity, np.unwrap(poses[:, 2]), path.phase[before])
         )
+    return tuple(driven)
 
 
-def _with_method(scenario: Scenario, method: str | None) -> Scenario:
-    """The scenario with another method; itself if that is None.
-
-    Raises:
-        InputError: There is no such method.
-    """
-    if method is None or method == scenario.planner.method:
-        return scenario
-    if method not in TEAM_METHODS:
-        raise InputError(f"unknown method {method!r}", key="method", choices=TEAM_METHODS)
-    planner = scenario.planner.model_copy(update={"method": method})
-    return scenario.model_copy(update={"planner": planner})
+def _plan_feet(
+    scenario: Scenario, world: World, trajectories: Sequence[Trajectory | None]
+) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
+    """Footholds `(M, 6)` of each robot, and how far its legs stretch to them `(M,)`, m."""
+    ground = make_ground(world.map, world.terrain)
+    origin = world.map.origin
+    footholds: list[Array] = []
+    stretches: list[Array] = []
+    for model, trajectory in zip(scenario.models, trajectories, strict=True):
+        feet, stretch = np.zeros((0, 6)), np.zeros(0)
+        if trajectory is not None and model.legs is not None:
+            feet = plan_footholds(trajectory, model, ground, origin)
+            stretch = leg_lengths(feet, trajectory, model, ground, origin)
+        footholds.append(feet)
+        stretches.append(stretch)
+    return tuple(footholds), tuple(stretches)

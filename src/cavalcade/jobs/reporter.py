@@ -2,42 +2,37 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
-from cavalcade.jobs.warm import kernels_are_cached
+import cavalcade
 from cavalcade.recording.frames import Frame
 from cavalcade.scenario import Scenario
 
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.progress import Progress as Bar
+    from rich.progress import ProgressColumn
 
 PLAIN_PERIOD = 10.0
 """Where there is no terminal, a line is printed this often, s of simulated time."""
 
 
 class Reporter:
-    """Says on stdout what a job does: a bar on a terminal, plain lines elsewhere.
+    """Says on stdout how work goes on: lines, and a bar on a terminal.
 
-    Use it as a context; with `quiet` it says nothing. It is a sink of frames.
-
-    Attributes:
-        timeout: When a run will be given up, s of simulated time.
+    Use it as a context; with `quiet` it says nothing.
     """
 
-    def __init__(self, name: str, quiet: bool = False) -> None:
-        self.timeout = 0.0
-        self._name = name
+    def __init__(self, quiet: bool = False) -> None:
         self._quiet = quiet
         self._console: Console | None = None
         self._bar: Bar | None = None
         self._task: Any = None
-        self._last = 0.0
 
     def __enter__(self) -> Self:
         if not self._quiet:
@@ -46,18 +41,56 @@ class Reporter:
             self._console = Console(file=sys.stdout, highlight=False, soft_wrap=True)
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._close_bar()
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
     def say(self, text: str) -> None:
         """One line."""
         if self._console is not None:
             self._console.print(text, markup=False)
+
+    def close(self) -> None:
+        """Take the bar away."""
+        if self._bar is not None:
+            self._bar.stop()
+            self._bar = None
+
+    def _show_bar(self, columns: Sequence[ProgressColumn], per_second: float, **task: Any) -> None:
+        """Begin a bar.
+
+        Args:
+            columns: Between the bar and the time that has passed.
+            per_second: How often it is drawn.
+            task: Its description and so on, as rich takes them.
+        """
+        from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
+        from rich.progress import Progress as Bar
+
+        self._bar = Bar(
+            TextColumn("{task.description}", markup=False),
+            BarColumn(),
+            *columns,
+            TimeElapsedColumn(),
+            console=self._console,
+            transient=True,
+            refresh_per_second=per_second,
+        )
+        self._task = self._bar.add_task(**task)
+        self._bar.start()
+
+
+class JobReporter(Reporter):
+    """Says what one job does; it is a sink of frames.
+
+    Attributes:
+        timeout: When a run will be given up, s of simulated time.
+    """
+
+    def __init__(self, name: str, quiet: bool = False) -> None:
+        super().__init__(quiet)
+        self.timeout = 0.0
+        self._name = name
+        self._last = 0.0
 
     @contextmanager
     def planning(self, scenario: Scenario) -> Iterator[None]:
@@ -97,7 +130,7 @@ class Reporter:
 
     def finish(self, summary: Mapping[str, Any], files: Sequence[Path]) -> None:
         """The table of the result and where to look."""
-        self._close_bar()
+        self.close()
         if self._console is None:
             return
         from rich import box
@@ -115,59 +148,69 @@ class Reporter:
 
     def _update_bar(self, frame: Frame) -> None:
         if self._bar is None:
-            from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
-            from rich.progress import Progress as Bar
+            from rich.progress import TextColumn
 
-            self._bar = Bar(
-                TextColumn("{task.description}", markup=False),
-                BarColumn(),
-                TextColumn("{task.completed:.1f} s simulated, {task.fields[state]}", markup=False),
-                TimeElapsedColumn(),
-                console=self._console,
-                transient=True,
-                refresh_per_second=5,
+            state = TextColumn(
+                "{task.completed:.1f} s simulated, {task.fields[state]}", markup=False
             )
-            state = frame.status.state
-            self._task = self._bar.add_task(self._name, total=self.timeout, state=state)
-            self._bar.start()
-        if frame.time - self._last >= 0.5 or frame.time < self._last:
+            task = {"description": self._name, "total": self.timeout, "state": frame.status.state}
+            self._show_bar([state], 5, **task)
+        elif frame.time - self._last >= 0.5 or frame.time < self._last:
             self._last = frame.time
             self._bar.update(self._task, completed=frame.time, state=frame.status.state)
 
-    def _close_bar(self) -> None:
-        if self._bar is not None:
-            self._bar.stop()
-            self._bar = None
+
+def kernels_are_cached(part: str = "fleet", kernel: str = "ideal.advance_team") -> bool:
+    """Whether an earlier run has left compiled kernels, wherever numba keeps them.
+
+    A guess for the user's information only: after an update some kernels may be compiled anew.
+
+    Args:
+        part: The package to look at.
+        kernel: Module and name of one of its kernels that every job uses; `*` for any.
+    """
+    package = Path(cavalcade.__file__).parent
+    named = os.environ.get("NUMBA_CACHE_DIR")
+    if named:
+        folders = [Path(named)]
+    else:
+        folders = [package / part / "__pycache__"]
+        if not os.access(package, os.W_OK):
+            folders.append(Path.home() / ".cache" / "numba")
+    return any(any(folder.rglob(f"{kernel}-*.nbi")) for folder in folders if folder.is_dir())
 
 
 def result_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """The summary's most telling figures as rows of a table."""
-    return _plan_rows(summary) if summary["backend"] is None else _run_rows(summary)
-
-
-def _plan_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
-    result = summary["reason"]
+    """The summary's most telling values as rows of a table."""
+    planned = summary["backend"] is None
+    scenario, result = f"{summary['name']}, {summary['robots']} robots", summary["reason"]
     if summary["detail"]:
         result += f" ({summary['detail']})"
-    method = summary["method"]
-    if summary["found_by"] != method:
-        method += f" (found by {summary['found_by']})"
-    rows = [
-        ("scenario", f"{summary['name']}, {summary['robots']} robots"),
-        ("method", f"{method}, {summary['variant']}"),
-        ("result", result),
-        ("planning time", _with(summary["planning_time_s"], "s", 3)),
-    ]
-    if not summary["success"]:
-        return rows
-    length, bound = _total(summary["path_length_m"]), _total(summary["lower_bound_m"])
-    ways = _with(length, "m")
-    if length is not None and bound:
-        ways += f", {length / bound:.3f} × the shortest ways alone"
-    collisions, feet = summary["collisions"], summary["footholds"]
+    if planned:
+        method = summary["method"]
+        if summary["found_by"] != method:
+            method += f" (found by {summary['found_by']})"
+        rows = [
+            ("scenario", scenario),
+            ("method", f"{method}, {summary['variant']}"),
+            ("result", result),
+            ("planning time", _with(summary["planning_time_s"], "s", 3)),
+        ]
+        if not summary["success"]:
+            return rows
+    else:
+        rows = [
+            ("scenario", f"{scenario}, {summary['variant']}"),
+            ("result", result),
+            ("simulated time", _with(summary["sim_time_s"], "s", 1)),
+        ]
+    rows.append(("all in place after", _with(summary["makespan_s"], "s", 1)))
+    if planned:
+        length, bound = _total(summary["path_length_m"]), _total(summary["lower_bound_m"])
+        ratio = f", {length / bound:.3f} × the shortest ways alone" if length and bound else ""
+        rows.append(("summed length", _with(length, "m") + ratio))
+    collisions = summary["collisions"]
     rows += [
-        ("all in place after", _with(summary["makespan_s"], "s", 1)),
-        ("summed length", ways),
         (
             "collisions",
             f"{collisions['robot_robot']} between robots, "
@@ -177,37 +220,22 @@ def _plan_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
         ("closest to each other", _with(summary["min_robot_distance_m"], "m (centres)")),
         ("smallest footprint gap", _with(summary["min_footprint_gap_m"], "m")),
     ]
-    if feet["count"]:
-        rows.append(("footholds", f"{feet['count']}, {feet['out_of_reach']} out of reach"))
-    return rows
+    if not planned:
+        rows += _run_rows(summary)
+    elif feet := summary["footholds"]["count"]:
+        rows.append(("footholds", f"{feet}, {summary['footholds']['out_of_reach']} out of reach"))
+    return [row for row in rows if row[1]]
 
 
 def _run_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
-    collisions = summary["collisions"]
+    """What the run's kind of task is judged by, and how long it took."""
     error, cycle = summary["formation_error_m"], summary["cycle_ms"]
-    result = summary["reason"]
-    if summary["detail"]:
-        result += f" ({summary['detail']})"
-    rows = [
-        ("scenario", f"{summary['name']}, {summary['robots']} robots, {summary['variant']}"),
-        ("result", result),
-        ("simulated time", _with(summary["sim_time_s"], "s", 1)),
-        ("all in place after", _with(summary["makespan_s"], "s", 1)),
-        (
-            "collisions",
-            f"{collisions['robot_robot']} between robots, "
-            f"{collisions['robot_obstacle']} with obstacles",
-        ),
-        ("closest to an obstacle", _with(summary["min_obstacle_distance_m"], "m (centre)")),
-        ("closest to each other", _with(summary["min_robot_distance_m"], "m (centres)")),
-        ("smallest footprint gap", _with(summary["min_footprint_gap_m"], "m")),
-    ]
     if summary.get("commanded") is not None:
-        rows += _commanded_rows(summary["commanded"])
+        rows = _commanded_rows(summary["commanded"])
     elif summary["leader_changes"] is None:  # robots with goals of their own, planned ahead
-        rows.append(("planning time", _with(summary["planning_time_s"], "s", 3)))
+        rows = [("planning time", _with(summary["planning_time_s"], "s", 3))]
     else:
-        rows += [
+        rows = [
             (
                 "formation error",
                 f"{_with(error['mean'], 'm')} mean, {_with(error['max'], 'm')} largest",
@@ -219,13 +247,12 @@ def _run_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
                 f"{_with(cycle['p50'], 'ms')} median, {_with(cycle['p99'], 'ms')} 99th percentile",
             ),
         ]
-    rows.append(("wall time", _with(summary["wall_time_s"], "s", 1)))
-    return [row for row in rows if row[1]]
+    return [*rows, ("wall time", _with(summary["wall_time_s"], "s", 1))]
 
 
-def _commanded_rows(figures: Mapping[str, Any]) -> list[tuple[str, str]]:
+def _commanded_rows(tracking: Mapping[str, Any]) -> list[tuple[str, str]]:
     """How well commands were followed; nothing where no velocity stood long enough."""
-    speed, turn, spread = (figures[key] for key in ("speed_error", "yaw_rate_error", "rms_m_s"))
+    speed, turn, spread = (tracking[key] for key in ("speed_error", "yaw_rate_error", "rms_m_s"))
     return [
         ("error of mean speed", "" if speed is None else f"{100.0 * speed:.1f} %"),
         ("error of mean yaw rate", "" if turn is None else f"{100.0 * turn:.1f} %"),

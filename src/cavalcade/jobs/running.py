@@ -1,30 +1,90 @@
-"""A whole run: from a scenario to a folder of results."""
+"""Whole jobs, from a scenario to a folder of results: `run` and `plan`."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from cavalcade.coordination.result import TeamPlan
 from cavalcade.errors import InputError
-from cavalcade.execution.loop import Execution, carry_out
+from cavalcade.execution.loop import carry_out
 from cavalcade.execution.policy import Policy
 from cavalcade.fleet import Fleet
+from cavalcade.geometry import Array
+from cavalcade.geometry.trajectory import Trajectory
 from cavalcade.jobs.output_folder import FIGURES, PLAN, RECORDING, REPLAY, OutputFolder
-from cavalcade.jobs.reporter import Reporter
-from cavalcade.jobs.result import JobResult
-from cavalcade.jobs.task import PolicyMaker, Task
-from cavalcade.jobs.tasks import task_of
+from cavalcade.jobs.planning import Coordinator, make_plan
+from cavalcade.jobs.reporter import JobReporter, kernels_are_cached
+from cavalcade.jobs.tasks import PolicyMaker, task_of
+from cavalcade.metrics.plan_summary import PlanResult
 from cavalcade.metrics.summary import Summary
-from cavalcade.recording.frames import FrameSink
+from cavalcade.recording.frames import FrameSink, Recording
+from cavalcade.recording.plan_file import write_plan
 from cavalcade.scenario import (
     ResolvedScenario,
     Scenario,
+    World,
     build_world,
     load_scenario,
     resolve_scenario,
 )
+from cavalcade.scenario.settings import TEAM_METHODS
+
+
+@dataclass(frozen=True)
+class JobResult:
+    """What `run` or `plan` was made of and what came out.
+
+    Attributes:
+        scenario: The resolved one.
+        world: Its ground at the start.
+        summary: The content of `summary.json`, also as a mapping.
+        recording: Every cycle; None where nothing was carried out.
+        planned: The plan as it was made, with its footholds; None for tasks that need none.
+        directory: The folder of the results, None if none was asked for.
+        files: What was written there.
+    """
+
+    scenario: ResolvedScenario
+    world: World
+    summary: Summary
+    recording: Recording | None = None
+    planned: PlanResult | None = None
+    directory: Path | None = None
+    files: tuple[Path, ...] = ()
+
+    @property
+    def success(self) -> bool:
+        """It was done as asked, without a collision."""
+        return self.summary.success
+
+    @property
+    def solved(self) -> bool:
+        """The same, as one says it of a plan."""
+        return self.summary.success
+
+    @property
+    def reason(self) -> str:
+        """Why it ended, as in `summary.json`."""
+        return self.summary.reason
+
+    @property
+    def plan(self) -> TeamPlan | None:
+        """The coordinator's answer."""
+        return None if self.planned is None else self.planned.plan
+
+    @property
+    def trajectories(self) -> tuple[Trajectory | None, ...]:
+        """One per robot, map frame; see `TeamPlan.trajectories` for unsolved problems."""
+        return () if self.planned is None else self.planned.trajectories
+
+    @property
+    def footholds(self) -> tuple[Array, ...]:
+        """Per robot `(M, 6)` t_down, t_up (s), leg, x, y, z (m, map frame)."""
+        return () if self.planned is None else self.planned.footholds
 
 
 def run(
@@ -67,22 +127,24 @@ def run(
         OutputError: The results cannot be written; nothing is left behind then.
         KeyboardInterrupt: As it came; the team was commanded to stop and nothing is left behind.
     """
-    loaded = load_for_running(scenario, seed, overrides, backend)
+    loaded = _loaded(scenario, seed, overrides, backend)
     if loaded.execution.backend == "mujoco" and fleet is None:
-        from cavalcade.execution.physics_fleet import with_own_robots
+        from cavalcade.execution.fleets import with_own_robots
         from cavalcade.fleet.mujoco.engine import load_mujoco
 
         load_mujoco()
         loaded = with_own_robots(loaded)
     with ExitStack() as stack:
         folder = stack.enter_context(OutputFolder(out, force)) if out is not None else None
-        reporter = stack.enter_context(Reporter(loaded.name, quiet))
+        reporter = stack.enter_context(JobReporter(loaded.name, quiet))
         resolved = resolve_scenario(loaded)
         world = build_world(resolved)
         reporter.say(_preparing(resolved))
         reporter.timeout = resolved.execution.timeout
         task = task_of(resolved, world, reporter, planner)
-        robots = _made(fleet, resolved) if fleet is not None else task.make_fleet()
+        robots = task.make_fleet() if fleet is None else fleet
+        if not isinstance(robots, Fleet):
+            robots = robots(resolved)
         policy = task.make_policy(robots)
         done = carry_out(
             resolved,
@@ -94,26 +156,128 @@ def run(
             sinks=sinks if quiet else (reporter, *sinks),
         )
         summary = task.summarise(policy, done)
-        files: tuple[Path, ...] = ()
+        result = JobResult(resolved, world, summary, done.recording, task.planned)
         if folder is not None:
-            _write(folder.stage, task, policy, done, summary, figures, replay)
-            files = folder.commit(resolved, summary.to_dict())
-        reporter.finish(summary, files)
-    directory = None if folder is None else folder.path
-    return JobResult(resolved, world, summary, done.recording, task.planned, directory, files)
+            from cavalcade.recording.mcap_writer import write_recording
+
+            write_recording(folder.stage / RECORDING, done.recording, resolved.models, done.maps)
+            driven = task.driven_plan(policy, done.recording, summary)
+            result = _kept(result, folder, reporter, driven, figures, replay)
+        reporter.finish(summary, result.files)
+    return result
 
 
-def load_for_running(
+def plan(
+    scenario: Scenario | str | Path,
+    out: str | Path | None = None,
+    method: str | None = None,
+    seed: int | None = None,
+    *,
+    overrides: Sequence[str] | Mapping[str, Any] = (),
+    force: bool = False,
+    figures: bool = True,
+    replay: bool = True,
+    quiet: bool = True,
+    coordinator: Coordinator | None = None,
+) -> JobResult:
+    """Plan the motion of robots that have goals of their own.
+
+    Args:
+        scenario: A loaded one, a shipped scenario's name, or a file.
+        out: The folder for the results, missing or empty; None writes nothing.
+        method: `sequential`, `joint`, `cbs` or `auto`, over the scenario's.
+        seed: Over the scenario's.
+        overrides: Over the file's values, as `load_scenario` takes them; only for a name or file.
+        force: Replace what an earlier job left in `out`.
+        figures: Draw the figures.
+        replay: Write the replay.
+        quiet: Print nothing; otherwise progress, a table and the names of the files.
+        coordinator: Makes another plan than the scenario's method would.
+
+    Raises:
+        InputError: The scenario, its world or an argument cannot be used; formation goals too.
+        OutputError: The results cannot be written; nothing is left behind then.
+    """
+    loaded = _loaded(scenario, seed, overrides, None)
+    if method is not None and method != loaded.planner.method:
+        if method not in TEAM_METHODS:
+            raise InputError(f"unknown method {method!r}", key="method", choices=TEAM_METHODS)
+        planner = loaded.planner.model_copy(update={"method": method})
+        loaded = loaded.model_copy(update={"planner": planner})
+    if not loaded.goals:
+        raise InputError(
+            "plan is for robots with goals of their own (task.goals: individual); "
+            "use `cavalcade run` for formations",
+            file=loaded.file or loaded.name,
+            key="task.goals",
+        )
+    with ExitStack() as stack:
+        folder = stack.enter_context(OutputFolder(out, force)) if out is not None else None
+        reporter = stack.enter_context(JobReporter(loaded.name, quiet))
+        resolved = resolve_scenario(loaded)
+        world = build_world(resolved)
+        made = make_plan(resolved, world, coordinator, reporter)
+        result = JobResult(resolved, world, made.summary, None, made)
+        if folder is not None:
+            result = _kept(result, folder, reporter, made, figures, replay)
+        reporter.finish(made.summary, result.files)
+    return result
+
+
+def _kept(
+    result: JobResult,
+    folder: OutputFolder,
+    reporter: JobReporter,
+    shown: PlanResult | None,
+    figures: bool,
+    replay: bool,
+) -> JobResult:
+    """The result with all its files but the recording, which is there.
+
+    Args:
+        result: Of the job.
+        folder: Where they go.
+        reporter: Told when figures are drawn.
+        shown: The plan that figures and replay show.
+        figures, replay: Whether they are wanted.
+    """
+    scenario, world, recording = result.scenario, result.world, result.recording
+    if result.planned is not None:
+        write_plan(folder.stage / PLAN, result.trajectories, result.footholds)
+    if figures:
+        reporter.say("Drawing the figures ...")
+        _draw(result, shown, folder.stage / FIGURES)
+    if replay:
+        from cavalcade.drawing.replay.page import write_replay
+
+        page, summary = folder.stage / REPLAY, result.summary
+        write_replay(page, scenario, world, recording=recording, plan=shown, summary=summary)
+    files = folder.commit(scenario, result.summary.to_dict())
+    return replace(result, directory=folder.path, files=files)
+
+
+def _draw(result: JobResult, shown: PlanResult | None, folder: Path) -> None:
+    """The figures: of a plan, of a formation's run, and of what legs did in physics."""
+    from cavalcade.drawing.formation import make_figures
+    from cavalcade.drawing.physics.drawing import add_figures
+    from cavalcade.drawing.plans import make_plan_figures
+
+    scenario, world, recording = result.scenario, result.world, result.recording
+    if shown is not None:
+        make_plan_figures(scenario, world, shown, folder)
+    elif recording is not None:
+        make_figures(scenario, world, recording, result.summary, folder)
+    if recording is not None:
+        add_figures(scenario, recording, folder)
+
+
+def _loaded(
     scenario: Scenario | str | Path,
     seed: int | None,
     overrides: Sequence[str] | Mapping[str, Any],
     backend: str | None,
 ) -> Scenario:
-    """The scenario with what the caller says over it; arguments as of `run`.
-
-    Raises:
-        InputError: It or an argument cannot be used.
-    """
+    """The scenario with what the caller says over it; arguments as of `run`."""
     if not isinstance(scenario, Scenario):
         scenario = load_scenario(scenario, overrides=overrides, seed=seed)
     elif overrides:
@@ -128,13 +292,7 @@ def load_for_running(
     return scenario.model_copy(update={"execution": execution})
 
 
-def _made(fleet: Callable[[ResolvedScenario], Fleet] | Fleet, scenario: ResolvedScenario) -> Fleet:
-    return fleet if isinstance(fleet, Fleet) else fleet(scenario)
-
-
 def _preparing(scenario: Scenario) -> str:
-    from cavalcade.jobs.warm import kernels_are_cached
-
     what = f"{scenario.name}: {len(scenario.robots)} robots"
     duration = "" if kernels_are_cached() else "about 20 s"
     if scenario.execution.backend == "mujoco" and not kernels_are_cached("locomotion", "_team.*"):
@@ -142,29 +300,3 @@ def _preparing(scenario: Scenario) -> str:
     if not duration:
         return what
     return f"{what}; compiling the numerical kernels, once after installation ({duration}) ..."
-
-
-def _write(
-    stage: Path,
-    task: Task,
-    policy: Policy,
-    done: Execution,
-    summary: Summary,
-    figures: bool,
-    replay: bool,
-) -> None:
-    from cavalcade.recording.mcap_writer import write_recording
-    from cavalcade.recording.plan_file import write_plan
-
-    recording = done.recording
-    write_recording(stage / RECORDING, recording, task.scenario.models, done.maps)
-    if task.planned is not None:
-        write_plan(stage / PLAN, task.planned.trajectories, task.planned.footholds)
-    if figures:
-        from cavalcade.drawing.physics.drawing import add_figures
-
-        task.reporter.say("Drawing the figures ...")
-        task.draw(recording, policy, summary, stage / FIGURES)
-        add_figures(task.scenario, recording, stage / FIGURES)
-    if replay:
-        task.write_replay(recording, policy, summary, stage / REPLAY)

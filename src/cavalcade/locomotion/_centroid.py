@@ -67,11 +67,8 @@ def _links(robot, leg, joints, rates, place, rate):
     s0, c0, s1, c1 = math.sin(q0), math.cos(q0), math.sin(q1), math.cos(q1)
     s12, c12 = math.sin(q1 + q2), math.cos(q1 + q2)
     for link in range(3):
-        x, y, z = (
-            robot.link_centre[leg, link, 0],
-            robot.link_centre[leg, link, 1],
-            robot.link_centre[leg, link, 2],
-        )
+        link_centre = robot.link_centre[leg, link]
+        x, y, z = link_centre[0], link_centre[1], link_centre[2]
         # In the plane that turns with the hip: u ahead, w up, and their rates by thigh and calf.
         u, w, du, dw = x, z, 0.0, 0.0
         if link == 1:

@@ -105,12 +105,8 @@ def walk_problem(robot, gait, body, state):
         vx, vy = c * velocity[0] - s * velocity[1], s * velocity[0] + c * velocity[1]
         yaws[k] = measured_yaw + yaw - state.yaw
         half_x, half_y = at_x + half * vx, at_y + half * vy
-        x, y, at_x, at_y = (
-            x + gait.step * vx,
-            y + gait.step * vy,
-            at_x + gait.step * vx,
-            at_y + gait.step * vy,
-        )
+        x, y = x + gait.step * vx, y + gait.step * vy
+        at_x, at_y = at_x + gait.step * vx, at_y + gait.step * vy
         # ... and up to its end, for the reference.
         rate = velocity[2]
         approach(gait, velocity, goal_x, goal_y, goal_turn, half)

@@ -144,11 +144,8 @@ def leg_weight(robot, leg, joints, up, out):
     out[0] = out[1] = out[2] = 0.0
     for link in range(3):
         mass = robot.link_mass[leg, link] * GRAVITY
-        x, y, z = (
-            robot.link_centre[leg, link, 0],
-            robot.link_centre[leg, link, 1],
-            robot.link_centre[leg, link, 2],
-        )
+        link_centre = robot.link_centre[leg, link]
+        x, y, z = link_centre[0], link_centre[1], link_centre[2]
         knee_x = knee_z = 0.0
         if link == 1:
             x, z = c1 * x + s1 * z, -s1 * x + c1 * z

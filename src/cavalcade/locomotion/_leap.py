@@ -1,7 +1,7 @@
-"""One step of a leap, compiled: its phases, from the crouch to standing again. World frame, SI.
+"""One step of a leap, compiled: its phases from the crouch to standing again, and legs in flight.
 
 Below, `robot, state, leap, body` are rows of `ROBOT`, `STATE`, `LEAP` and `BODY`, of which the
-last three change; `centroid` is the robot's `Centroid`.
+last three change; `centroid` is the robot's `Centroid`. World frame, SI.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from numba import njit
 from cavalcade.geometry.constants import GRAVITY
 from cavalcade.locomotion._centroid import measure_centroid
 from cavalcade.locomotion._horizon import solve_forces
-from cavalcade.locomotion._joints import go_limp, limit_torques, stance_torques
-from cavalcade.locomotion._kinematics import measure_body, turned_back
+from cavalcade.locomotion._joints import stance_torques, track_foot
+from cavalcade.locomotion._kinematics import turned, turned_back
 from cavalcade.locomotion._leap_horizon import foothold, leap_problem
-from cavalcade.locomotion._leap_legs import flight_torques
-from cavalcade.locomotion._walk import FALL, stand
-from cavalcade.locomotion.records import FALLEN, FLIGHT, LANDING, PUSH
+from cavalcade.locomotion._swing import smooth
+from cavalcade.locomotion._walk import stand
+from cavalcade.locomotion.records import FALLEN, FLIGHT, LANDING, PUSH, FootTarget
 
 SHORT, STRETCH = 0.02, 0.92
 """A push goes on while it would end so far short, m, and legs are shorter than that share of their
@@ -31,18 +31,23 @@ ASTRAY = 0.06
 LOST = 0.35
 """A flight that lasts so much longer than planned has failed, s."""
 
+FORWARD = (0.1, 0.75)
+"""Feet go forward in this part of the flight."""
+
+UP, DOWN = 0.3, (0.6, 0.9)
+"""Feet are tucked until that share of the flight, and reach down in that part of it."""
+
+BELOW, BESIDE = 0.11, 0.12
+"""Feet stay at least so far below their hips, and at most so far beside their shoulders, m."""
+
+SINK = 0.5
+"""A foot that meets no ground goes down with that speed, m/s."""
+
 
 @njit(cache=True)
 def step_leap(robot, state, leap, body, measured, torques):
     """Torques `(12,)`, overwritten, N m, for a robot that leaps, `Measured` now."""
-    state.time = measured.time
-    measure_body(robot, measured, body)
     centroid = measure_centroid(robot, measured, body)
-    if max(abs(body.angles[0]), abs(body.angles[1])) > FALL:
-        state.mode = FALLEN
-        leap.failed = 1
-        go_limp(measured, torques)
-        return
     if leap.began < 0.0:
         leap.began = state.time
         for a in range(3):
@@ -56,7 +61,6 @@ def step_leap(robot, state, leap, body, measured, torques):
             stance_torques(robot, body, leg, state.forces[leg], measured, torques)
         else:
             flight_torques(robot, leap, body, centroid, leg, measured, torques)
-    limit_torques(robot, torques)
 
 
 @njit(cache=True)
@@ -179,3 +183,66 @@ def settle(robot, state, leap, body):
     state.velocity[:] = 0.0
     state.idle = state.time
     stand(state, body)
+
+
+@njit(cache=True)
+def flying_foot(leap, centroid, leg, t, place, rate):
+    """Where a flying foot is to be at `t` s of the flight, and its velocity; `(3,)`, overwritten.
+
+    It is tucked first, then goes forward, then down. `centroid` is the robot's `Centroid`.
+    """
+    lasts = leap.lasts[FLIGHT]
+    goal, start = leap.foothold[leg], leap.left[leg]
+    x, y = foothold(leap, leg)
+    begin, end = FORWARD[0] * lasts, FORWARD[1] * lasts
+    # Along the ground in one smooth motion; the foothold may still be shifted meanwhile.
+    share, speed = smooth(min(max((t - begin) / (end - begin), 0.0), 1.0))
+    speed /= end - begin
+    place[0], place[1] = start[0] + share * (x - start[0]), start[1] + share * (y - start[1])
+    rate[0], rate[1] = speed * (x - start[0]), speed * (y - start[1])
+    # Heights are from the centre of mass.
+    high, down, end = UP * lasts, DOWN[0] * lasts, DOWN[1] * lasts
+    low = start[2] - leap.lift[2]
+    landed = goal[2] - leap.down[2] - SINK * max(t - lasts, 0.0)
+    if t < high:
+        share, speed = smooth(t / high)
+        place[2] = low - share * (leap.tuck + low)
+        rate[2] = -speed / high * (leap.tuck + low)
+    else:
+        share, speed = smooth(min(max((t - down) / (end - down), 0.0), 1.0))
+        place[2] = -leap.tuck + share * (landed + leap.tuck)
+        rate[2] = speed / (end - down) * (landed + leap.tuck)
+    place[2] += centroid.centre[2]
+    rate[2] += centroid.velocity[2]
+
+
+@njit(cache=True)
+def keep_clear(robot, body, leg, place):
+    """Move a foot's goal `(3,)` to where its leg can be whichever way the trunk is turned.
+
+    Near the hip's own axis a small motion of the foot asks for a large one of the joints.
+    """
+    arm, local = np.empty(3), np.empty(3)
+    for a in range(3):
+        arm[a] = place[a] - body.trunk[a]
+    turned_back(body.matrix, arm, local)
+    hip = robot.hip[leg]
+    aside = hip[1] + robot.side[leg]
+    local[1] = min(max(local[1], aside - BESIDE), aside + BESIDE)
+    local[2] = min(local[2], hip[2] - BELOW)
+    turned(body.matrix, local, arm)
+    for a in range(3):
+        place[a] = body.trunk[a] + arm[a]
+
+
+@njit(cache=True)
+def flight_torques(robot, leap, body, centroid, leg, measured, torques):
+    """Torques of a leg in the air."""
+    place, rate = np.empty(3), np.empty(3)
+    t = measured.time - leap.began
+    if leap.phase == LANDING:
+        t += leap.lasts[FLIGHT]
+    flying_foot(leap, centroid, leg, t, place, rate)
+    keep_clear(robot, body, leg, place)
+    target = FootTarget(place, rate, leap.stiffness, leap.joint_damping)
+    track_foot(robot, body, leg, target, measured, torques)

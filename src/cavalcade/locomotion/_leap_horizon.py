@@ -20,10 +20,7 @@ def hermite(start, start_speed, end, end_speed, lasts, t):
     s = min(max(t / lasts, 0.0), 1.0)
     a, b = start_speed * lasts, end_speed * lasts
     c2, c3 = 3.0 * (end - start) - 2.0 * a - b, 2.0 * (start - end) + a + b
-    return (
-        start + s * (a + s * (c2 + s * c3)),
-        (a + s * (2.0 * c2 + 3.0 * s * c3)) / lasts,
-    )
+    return start + s * (a + s * (c2 + s * c3)), (a + s * (2.0 * c2 + 3.0 * s * c3)) / lasts
 
 
 @njit(cache=True)
@@ -33,26 +30,14 @@ def leap_reference(leap, phase, t, out):
     share = min(t / lasts, 1.0)
     out[0] = out[6] = out[7] = out[8] = 0.0
     # Pitch: between the ends of phases, at the flight's rate into and out of it.
-    first, last = leap.pitches[0], leap.pitches[0]
-    if phase == CROUCH:
-        first = 0.0
-    elif phase == PUSH:
-        last = leap.pitches[1]
-    elif phase == FLIGHT:
-        first, last = leap.pitches[1], leap.pitches[2]
-    else:
-        first, last = leap.pitches[2], 0.0
-    if phase == PUSH:
-        # Into the turning that the flight goes on with.
-        rate = (leap.pitches[2] - leap.pitches[1]) / leap.lasts[FLIGHT]
-        out[1], out[7] = hermite(first, 0.0, last, rate, lasts, t)
-    elif phase == FLIGHT:
+    first = 0.0 if phase == CROUCH else leap.pitches[phase - 1]
+    last = 0.0 if phase == LANDING else leap.pitches[phase]
+    if phase == FLIGHT:
         out[1], out[7] = first + share * (last - first), (last - first) / lasts
-    elif phase == LANDING:
-        rate = (leap.pitches[2] - leap.pitches[1]) / leap.lasts[FLIGHT]
-        out[1], out[7] = hermite(first, rate, last, 0.0, lasts, t)
     else:
-        out[1], out[7] = hermite(first, 0.0, last, 0.0, lasts, t)
+        rate = (leap.pitches[2] - leap.pitches[1]) / leap.lasts[FLIGHT]
+        begin, end = rate if phase == LANDING else 0.0, rate if phase == PUSH else 0.0
+        out[1], out[7] = hermite(first, begin, last, end, lasts, t)
     # Yaw: the push begins the turn, the flight goes on with it.
     before, after = leap.yaws[0], leap.yaws[1]
     rate = (after - before) / (0.5 * leap.lasts[PUSH] + leap.lasts[FLIGHT])
@@ -65,7 +50,7 @@ def leap_reference(leap, phase, t, out):
         out[2], out[8] = lifted + rate * t, rate
     else:
         out[2], out[8] = hermite(after, rate, after, 0.0, lasts, t)
-    # The centre of centroid: cubics on the ground, a ballistic flight.
+    # The centre of mass: cubics on the ground, a ballistic flight.
     for a in range(3):
         if phase == CROUCH:
             place, speed = hermite(leap.start[a], 0.0, leap.squat[a], 0.0, 0.8 * lasts, t)
@@ -136,7 +121,7 @@ def leap_problem(robot, leap, state, body, centroid):
                 place[0], place[1] = foothold(leap, leg)
                 place[2] = leap.foothold[leg, 2]
             for a in range(3):
-                # From where the centre of centroid will be, seen from where it is.
+                # From where the centre of mass will be, seen from where it is.
                 levers[k, leg, a] = place[a] - (centroid.centre[a] + middle[3 + a] - now[3 + a])
             levers[k, leg, 2] -= robot.foot_radius
     return MpcProblem(

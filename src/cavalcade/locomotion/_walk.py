@@ -18,28 +18,10 @@ from cavalcade.locomotion._horizon import (
     swing_share,
     walk_problem,
 )
-from cavalcade.locomotion._joints import (
-    add_leg_weight,
-    go_limp,
-    limit_torques,
-    stance_torques,
-    track_foot,
-    track_posture,
-)
-from cavalcade.locomotion._kinematics import leg_inverse, measure_body, wrapped
+from cavalcade.locomotion._joints import add_leg_weight, stance_torques, track_foot, track_posture
+from cavalcade.locomotion._kinematics import leg_inverse, wrapped
 from cavalcade.locomotion._swing import choose_foothold, swing_point
-from cavalcade.locomotion.records import (
-    FALLEN,
-    LYING,
-    RISING,
-    SINKING,
-    STANDING,
-    TROTTING,
-    FootTarget,
-)
-
-FALL = 1.0
-"""A trunk that leans by more has fallen, rad."""
+from cavalcade.locomotion.records import LYING, SINKING, STANDING, TROTTING, FootTarget
 
 CALM = 0.15
 """Pushed to more than that a robot begins to step, m/s; three times that in rad/s."""
@@ -73,28 +55,13 @@ FOLDED = (0.0, 1.25, -2.7)
 
 
 @njit(cache=True)
-def step_walk(robot, gait, state, body, footing, measured, torques):
-    """Torques `(12,)`, overwritten, N m, for a robot that does not leap."""
-    passed = measured.time - state.time
-    state.time = measured.time
-    measure_body(robot, measured, body)
-    # Robots that have fallen or lie only brake; those between lying and standing fold their legs.
-    if max(abs(body.angles[0]), abs(body.angles[1])) > FALL:
-        state.mode = FALLEN
-    if state.mode == FALLEN or state.mode == LYING:
-        go_limp(measured, torques)
-        return
-    if state.mode == RISING or state.mode == SINKING:
-        posture_torques(robot, gait, state, measured, torques)
-        limit_torques(robot, torques)
-        if state.time - state.began >= POSTURE:
-            if state.mode == SINKING:
-                state.mode = LYING
-            else:
-                stand(state, body)
-                sense_ground(robot, state, body, 1.0)
-        return
-    # The others follow the command: reference, gait and ground first, then forces, then torques.
+def step_walk(own, footing, passed, measured, torques):
+    """Torques `(12,)`, overwritten, N m, for a robot that trots or stands.
+
+    `own` is its row of `TEAM`; `passed` the time since its last step, s.
+    """
+    robot, gait, state, body = own.robot, own.gait, own.state, own.body
+    # Follow the command: reference, gait and ground first, then forces, then torques.
     follow(gait, state, body, passed)
     changed = step_gait(robot, gait, state, body, measured.feet, footing)
     # On a slope the ground below changes with every step; the estimate would lag behind.
@@ -108,7 +75,6 @@ def step_walk(robot, gait, state, body, footing, measured, torques):
             stance_torques(robot, body, leg, state.forces[leg], measured, torques)
         else:
             swing_torques(robot, gait, state, body, leg, measured, torques)
-    limit_torques(robot, torques)
 
 
 @njit(cache=True)
@@ -258,8 +224,11 @@ def swing_torques(robot, gait, state, body, leg, measured, torques):
 
 
 @njit(cache=True)
-def posture_torques(robot, gait, state, measured, torques):
-    """Torques that fold or unfold the legs under a robot that lies down or gets up."""
+def step_posture(robot, gait, state, body, measured, torques):
+    """Torques `(12,)`, overwritten, N m, that fold or unfold the legs under a robot.
+
+    It lies down or gets up; at the end of that it lies or stands.
+    """
     share = min((state.time - state.began) / POSTURE, 1.0)
     share = share * share * (3.0 - 2.0 * share)
     place, goal = np.empty(3), np.empty(12)
@@ -272,3 +241,9 @@ def posture_torques(robot, gait, state, measured, torques):
             for j in range(3):
                 goal[3 * leg + j] = FOLDED[j]
     track_posture(state.fold, goal, share, measured, torques)
+    if state.time - state.began >= POSTURE:
+        if state.mode == SINKING:
+            state.mode = LYING
+        else:
+            stand(state, body)
+            sense_ground(robot, state, body, 1.0)

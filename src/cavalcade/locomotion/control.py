@@ -68,7 +68,9 @@ class LegControl:
             self._gaits[number] = settings.row(model.description.mass, height)
         if np.shape(origin) != (3,) or not np.isfinite(origin).all():
             raise InputError("expected finite x, y, yaw", key="origin")
-        self._footing = Footing.of(ground if ground is not None else _flat(), origin)
+        if ground is None:
+            ground = make_ground(OccupancyMap(np.zeros((1, 1), dtype=bool), 1.0))
+        self._footing = Footing.of(ground, origin)
         self._torques = np.zeros((len(models), 12))
         self._shapes = tuple((len(models), count) for count in (19, 18, 4))
 
@@ -198,8 +200,3 @@ class LegControl:
         if mode == RISING and state["mode"] != LYING:
             raise InputError(f"robot {robot} does not lie")
         state["mode"], state["began"], state["fold"] = mode, state["time"], qpos[robot, 7:]
-
-
-def _flat() -> Ground:
-    """Ground without heights or obstacles."""
-    return make_ground(OccupancyMap(np.zeros((1, 1), dtype=bool), 1.0))

@@ -75,25 +75,21 @@ def find_crossing(
         return Crossing(ahead, origin + near * ahead, far - near, 0.0, rise)
     side = np.array([-ahead[1], ahead[0]])
     lines = np.array(_LINES)
-    nears = np.array([_end(heights, origin + u * side, ahead, near, -1.0) for u in lines])
-    fars = np.array([_end(heights, origin + u * side, ahead, far, 1.0) for u in lines])
-    slope = 0.5 * (_slope(lines, nears[:, 0]) + _slope(lines, fars[:, 0]))
+    places, levels = [], []
+    for edge, sign in ((near, -1.0), (far, 1.0)):
+        ends = [_end(heights, origin + u * side, ahead, edge, sign) for u in lines]
+        place, height = np.array(ends).T
+        places.append(place)
+        levels.append(float(np.median(height)))
+    # The straight lines nearest to both edges say how the break lies.
+    slope = 0.5 * sum(float(np.polyfit(lines, place, 1)[0]) for place in places)
     turn = min(max(-math.atan(slope), -_OBLIQUE), _OBLIQUE)
     across = math.cos(turn) * ahead + math.sin(turn) * side
-    first = np.array(
-        [origin + u * side + s * ahead for u, s in zip(lines, nears[:, 0], strict=True)]
-    )
-    last = np.array([origin + u * side + s * ahead for u, s in zip(lines, fars[:, 0], strict=True)])
+    first, last = (origin + np.outer(lines, side) + np.outer(place, ahead) for place in places)
     begin = float((first @ across).min())
     middle = first[len(lines) // 2]
     start = middle + (begin - float(middle @ across)) * across
-    return Crossing(
-        across,
-        start,
-        float((last @ across).max()) - begin,
-        float(np.median(nears[:, 1])),
-        float(np.median(fars[:, 1])),
-    )
+    return Crossing(across, start, float((last @ across).max()) - begin, *levels)
 
 
 def _end(
@@ -109,8 +105,3 @@ def _end(
     off = np.flatnonzero((np.abs(height - own) > LEVEL) & (away <= _AWAY))
     first = int(off[-1]) + 1 if len(off) else 0
     return edge + sign * float(away[first]), own
-
-
-def _slope(lines: Array, places: Array) -> float:
-    """Of the straight line nearest to places on parallel lines."""
-    return float(np.polyfit(lines, places, 1)[0])

@@ -27,11 +27,7 @@ def robot_parameters(description: QuadrupedDescription) -> Row:
     row = np.zeros((), ROBOT)
     offsets = description.joint_offsets
     whole = composite(description, description.standing)
-    row["mass"], row["centre"], row["inertia"] = (
-        whole.mass,
-        whole.center,
-        whole.matrix,
-    )
+    row["mass"], row["centre"], row["inertia"] = whole.mass, whole.center, whole.matrix
     trunk = description.trunk
     row["trunk_mass"], row["trunk_centre"] = trunk.mass, trunk.center
     row["hip"] = offsets[:, 0]

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from cavalcade.geometry import Array
 from cavalcade.lattice.ground import Ground, read_only
+from cavalcade.locomotion.settings import GAIT
 
 Row = NDArray[np.void]
 """Rows of the arrays below, or one of them `()`."""
@@ -50,33 +51,6 @@ ROBOT = np.dtype(
     align=True,
 )
 """Parameters of a robot's body and legs; `parameters.robot_parameters` makes them."""
-
-GAIT = np.dtype(
-    [
-        ("period", np.float64),  # of a whole cycle, s
-        ("duty", np.float64),  # share of it that a foot stands
-        ("offset", np.float64, (4,)),  # of each leg in the cycle
-        ("height", np.float64),  # of the trunk over the ground, m
-        ("clearance", np.float64),  # of a swinging foot, m
-        ("capture", np.float64),  # foothold's gain on errors of the velocity, s
-        ("acceleration", np.float64),  # m/s²
-        ("turning", np.float64),  # rad/s²
-        ("silence", np.float64),  # without commands for so long it stops, s
-        ("weights", np.float64, (12,)),
-        ("force_weight", np.float64),
-        ("mu", np.float64),
-        ("max_force", np.float64),  # N
-        ("step", np.float64),  # of the horizon, s
-        ("interval", np.float64),  # between solutions, s
-        ("stiffness", np.float64),  # of swinging legs' joints, N m/rad
-        ("joint_damping", np.float64),  # N m s/rad
-        ("touch", np.float64),  # force from which a foot stands, N
-        ("leash", np.float64),  # the reference is at most so far from the robot, m
-        ("turn_leash", np.float64),  # rad
-    ],
-    align=True,
-)
-"""How robots walk: `GaitSettings` for one robot; see there for what the fields mean."""
 
 STATE = np.dtype(
     [

@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cavalcade.errors import InputError
 from cavalcade.geometry.constants import GRAVITY
-from cavalcade.locomotion.records import GAIT, Row
 
 _POSITIVE = (
     "period", "acceleration", "turning", "silence", "force_weight", "mu", "max_force", "step",
@@ -17,6 +17,17 @@ _POSITIVE = (
 )  # fmt: skip
 _NOT_NEGATIVE = ("clearance", "capture", "stiffness", "joint_damping", "leash", "turn_leash")
 _OFFSETS = (0.0, 0.5, 0.5, 0.0)  # of a trot: a front leg and the hind leg on the other side
+
+GAIT = np.dtype(
+    [
+        *((name, np.float64) for name in ("duty", *_POSITIVE, *_NOT_NEGATIVE)),
+        ("offset", np.float64, (4,)),  # of each leg in the cycle
+        ("height", np.float64),  # of the trunk over the ground, m
+        ("weights", np.float64, (12,)),
+    ],
+    align=True,
+)
+"""`GaitSettings` for one robot, whose `height` is known and whose `max_force` is in N."""
 
 Weights = tuple[float, float, float, float, float, float, float, float, float, float, float, float]
 
@@ -82,7 +93,7 @@ class GaitSettings:
         if weights.shape != (12,) or not (np.isfinite(weights).all() and (weights >= 0.0).all()):
             raise InputError("expected 12 numbers, none of them negative", key="weights")
 
-    def row(self, mass: float, stand_height: float) -> Row:
+    def row(self, mass: float, stand_height: float) -> NDArray[np.void]:
         """A row `()` of `GAIT` for a robot of that mass, kg, and standing height, m."""
         row = np.zeros((), GAIT)
         for name in GAIT.names or ():

@@ -50,19 +50,43 @@ class Clearance:
     robot_robot: int
 
 
-@dataclass(frozen=True)
-class _Solids:
-    """Shapes as the kernels take them."""
+class _Motion:
+    """One robot's poses `(M, 3)` on the way to a verdict.
 
-    circles: Array
-    polygons: Polygons
+    Attributes:
+        best: The running minima and
+        contact: `(M,)` where it touches something, as in `cavalcade.geometry.distances`.
+    """
 
-    def judge(
-        self, poses: Array, model: RobotModel, best: Array, contact: NDArray[np.bool_]
-    ) -> None:
-        box = Box(*model.body)
-        circles_clearance(poses, box, self.circles, best, contact)
-        polygons_clearance(poses, box, self.polygons, best, contact)
+    def __init__(self, poses: Array, model: RobotModel, best: Array) -> None:
+        self.poses = np.ascontiguousarray(poses)
+        self.box = Box(*model.body)
+        self.best = best
+        self.contact = np.zeros(len(poses), dtype=bool)
+
+    def judge_solids(self, circles: Array, polygons: Polygons) -> None:
+        circles_clearance(self.poses, self.box, circles, self.best, self.contact)
+        polygons_clearance(self.poses, self.box, polygons, self.best, self.contact)
+
+    def judge_border(self, area: OccupancyMap) -> None:
+        local = inverse_transform_points(area.origin, self.poses[:, :2])
+        yaw = self.poses[:, 2] - area.origin[2]
+        inside = np.minimum(local, np.array(area.size) - local)
+        c, s = np.abs(np.cos(yaw)), np.abs(np.sin(yaw))
+        length, width, inflation = self.box
+        half = 0.5 * np.column_stack([c * length + s * width, s * length + c * width]) + inflation
+        self.best[0] = min(self.best[0], max(float(inside.min()), 0.0))
+        gap = (inside - half).min(axis=1)
+        self.best[1] = min(self.best[1], max(float(gap.min()), 0.0))
+        self.contact |= gap <= 0.0
+
+    def judge_cells(self, area: OccupancyMap, cells: Cells) -> None:
+        yaw = self.poses[:, 2] - area.origin[2]
+        local = np.column_stack([inverse_transform_points(area.origin, self.poses[:, :2]), yaw])
+        cell = np.floor(local[:, 1::-1] / area.resolution).astype(int)
+        row, col = np.clip(cell, 0, np.array(cells.occupied.shape) - 1).T
+        order = np.argsort(cells.bound[row, col], kind="stable")
+        cells_clearance(local, order, self.box, cells, self.best, self.contact)
 
 
 def clearance(world: World, recording: Recording, models: Sequence[RobotModel]) -> Clearance:
@@ -78,15 +102,14 @@ def clearance(world: World, recording: Recording, models: Sequence[RobotModel]) 
     fixed = _solids(_fixed_shapes(world, recording))
     cells = _cells(world.base)
     for robot, model in enumerate(models):
-        own = np.ascontiguousarray(poses[:, robot])
-        contact = np.zeros(len(own), dtype=bool)
-        fixed.judge(own, model, best, contact)
-        _judge_border(world.base, own, model, best, contact)
+        motion = _Motion(poses[:, robot], model, best)
+        motion.judge_solids(*fixed)
+        motion.judge_border(world.base)
         if cells is not None:
-            _judge_cells(world.base, cells, own, model, best, contact)
-        events += begins(contact)
+            motion.judge_cells(world.base, cells)
+        events += begins(motion.contact)
         for track in recording.obstacles:
-            events += begins(_judge_track(track, time, own, model, best))
+            events += begins(_judge_track(track, time, motion.poses, model, best))
     pair_best = np.array([np.inf, np.inf])
     pairs = 0
     for a in range(len(models)):
@@ -144,7 +167,8 @@ def _fixed_shapes(world: World, recording: Recording) -> list[Shape]:
     return shapes
 
 
-def _solids(shapes: Sequence[Shape]) -> _Solids:
+def _solids(shapes: Sequence[Shape]) -> tuple[Array, Polygons]:
+    """Discs `(K, 3)` x, y, radius, and all else as polygons."""
     circles = [(*shape.center, shape.radius) for shape in shapes if isinstance(shape, Circle)]
     rings, corners, starts = [], [np.zeros((0, 2))], [0]
     for shape in shapes:
@@ -159,14 +183,12 @@ def _solids(shapes: Sequence[Shape]) -> _Solids:
         rings.append((*centre, radius))
         corners.append(vertices)
         starts.append(starts[-1] + len(vertices))
-    return _Solids(
-        np.array(circles, dtype=float).reshape(-1, 3),
-        Polygons(
-            np.concatenate(corners),
-            np.array(starts, dtype=np.int64),
-            np.array(rings, dtype=float).reshape(-1, 3),
-        ),
+    polygons = Polygons(
+        np.concatenate(corners),
+        np.array(starts, dtype=np.int64),
+        np.array(rings, dtype=float).reshape(-1, 3),
     )
+    return np.array(circles, dtype=float).reshape(-1, 3), polygons
 
 
 def _judge_track(
@@ -180,29 +202,10 @@ def _judge_track(
     relative = poses[there].copy()
     for axis in (0, 1):
         relative[:, axis] -= np.interp(time[there], track.time, track.offset[:, axis])
-    touching = np.zeros(len(relative), dtype=bool)
-    _solids([shape_from_mapping(track.shape)]).judge(relative, model, best, touching)
-    contact[there] = touching
+    motion = _Motion(relative, model, best)
+    motion.judge_solids(*_solids([shape_from_mapping(track.shape)]))
+    contact[there] = motion.contact
     return contact
-
-
-def _judge_border(
-    area: OccupancyMap,
-    poses: Array,
-    model: RobotModel,
-    best: Array,
-    contact: NDArray[np.bool_],
-) -> None:
-    local = inverse_transform_points(area.origin, poses[:, :2])
-    yaw = poses[:, 2] - area.origin[2]
-    inside = np.minimum(local, np.array(area.size) - local)
-    c, s = np.abs(np.cos(yaw)), np.abs(np.sin(yaw))
-    length, width, inflation = model.body
-    half = 0.5 * np.column_stack([c * length + s * width, s * length + c * width]) + inflation
-    best[0] = min(best[0], max(float(inside.min()), 0.0))
-    gap = (inside - half).min(axis=1)
-    best[1] = min(best[1], max(float(gap.min()), 0.0))
-    contact |= gap <= 0.0
 
 
 def _cells(area: OccupancyMap) -> Cells | None:
@@ -215,20 +218,3 @@ def _cells(area: OccupancyMap) -> Cells | None:
     from_centres = surface_distance(occupied, area.resolution, border=False)
     bound = from_centres - np.sqrt(0.5) * area.resolution
     return Cells(occupied, bound, area.resolution)
-
-
-def _judge_cells(
-    area: OccupancyMap,
-    cells: Cells,
-    poses: Array,
-    model: RobotModel,
-    best: Array,
-    contact: NDArray[np.bool_],
-) -> None:
-    local = np.column_stack(
-        [inverse_transform_points(area.origin, poses[:, :2]), poses[:, 2] - area.origin[2]]
-    )
-    cell = np.floor(local[:, 1::-1] / area.resolution).astype(int)
-    row, col = np.clip(cell, 0, np.array(cells.occupied.shape) - 1).T
-    order = np.argsort(cells.bound[row, col], kind="stable")
-    cells_clearance(local, order, Box(*model.body), cells, best, contact)

@@ -1,4 +1,4 @@
-"""How well robots did what they were told: the figures of commanded velocities."""
+"""How well robots did what they were told: the metrics of commanded velocities."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from cavalcade.geometry import Array
-from cavalcade.metrics.summary import CommandTracking
+from cavalcade.metrics.summary import CommandTracking, rounded
 from cavalcade.recording.frames import Recording
 
 SETTLED = 2.0
@@ -21,7 +21,8 @@ LEAST = 1.0
 _MOVING = 0.05
 """Smaller commands, m/s or rad/s, are standing still."""
 
-_GRAIN = (1e-6, 1e-6, 1e-6)
+_GRAIN = 1e-6
+"""Smaller changes of a command are none, m/s or rad/s."""
 
 
 @dataclass(frozen=True)
@@ -55,27 +56,21 @@ def summarise_commands(recording: Recording, pushes: Sequence[Push] = ()) -> Com
     - `rms_m_s`: root of the mean square of the velocity in that direction less the command, the
       largest of all stretches: trunks sway at each step.
     """
-    speeds: list[float] = []
-    turns: list[float] = []
-    drifts: list[float] = []
-    spreads: list[float] = []
+    found: dict[str, list[float]] = {key: [] for key in CommandTracking.__dataclass_fields__}
     for stretch in stretches(recording, pushes):
         wanted = stretch.command
         speed = float(np.hypot(*wanted[:2]))
         mean = stretch.velocities.mean(axis=0)
         if speed >= _MOVING:
             along = wanted[:2] / speed
-            speeds.append(abs(float(mean[:2] @ along) / speed - 1.0))
-            drifts.append(abs(float(along[0] * mean[1] - along[1] * mean[0])))
+            found["speed_error"].append(abs(float(mean[:2] @ along) / speed - 1.0))
+            found["drift_m_s"].append(abs(float(along[0] * mean[1] - along[1] * mean[0])))
             off = stretch.velocities[:, :2] @ along - speed
-            spreads.append(float(np.sqrt((off**2).mean())))
+            found["rms_m_s"].append(float(np.sqrt((off**2).mean())))
         if abs(wanted[2]) >= _MOVING:
-            turns.append(abs(float(mean[2] / wanted[2]) - 1.0))
+            found["yaw_rate_error"].append(abs(float(mean[2] / wanted[2]) - 1.0))
     return CommandTracking(
-        speed_error=_largest(speeds),
-        yaw_rate_error=_largest(turns),
-        drift_m_s=_largest(drifts),
-        rms_m_s=_largest(spreads),
+        **{key: rounded(max(values, default=None)) for key, values in found.items()}
     )
 
 
@@ -124,7 +119,3 @@ def _motion(recording: Recording) -> tuple[Array, Array]:
     w, x, y, z = np.moveaxis(track.base[..., 3:], -1, 0)
     yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y**2 + z**2))
     return track.time, np.concatenate([track.base[..., :2], yaw[..., None]], axis=-1)
-
-
-def _largest(values: list[float]) -> float | None:
-    return round(max(values), 6) if values else None

@@ -1,17 +1,43 @@
-"""The shortest way a robot could have taken if it had been alone: what a run is compared with."""
+"""The shortest path that a robot could take if it were alone: what runs are compared with."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.geometry.string_pulling import descend, line_is_free, string_pulled_length
+from cavalcade.metrics.summary import rounded
+from cavalcade.robots import RobotModel
 from cavalcade.world import OccupancyMap
 
 
-class ShortestWays:
+def lower_bounds(
+    area: OccupancyMap, models: Sequence[RobotModel], stops: Sequence[Sequence[ArrayLike]]
+) -> tuple[float | None, ...]:
+    """Per robot the length of its shortest path, alone, m.
+
+    Args:
+        area: The ground.
+        models: One per robot.
+        stops: Per robot the points `(2,)` of the map frame that it visits, its start first; None
+            is answered for fewer than two, and where there is no path.
+    """
+    paths: dict[float, ShortestPaths] = {}
+    result: list[float | None] = []
+    for model, points in zip(models, stops, strict=True):
+        if len(points) > 1 and model.width not in paths:
+            paths[model.width] = ShortestPaths(area, model.width / 2.0)
+        legs = [paths[model.width].length(a, b) for a, b in pairwise(points)]
+        known = [leg for leg in legs if leg is not None]
+        result.append(rounded(sum(known)) if legs and len(known) == len(legs) else None)
+    return tuple(result)
+
+
+class ShortestPaths:
     """Shortest paths of a disc of `radius` m over one map.
 
     Meant as a lower bound, so everything is decided in the robot's favour: a cell is free if,

@@ -1,16 +1,18 @@
-"""The summary of a plan."""
+"""A plan with its footholds and its summary."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from cavalcade.coordination.result import TeamPlan
 from cavalcade.geometry import Array
+from cavalcade.geometry.trajectory import Trajectory, team_poses
 from cavalcade.locomotion import longest_leg
 from cavalcade.metrics.clearance import clearance
-from cavalcade.metrics.lower_bound import ShortestWays
+from cavalcade.metrics.lower_bound import lower_bounds
 from cavalcade.metrics.run_summary import job_keys
 from cavalcade.metrics.summary import (
     Collisions,
@@ -20,8 +22,39 @@ from cavalcade.metrics.summary import (
     rounded,
     rounded_each,
 )
-from cavalcade.recording.plan_sampling import as_recording
+from cavalcade.recording.frames import Recording
 from cavalcade.scenario import Scenario, World
+
+
+@dataclass(frozen=True)
+class PlanResult:
+    """What planning came to.
+
+    Attributes:
+        plan: The coordinator's answer.
+        footholds: Per robot `(M, 6)` t_down, t_up (s), leg, x, y, z (m, map frame); empty for
+            robots without legs and where there is no trajectory.
+        summary: Its metrics.
+    """
+
+    plan: TeamPlan
+    footholds: tuple[Array, ...]
+    summary: Summary
+
+    @property
+    def solved(self) -> bool:
+        """Whether every robot has a trajectory and none meets anything."""
+        return self.summary.success
+
+    @property
+    def reason(self) -> str:
+        """`solved`, `infeasible` or `budget`, as in `summary.json`."""
+        return self.summary.reason
+
+    @property
+    def trajectories(self) -> tuple[Trajectory | None, ...]:
+        """One per robot, map frame; see `TeamPlan.trajectories` for unsolved problems."""
+        return self.plan.trajectories
 
 
 def summarise_plan(
@@ -46,10 +79,14 @@ def summarise_plan(
     robots = len(scenario.robots)
     solved = plan.solved
     known = [path for path in plan.trajectories if path is not None]
-    near = None
+    near, collisions = None, Collisions()
     if solved and known:
         near = clearance(world, as_recording(known), scenario.models)
-    collided = near is not None and near.robot_obstacle + near.robot_robot > 0
+        collisions = Collisions(near.robot_robot, near.robot_obstacle)
+    collided = bool(collisions.robot_obstacle or collisions.robot_robot)
+    ends = [
+        (start[:2], goal[:2]) for start, goal in zip(scenario.starts, scenario.goals, strict=True)
+    ]
     durations = [None if path is None else path.duration for path in plan.trajectories]
     lengths = [None if path is None else path.length for path in plan.trajectories]
     unsure = (None,) * robots
@@ -65,12 +102,10 @@ def summarise_plan(
         min_obstacle_distance_m=None if near is None else rounded(near.obstacle_distance),
         min_robot_distance_m=None if near is None else rounded(near.robot_distance),
         min_footprint_gap_m=None if near is None else rounded(near.footprint_gap),
-        collisions=Collisions()
-        if near is None
-        else Collisions(near.robot_robot, near.robot_obstacle),
+        collisions=collisions,
         planning_time_s=rounded(plan.planning_time),
         path_length_m=rounded_each(lengths) if solved else unsure,
-        lower_bound_m=lower_bounds(scenario, world),
+        lower_bound_m=lower_bounds(world.map, scenario.models, ends),
         duration_s=rounded_each(durations) if solved else unsure,
         goal_error_m=_goal_errors(scenario, plan) if solved else unsure,
         goal_moved_m=0.0,
@@ -84,15 +119,14 @@ def summarise_plan(
     )
 
 
-def lower_bounds(scenario: Scenario, world: World) -> tuple[float | None, ...]:
-    """Per robot the length of its shortest way from start to goal, alone, m."""
-    ways: dict[float, ShortestWays] = {}
-    found: list[float | None] = []
-    for start, goal, model in zip(scenario.starts, scenario.goals, scenario.models, strict=True):
-        if model.width not in ways:
-            ways[model.width] = ShortestWays(world.map, model.width / 2.0)
-        found.append(rounded(ways[model.width].length(start[:2], goal[:2])))
-    return tuple(found)
+def as_recording(trajectories: Sequence[Trajectory]) -> Recording:
+    """The plan as if it had been carried out to the letter; without commands and status.
+
+    Its times are those of all samples of all robots, so that nothing is left out in between.
+    """
+    times = np.unique(np.concatenate([trajectory.time for trajectory in trajectories]))
+    poses = team_poses(trajectories, times)
+    return Recording(times, poses, poses, np.zeros_like(poses), (), (), ())
 
 
 def _goal_errors(scenario: Scenario, plan: TeamPlan) -> tuple[float | None, ...]:

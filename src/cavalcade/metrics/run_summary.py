@@ -7,13 +7,13 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cavalcade.execution.arrival import ArrivalTolerance, has_goal, slot_poses, tolerance_of
 from cavalcade.execution.loop import Outcome
 from cavalcade.geometry import Array, wrap_angle
 from cavalcade.metrics.clearance import clearance
-from cavalcade.metrics.formation_error import formation_errors
-from cavalcade.metrics.lower_bound import ShortestWays
+from cavalcade.metrics.lower_bound import lower_bounds
 from cavalcade.metrics.physics_summary import summarise_physics
 from cavalcade.metrics.summary import (
     Collisions,
@@ -25,6 +25,7 @@ from cavalcade.metrics.summary import (
     rounded_each,
 )
 from cavalcade.recording.frames import Recording
+from cavalcade.recording.status import PlannerStatus
 from cavalcade.scenario import Scenario, World
 
 
@@ -43,8 +44,9 @@ def summarise(scenario: Scenario, world: World, recording: Recording, outcome: O
     if (collisions.robot_robot or collisions.robot_obstacle) and reason != "fallen":
         reason = "collision"
     arrived = outcome.reason == "arrived"
-    ends = _ends(recording)
-    durations = _durations(recording, ends, tolerance_of(scenario))
+    steps = np.diff(recording.poses[..., :2], axis=0)
+    driven = [status for status in recording.status if has_goal(status)]
+    durations, goal_errors = _in_place(recording, driven, tolerance_of(scenario))
     return Summary(
         **job_keys(scenario),
         backend=scenario.execution.backend,
@@ -54,7 +56,7 @@ def summarise(scenario: Scenario, world: World, recording: Recording, outcome: O
         involved=outcome.involved,
         sim_time_s=rounded(recording.time[-1] if len(recording.time) else 0.0),
         wall_time_s=rounded(outcome.wall_time),
-        makespan_s=_makespan(durations) if arrived else None,
+        makespan_s=max((d for d in durations if d is not None), default=None) if arrived else None,
         min_obstacle_distance_m=rounded(near.obstacle_distance),
         min_robot_distance_m=rounded(near.robot_distance),
         min_footprint_gap_m=rounded(near.footprint_gap),
@@ -65,11 +67,11 @@ def summarise(scenario: Scenario, world: World, recording: Recording, outcome: O
         role_changes=role_changes(recording),
         cycle_ms=_cycle_times(outcome.planning * 1e3),
         planning_time_s=rounded(outcome.planning.sum()),
-        path_length_m=rounded_each(_path_lengths(recording)),
-        lower_bound_m=_lower_bounds(scenario, world, recording),
+        path_length_m=rounded_each(np.hypot(steps[..., 0], steps[..., 1]).sum(axis=0)),
+        lower_bound_m=lower_bounds(world.map, scenario.models, _stops(scenario, driven)),
         duration_s=durations,
-        goal_error_m=_goal_errors(recording, ends),
-        goal_moved_m=_goal_moved(recording),
+        goal_error_m=goal_errors,
+        goal_moved_m=rounded(max((status.goal_moved for status in driven), default=None)),
         real_time_factor=_real_time_factor(recording, outcome),
         physics=physics,
         versions=package_versions(() if track is None else ("mujoco",)),
@@ -112,56 +114,69 @@ def _real_time_factor(recording: Recording, outcome: Outcome) -> float | None:
     return rounded(recording.time[-1] / outcome.wall_time)
 
 
-def _ends(recording: Recording) -> Array | None:
-    """Poses `(N, 3)` of the slots that were driven to last; infinite for a robot without one."""
-    for status in reversed(recording.status):
-        if has_goal(status):
-            return slot_poses(status)
-    return None
+def _in_place(
+    recording: Recording, driven: Sequence[PlannerStatus], limit: ArrivalTolerance
+) -> tuple[tuple[float | None, ...], tuple[float | None, ...]]:
+    """Per robot when it was at its last slot for good, s, and how far off it is at the end, m.
 
-
-def _durations(
-    recording: Recording, ends: Array | None, limit: ArrivalTolerance
-) -> tuple[float | None, ...]:
-    """When each robot was at its last slot for good, s; null if it was not at the end."""
+    Null where it had no slot, and the time also where it was not there at the end.
+    """
     robots = recording.poses.shape[1]
+    ends = slot_poses(driven[-1]) if driven else None
     if ends is None or not len(recording.time):
-        return (None,) * robots
-    result: list[float | None] = []
+        return (None,) * robots, (None,) * robots
+    durations: list[float | None] = []
     for robot in range(robots):
         if not np.isfinite(ends[robot]).all():
-            result.append(None)
+            durations.append(None)
             continue
         off = recording.poses[:, robot] - ends[robot]
         there = np.hypot(off[:, 0], off[:, 1]) <= limit.position
         there &= np.abs(wrap_angle(off[:, 2])) <= limit.heading
         away = np.flatnonzero(~there)
         first = 0 if len(away) == 0 else int(away[-1]) + 1
-        result.append(rounded(recording.time[first]) if first < len(there) else None)
-    return tuple(result)
-
-
-def _makespan(durations: Sequence[float | None]) -> float | None:
-    known = [duration for duration in durations if duration is not None]
-    return max(known, default=None)
-
-
-def _goal_errors(recording: Recording, ends: Array | None) -> tuple[float | None, ...]:
-    robots = recording.poses.shape[1]
-    if ends is None or not len(recording.time):
-        return (None,) * robots
+        durations.append(rounded(recording.time[first]) if first < len(there) else None)
     off = recording.poses[-1, :, :2] - ends[:, :2]
-    return rounded_each(np.hypot(off[:, 0], off[:, 1]))
+    return tuple(durations), rounded_each(np.hypot(off[:, 0], off[:, 1]))
 
 
-def _goal_moved(recording: Recording) -> float | None:
-    moved = [status.goal_moved for status in recording.status if has_goal(status)]
-    return rounded(max(moved)) if moved else None
+def placement_errors(positions: Array, slots: Array, taking_part: NDArray[np.bool_]) -> Array:
+    """Distance of each robot to its own slot of the best-fit placement of the shape.
+
+    The placement is the rotation and translation (no scaling, no reflection) with the least sum
+    of squared distances.
+
+    Args:
+        positions: `(T, N, 2)` of the robots, m.
+        slots: `(T, N, 2)` each robot's slot in the formation's frame, m.
+        taking_part: `(T, N)` whether the robot has a slot.
+
+    Returns:
+        `(T, N)` m; 0 for robots that take no part.
+    """
+    weight = taking_part[..., None].astype(float)
+    count = np.maximum(weight.sum(axis=1, keepdims=True), 1.0)
+    p = (positions - (positions * weight).sum(axis=1, keepdims=True) / count) * weight
+    q = (slots - (slots * weight).sum(axis=1, keepdims=True) / count) * weight
+    along = (p * q).sum(axis=(1, 2))
+    across = (q[..., 0] * p[..., 1] - q[..., 1] * p[..., 0]).sum(axis=1)
+    turn = np.arctan2(across, along)[:, None]
+    c, s = np.cos(turn), np.sin(turn)
+    dx = p[..., 0] - (c * q[..., 0] - s * q[..., 1])
+    dy = p[..., 1] - (s * q[..., 0] + c * q[..., 1])
+    return np.asarray(np.hypot(dx, dy))
 
 
 def _formation_error(recording: Recording) -> FormationError:
-    errors, taking_part = formation_errors(recording)
-    values = errors[taking_part]
+    """For true poses and the roles of each cycle."""
+    cycles, robots = recording.poses.shape[:2]
+    slots = np.zeros((cycles, robots, 2))
+    taking_part = np.zeros((cycles, robots), dtype=bool)
+    for k, status in enumerate(recording.status):
+        has_slot = (status.roles >= 0) & (status.roles < len(status.slots))
+        taking_part[k] = has_slot
+        slots[k, has_slot] = status.slots[status.roles[has_slot]]
+    values = placement_errors(recording.poses[..., :2], slots, taking_part)[taking_part]
     if not len(values):
         return FormationError()
     return FormationError(
@@ -179,43 +194,17 @@ def _cycle_times(cycles: Array) -> CycleTimes:
     )
 
 
-def _path_lengths(recording: Recording) -> Array:
-    steps = np.diff(recording.poses[..., :2], axis=0)
-    return np.asarray(np.hypot(steps[..., 0], steps[..., 1]).sum(axis=0))
-
-
-def _lower_bounds(
-    scenario: Scenario, world: World, recording: Recording
-) -> tuple[float | None, ...]:
-    """Per robot over the legs that the team was to drive, on the ground as it was at the start.
+def _stops(scenario: Scenario, driven: Sequence[PlannerStatus]) -> list[list[Array]]:
+    """Per robot its start and the ends `(2,)` of the legs that the team was to drive.
 
     A leg ends at the robot's own slot of each goal that was reached before the next one, and of
     the last goal.
     """
-    ends = _leg_ends(recording)
-    ways: dict[float, ShortestWays] = {}
-    result: list[float | None] = []
-    for robot, model in enumerate(scenario.models):
-        stops = [np.asarray(scenario.starts[robot][:2])]
-        stops += [end[robot, :2] for end in ends if np.isfinite(end[robot]).all()]
-        if len(stops) < 2:
-            result.append(None)
-            continue
-        if model.width not in ways:
-            ways[model.width] = ShortestWays(world.map, model.width / 2.0)
-        legs = [ways[model.width].length(a, b) for a, b in pairwise(stops)]
-        known = [leg for leg in legs if leg is not None]
-        result.append(rounded(sum(known)) if len(known) == len(legs) else None)
-    return tuple(result)
-
-
-def _leg_ends(recording: Recording) -> list[Array]:
-    """Slot poses `(N, 3)` at every goal that was reached before the next, and at the last."""
-    driven = [status for status in recording.status if has_goal(status)]
-    ends = []
-    for before, after in pairwise(driven):
-        if after.waypoint == before.waypoint + 1:
-            ends.append(slot_poses(before))
-    if driven:
-        ends.append(slot_poses(driven[-1]))
-    return [end for end in ends if end is not None]
+    reached = [a for a, b in pairwise(driven) if b.waypoint == a.waypoint + 1]
+    ends = [slot_poses(status) for status in (*reached, *driven[-1:])]
+    stops = [[np.asarray(start[:2])] for start in scenario.starts]
+    for end in ends:
+        for robot, visited in enumerate(stops):
+            if end is not None and np.isfinite(end[robot]).all():
+                visited.append(end[robot, :2])
+    return stops

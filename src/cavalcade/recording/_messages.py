@@ -1,21 +1,49 @@
-"""The messages of a recording, each kind with its layout on the wire."""
+"""The messages of a recording, each kind with its layout on the wire.
+
+In physics there are also:
+
+- `/robot_k/body`, geometry_msgs/PoseStamped: the trunk's frame in the map, three-dimensional.
+- `/robot_k/joint_states`, sensor_msgs/JointState: joints `FL_hip` to `RR_calf`; the effort is the
+  torque of largest magnitude since the message before.
+- `/robot_k/foot_force/FL` and so on, geometry_msgs/WrenchStamped: mean contact force since the
+  message before, in the frame `robot_k/FL_foot`, at the foot with the axes of the map.
+- `/cavalcade/contacts`, std_msgs/String, JSON `{"time", "robot", "part", "other"}`: every contact
+  but feet on the ground, said anew while it lasts.
+- `/cavalcade/falls`, std_msgs/String, JSON `{"time", "robot"}`.
+"""
 
 from __future__ import annotations
 
 import struct
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.geometry import Array
 from cavalcade.recording.cdr import ENCAPSULATION, Layout, planar_poses, stamps_of
-from cavalcade.robots import RobotModel
+from cavalcade.robots import JOINTS, LEGS, RobotModel
 from cavalcade.world import OccupancyMap
 
 Stamps = NDArray[np.int64]
 """Times `(M,)` in ns."""
 
 FRAME = "map"
+
+STATUS_TOPIC = "/cavalcade/status"
+"""std_msgs/String, JSON: the planner's status of every cycle (see `StatusEncoder`)."""
+
+NOTES_TOPIC = "/cavalcade/notes"
+"""std_msgs/String, JSON `{"time", "text"}`: events and watchdog messages."""
+
+OBSTACLES_TOPIC = "/cavalcade/obstacles"
+"""std_msgs/String, JSON: the obstacle tracks, once."""
+
+CONTACTS_TOPIC, FALLS_TOPIC = "/cavalcade/contacts", "/cavalcade/falls"
+
+JOINT_NAMES = tuple(f"{leg}_{joint}" for leg in LEGS for joint in JOINTS)
+
+POSE = Layout().header(FRAME).numbers("pose", "f8", 7)
+"""geometry_msgs/PoseStamped with columns `stamp` and `pose`, position and quaternion x to w."""
 
 # Okabe and Ito's colours, told apart by nearly everyone; the first is the leader's slot.
 _PALETTE = np.array(
@@ -34,30 +62,91 @@ _CUBE, _SPHERE, _LINE_LIST = 1, 2, 5
 _ADD, _DELETE = 0, 2
 
 
+def run_topics(robots: int) -> dict[str, str]:
+    """Topics of every recording of so many robots, and their message types."""
+    kinds = {
+        "/map": "nav_msgs/msg/OccupancyGrid",
+        "/tf": "tf2_msgs/msg/TFMessage",
+        "/markers": "visualization_msgs/msg/MarkerArray",
+        STATUS_TOPIC: "std_msgs/msg/String",
+        NOTES_TOPIC: "std_msgs/msg/String",
+        OBSTACLES_TOPIC: "std_msgs/msg/String",
+    }
+    for robot in range(robots):
+        kinds[f"/robot_{robot}/pose"] = "geometry_msgs/msg/PoseStamped"
+        kinds[f"/robot_{robot}/pose_estimated"] = "geometry_msgs/msg/PoseStamped"
+        kinds[f"/robot_{robot}/cmd_vel"] = "geometry_msgs/msg/TwistStamped"
+        kinds[f"/robot_{robot}/path"] = "nav_msgs/msg/Path"
+    return kinds
+
+
+def physics_topics(robots: int) -> dict[str, str]:
+    """Further topics of recordings in physics, and their message types."""
+    kinds = {CONTACTS_TOPIC: "std_msgs/msg/String", FALLS_TOPIC: "std_msgs/msg/String"}
+    for robot in range(robots):
+        kinds[f"/robot_{robot}/body"] = "geometry_msgs/msg/PoseStamped"
+        kinds[f"/robot_{robot}/joint_states"] = "sensor_msgs/msg/JointState"
+        for leg in LEGS:
+            kinds[f"/robot_{robot}/foot_force/{leg}"] = "geometry_msgs/msg/WrenchStamped"
+    return kinds
+
+
 def base_frame(robot: int) -> str:
     """The body frame of a robot."""
     return f"robot_{robot}/base"
 
 
+def twist_layout(robot: int) -> Layout:
+    """geometry_msgs/TwistStamped with columns `stamp` and `twist`, linear and angular."""
+    return Layout().header(base_frame(robot)).numbers("twist", "f8", 6)
+
+
+def joints_layout(robot: int) -> Layout:
+    """sensor_msgs/JointState with columns `stamp`, `position`, `velocity` and `effort`."""
+    layout = Layout().header(base_frame(robot)).constant("u4", len(JOINT_NAMES))
+    for name in JOINT_NAMES:
+        layout.text(name)
+    for column in ("position", "velocity", "effort"):
+        layout.constant("u4", len(JOINT_NAMES)).numbers(column, "f8", len(JOINT_NAMES))
+    return layout
+
+
+def force_layout(robot: int, leg: str) -> Layout:
+    """geometry_msgs/WrenchStamped with columns `stamp` and `wrench`, force and torque."""
+    return Layout().header(f"robot_{robot}/{leg}_foot").numbers("wrench", "f8", 6)
+
+
+def string_message(text: str) -> memoryview:
+    """std_msgs/String."""
+    return Layout().text(text).pack(1)[0]
+
+
+def string_of(data: bytes) -> str:
+    """The text of a std_msgs/String.
+
+    Raises:
+        ValueError: It is not UTF-8.
+    """
+    return data[8:-1].decode()
+
+
 def pose_messages(times: Stamps, poses: Array) -> list[memoryview]:
     """geometry_msgs/PoseStamped of one robot: times `(M,)` ns, poses `(M, 3)`."""
-    layout = Layout().header(FRAME).numbers("pose", "f8", 7)
-    return layout.pack(len(times), stamp=stamps_of(times), pose=planar_poses(poses))
+    return POSE.pack(len(times), stamp=stamps_of(times), pose=planar_poses(poses))
 
 
 def twist_messages(times: Stamps, commands: Array, robot: int) -> list[memoryview]:
     """geometry_msgs/TwistStamped in the robot's body frame; commands `(M, 3)`."""
-    layout = Layout().header(base_frame(robot)).numbers("twist", "f8", 6)
     twist = np.zeros((len(times), 6))
     twist[:, (0, 1, 5)] = commands
-    return layout.pack(len(times), stamp=stamps_of(times), twist=twist)
+    return twist_layout(robot).pack(len(times), stamp=stamps_of(times), twist=twist)
 
 
 def transform_messages(times: Stamps, poses: Array) -> list[memoryview]:
     """tf2_msgs/TFMessage with every robot's body frame in the map; poses `(M, N, 3)`."""
     robots = poses.shape[1]
     layout = Layout().constant("u4", robots)
-    columns: dict[str, Array | NDArray[np.int64]] = {}
+    columns: dict[str, ArrayLike] = {}
     for robot in range(robots):
         layout.header(FRAME, f"stamp_{robot}").text(base_frame(robot))
         layout.numbers(f"pose_{robot}", "f8", 7)
@@ -81,6 +170,19 @@ def path_message(time: int, path: Array) -> bytes:
     rows[:, :56] = planar_poses(np.column_stack([path, yaw])).view(np.uint8)
     rows[:, 56:] = np.frombuffer(header, dtype=np.uint8)
     return start + header + bytes(4) + rows.tobytes()[:-16]
+
+
+def points_of(data: bytes) -> Array:
+    """The points `(K, 2)` of a message that `path_message` made.
+
+    Raises:
+        ValueError: It is another one.
+    """
+    count = int.from_bytes(data[20:24], "little")
+    rows = np.frombuffer(data[44:] + bytes(16), dtype=np.uint8)
+    if len(rows) != max(72 * count, 16):
+        raise ValueError(f"expected a path of {count} points")
+    return rows[: 72 * count].reshape(count, 72)[:, :16].copy().view(float).reshape(count, 2)
 
 
 def grid_message(time: int, grid: OccupancyMap) -> memoryview:
@@ -116,8 +218,7 @@ def marker_messages(
         springs: `(M, C, 2, 2)` ends of the lines between joined robots.
     """
     count, robots = roles.shape
-    layout = Layout().constant("u4", 2 * robots + 2)
-    columns: dict[str, Array | NDArray[np.int64]] = {}
+    markers = _Markers(times, 2 * robots + 2)
     colours = np.ones((count, robots, 4))
     colours[..., :3] = np.where(
         roles[..., None] < 0, _NO_ROLE, _PALETTE[np.maximum(roles, 0) % len(_PALETTE)]
@@ -128,57 +229,58 @@ def marker_messages(
     for robot, model in enumerate(models):
         bodies[:, robot, 2] = model.height / 2.0
         size = (model.length, model.width, model.height)
-        _marker(layout, f"body_{robot}", "roles", robot, _CUBE, size)
-        columns |= _columns(f"body_{robot}", times, bodies[:, robot], colours[:, robot])
-        _marker(layout, f"goal_{robot}", "goals", robot, _SPHERE, (0.12, 0.12, 0.12))
-        columns |= _columns(f"goal_{robot}", times, targets[:, robot], colours[:, robot])
-    led = leaders >= 0
+        colour = colours[:, robot]
+        markers.add("roles", robot, _CUBE, size, bodies[:, robot], colour)
+        markers.add("goals", robot, _SPHERE, (0.12, 0.12, 0.12), targets[:, robot], colour)
     above = planar_poses(poses[np.arange(count), np.maximum(leaders, 0)])
     above[:, 2] = top + 0.15
-    _marker(layout, "leader", "leader", 0, _SPHERE, (0.2, 0.2, 0.2))
-    columns |= _columns("leader", times, above, np.tile((*_PALETTE[0], 1.0), (count, 1)))
-    columns["leader_action"] = np.where(led, _ADD, _DELETE)
+    red, shown = np.array((*_PALETTE[0], 1.0)), np.where(leaders >= 0, _ADD, _DELETE)
+    markers.add("leader", 0, _SPHERE, (0.2, 0.2, 0.2), above, red, shown)
     ends = np.zeros((count, springs.shape[1] * 2, 3))
     ends[..., :2] = springs.reshape(count, -1, 2)
     ends[..., 2] = top / 2.0
-    _marker(layout, "springs", "springs", 0, _LINE_LIST, (0.03, 0.0, 0.0), ends.shape[1])
-    origin = planar_poses(np.zeros((count, 3)))
-    columns |= _columns("springs", times, origin, np.tile((0.3, 0.3, 0.3, 0.9), (count, 1)))
-    if ends.shape[1]:
-        columns["springs_points"] = ends.reshape(count, -1)
-    else:
-        columns["springs_action"] = np.full(count, _DELETE)
-    return layout.pack(count, **columns)
+    origin, grey = planar_poses(np.zeros((count, 3))), np.array((0.3, 0.3, 0.3, 0.9))
+    markers.add("springs", 0, _LINE_LIST, (0.03, 0.0, 0.0), origin, grey, points=ends)
+    return markers.layout.pack(count, **markers.columns)
 
 
-def _marker(
-    layout: Layout,
-    name: str,
-    space: str,
-    number: int,
-    kind: int,
-    size: tuple[float, float, float],
-    points: int = 0,
-) -> None:
-    layout.header(FRAME, f"{name}_stamp").text(space).constant("i4", number, kind)
-    layout.numbers(f"{name}_action", "i4").numbers(f"{name}_pose", "f8", 7)
-    layout.constant("f8", *size).numbers(f"{name}_colour", "f4", 4)
-    layout.constant("u4", 0, 0).constant("u1", 0)  # lifetime for ever, frame not locked
-    layout.constant("u4", points)
-    if points:
-        layout.numbers(f"{name}_points", "f8", 3 * points)
-    layout.constant("u4", 0)  # colours of single points
-    layout.text("").constant("u4", 0, 0).text("").text("").constant("u4", 0)  # texture
-    layout.constant("u4", 0).text("").text("").text("").constant("u4", 0)  # uv, text, mesh
-    layout.constant("u1", 0)
+class _Markers:
+    """A visualization_msgs/MarkerArray: its layout and the columns that it is packed with."""
 
+    def __init__(self, times: Stamps, count: int) -> None:
+        self.layout = Layout().constant("u4", count)
+        self.columns: dict[str, ArrayLike] = {}
+        self._stamp = stamps_of(times)
 
-def _columns(
-    name: str, times: Stamps, poses: Array, colours: Array
-) -> dict[str, Array | NDArray[np.int64]]:
-    return {
-        f"{name}_stamp": stamps_of(times),
-        f"{name}_action": np.full(len(times), _ADD),
-        f"{name}_pose": poses,
-        f"{name}_colour": colours,
-    }
+    def add(
+        self,
+        space: str,
+        number: int,
+        kind: int,
+        size: tuple[float, float, float],
+        pose: Array,
+        colour: Array,
+        action: ArrayLike = _ADD,
+        points: Array | None = None,
+    ) -> None:
+        """One marker: poses `(M, 7)`, a colour or `(M, 4)`, actions `(M,)`, points `(M, K, 3)`."""
+        name, count = f"{space}_{number}", 0 if points is None else points.shape[1]
+        self.columns |= {
+            f"{name}_stamp": self._stamp,
+            f"{name}_action": action if points is None or count else _DELETE,
+            f"{name}_pose": pose,
+            f"{name}_colour": colour,
+        }
+        layout = self.layout.header(FRAME, f"{name}_stamp").text(space)
+        layout.constant("i4", number, kind)
+        layout.numbers(f"{name}_action", "i4").numbers(f"{name}_pose", "f8", 7)
+        layout.constant("f8", *size).numbers(f"{name}_colour", "f4", 4)
+        layout.constant("u4", 0, 0).constant("u1", 0)  # lifetime for ever, frame not locked
+        layout.constant("u4", count)
+        if points is not None and count:
+            layout.numbers(f"{name}_points", "f8", 3 * count)
+            self.columns[f"{name}_points"] = points.reshape(len(points), -1)
+        layout.constant("u4", 0)  # colours of single points
+        layout.text("").constant("u4", 0, 0).text("").text("").constant("u4", 0)  # texture
+        layout.constant("u4", 0).text("").text("").text("").constant("u4", 0)  # uv, text, mesh
+        layout.constant("u1", 0)

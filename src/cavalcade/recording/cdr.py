@@ -112,9 +112,9 @@ def planar_poses(poses: Array) -> Array:
     return result
 
 
-def spatial_poses(poses: Array) -> Array:
-    """Poses `(..., 7)` position, quaternion w, x, y, z with the quaternion as x, y, z, w."""
-    return np.asarray(poses)[..., (0, 1, 2, 4, 5, 6, 3)]
+def nanoseconds(time: ArrayLike) -> NDArray[np.int64]:
+    """Times in s as whole ns."""
+    return np.round(np.asarray(time, dtype=float) * 1e9).astype(np.int64)
 
 
 def stamps_of(nanoseconds: NDArray[np.int64]) -> NDArray[np.int64]:

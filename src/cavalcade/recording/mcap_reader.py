@@ -3,23 +3,29 @@
 from __future__ import annotations
 
 import json
-import re
-from collections.abc import Callable, Iterator
-from dataclasses import replace
+from collections import defaultdict
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cavalcade.errors import RecordingError
 from cavalcade.geometry import Array
+from cavalcade.recording import _messages
+from cavalcade.recording.cdr import Layout, nanoseconds_of
 from cavalcade.recording.frames import ObstacleTrack, Recording
-from cavalcade.recording.mcap_writer import NOTES_TOPIC, OBSTACLES_TOPIC, STATUS_TOPIC
-from cavalcade.recording.physics_mcap import FILE, read_physics
-from cavalcade.recording.status import PlannerStatus
-from cavalcade.recording.status_text import StatusDecoder
+from cavalcade.recording.mcap_writer import FILE
+from cavalcade.recording.physics_track import ContactEvent, FallEvent, PhysicsTrack
+from cavalcade.recording.status import PlannerStatus, StatusDecoder
+from cavalcade.robots import LEGS
 
-_TOPIC = re.compile(r"/robot_\d+/(pose|pose_estimated|cmd_vel|path)|/cavalcade/\w+")
+_BULKY = ("/map", "/tf", "/markers")
+"""What is only for other programs."""
+
+_Found = dict[str, list[tuple[int, bytes]]]
+"""By topic the times in ns and the bytes of its messages, in order of time."""
 
 
 def read_recording(path: str | Path) -> Recording:
@@ -36,76 +42,128 @@ def read_recording(path: str | Path) -> Recording:
         file = file / FILE
     if not file.is_file():
         raise RecordingError("there is no such recording", file=file)
-    parts = _Parts()
+    found = _messages_of(file)
     try:
-        for topic, time, message in _messages(file):
-            parts.take(topic, time, message)
-        return replace(parts.recording(), physics=read_physics(file))
+        return _recording(found)
+    except RecordingError as error:
+        raise RecordingError(str(error), file=file) from None
     except (AttributeError, KeyError, TypeError, ValueError) as error:
         raise RecordingError(f"not a recording of a run: {error}", file=file) from None
 
 
-class _Parts:
-    def __init__(self) -> None:
-        self._rows: dict[str, list[tuple[float, ...]]] = {}
-        self._paths: dict[int, Array] = {}
-        self._decoder = StatusDecoder()
-        self._time: list[int] = []
-        self._status: list[PlannerStatus] = []
-        self._notes: list[tuple[float, str]] = []
-        self._obstacles: tuple[ObstacleTrack, ...] = ()
-        self._current: tuple[Array, ...] = ()
+def _messages_of(file: Path) -> _Found:
+    from rosbags.rosbag2 import Reader
 
-    def take(self, topic: str, time: int, message: Any) -> None:
-        if topic == STATUS_TOPIC:
-            if len(self._current) != len(self._paths) or any(
-                one is not self._paths[k] for k, one in enumerate(self._current)
-            ):
-                self._current = tuple(self._paths[k] for k in sorted(self._paths))
-            self._time.append(time)
-            self._status.append(self._decoder.decode(message.data, self._current))
-        elif topic == NOTES_TOPIC:
-            note = json.loads(message.data)
-            self._notes.append((float(note["time"]), str(note["text"])))
-        elif topic == OBSTACLES_TOPIC:
-            self._obstacles = tuple(_track(track) for track in json.loads(message.data))
-        elif topic.endswith("/path"):
-            points = [(p.pose.position.x, p.pose.position.y) for p in message.poses]
-            robot = int(topic.split("/")[1].removeprefix("robot_"))
-            self._paths[robot] = np.array(points, dtype=float).reshape(-1, 2)
-        elif topic.endswith("/cmd_vel"):
-            twist = message.twist
-            self._rows.setdefault(topic, []).append(
-                (twist.linear.x, twist.linear.y, twist.angular.z)
+    found: _Found = defaultdict(list)
+    try:
+        with Reader(file) as reader:
+            robots = sum(c.topic.endswith("/pose") for c in reader.connections)
+            bodies = sum(c.topic.endswith("/body") for c in reader.connections)
+            known = _messages.run_topics(robots) | _messages.physics_topics(bodies)
+            wanted = [
+                c
+                for c in reader.connections
+                if known.get(c.topic) == c.msgtype and c.topic not in _BULKY
+            ]
+            if wanted:
+                for connection, time, data in reader.messages(wanted):
+                    found[connection.topic].append((time, data))
+    except Exception as error:  # rosbags meets damaged files with errors of many kinds
+        raise RecordingError(f"cannot be read: {error}", file=file) from None
+    return dict(found)
+
+
+def _recording(found: _Found) -> Recording:
+    time = _times(found.get(_messages.STATUS_TOPIC, ()))
+    robots = sum(topic.endswith("/pose") for topic in found)
+    shape = (len(time), robots, 3)
+    poses, estimated, commands = np.zeros(shape), np.zeros(shape), np.zeros(shape)
+    for robot in range(robots):
+        name = f"/robot_{robot}"
+        for topic, values in (("pose", poses), ("pose_estimated", estimated)):
+            read = _columns(found, f"{name}/{topic}", _messages.POSE, time)["pose"]
+            values[:, robot, :2] = read[:, :2]
+            values[:, robot, 2] = 2.0 * np.arctan2(read[:, 5], read[:, 6])
+        read = _columns(found, f"{name}/cmd_vel", _messages.twist_layout(robot), time)["twist"]
+        commands[:, robot] = read[:, (0, 1, 5)]
+    notes = _contents(found, _messages.NOTES_TOPIC)
+    tracks = _contents(found, _messages.OBSTACLES_TOPIC)
+    return Recording(
+        time=time / 1e9,
+        poses=poses,
+        estimated=estimated,
+        commands=commands,
+        status=_statuses(found, robots),
+        obstacles=tuple(_obstacle(track) for track in tracks[-1]) if tracks else (),
+        notes=tuple((float(note["time"]), str(note["text"])) for note in notes),
+        physics=_physics(found),
+    )
+
+
+def _statuses(found: _Found, robots: int) -> tuple[PlannerStatus, ...]:
+    """The status of every cycle, with the paths as they were written last."""
+    written = [
+        (time, robot, data)
+        for robot in range(robots)
+        for time, data in found.get(f"/robot_{robot}/path", ())
+    ]
+    written.sort(key=lambda one: one[0], reverse=True)
+    decoder, result = StatusDecoder(), []
+    paths: dict[int, Array] = {}
+    current: tuple[Array, ...] = ()
+    for time, data in found.get(_messages.STATUS_TOPIC, ()):
+        while written and written[-1][0] <= time:
+            _, robot, path = written.pop()
+            paths[robot] = _messages.points_of(path)
+            current = tuple(paths[k] for k in sorted(paths))
+        result.append(decoder.decode(_messages.string_of(data), current))
+    return tuple(result)
+
+
+def _physics(found: _Found) -> PhysicsTrack | None:
+    """The track of a run in physics."""
+    robots = sum(topic.endswith("/body") for topic in found)
+    if not robots:
+        return None
+    time = _times(found["/robot_0/body"])
+    base = np.zeros((len(time), robots, 7))
+    joints = {
+        name: np.zeros((len(time), robots, len(_messages.JOINT_NAMES)))
+        for name in ("position", "velocity", "effort")
+    }
+    forces = np.zeros((len(time), robots, len(LEGS), 3))
+    for robot in range(robots):
+        name = f"/robot_{robot}"
+        pose = _columns(found, f"{name}/body", _messages.POSE, time)["pose"]
+        base[:, robot] = pose[:, (0, 1, 2, 6, 3, 4, 5)]
+        read = _columns(found, f"{name}/joint_states", _messages.joints_layout(robot), time)
+        for column, values in joints.items():
+            values[:, robot] = read[column]
+        for k, leg in enumerate(LEGS):
+            layout = _messages.force_layout(robot, leg)
+            read = _columns(found, f"{name}/foot_force/{leg}", layout, time)
+            forces[:, robot, k] = read["wrench"][:, :3]
+    contacts, falls = (
+        _contents(found, topic) for topic in (_messages.CONTACTS_TOPIC, _messages.FALLS_TOPIC)
+    )
+    return PhysicsTrack(
+        time=time / 1e9,
+        base=base,
+        joints=joints["position"],
+        joint_rates=joints["velocity"],
+        torques=joints["effort"],
+        foot_forces=forces,
+        contacts=tuple(
+            ContactEvent(
+                float(said["time"]), int(said["robot"]), str(said["part"]), str(said["other"])
             )
-        elif topic.endswith(("/pose", "/pose_estimated")):
-            place, turn = message.pose.position, message.pose.orientation
-            yaw = 2.0 * np.arctan2(turn.z, turn.w)
-            self._rows.setdefault(topic, []).append((place.x, place.y, float(yaw)))
-
-    def recording(self) -> Recording:
-        robots = sum(topic.endswith("/pose") for topic in self._rows)
-        return Recording(
-            time=np.array(self._time, dtype=float) / 1e9,
-            poses=self._columns("pose", robots),
-            estimated=self._columns("pose_estimated", robots),
-            commands=self._columns("cmd_vel", robots),
-            status=tuple(self._status),
-            obstacles=self._obstacles,
-            notes=tuple(self._notes),
-        )
-
-    def _columns(self, name: str, robots: int) -> Array:
-        columns = [np.array(self._rows[f"/robot_{robot}/{name}"]) for robot in range(robots)]
-        for column in columns:
-            if len(column) != len(self._time):
-                raise ValueError(f"{len(self._time)} cycles, but {len(column)} of {name}")
-        if not columns:
-            return np.zeros((len(self._time), 0, 3))
-        return np.stack(columns, axis=1)
+            for said in contacts
+        ),
+        falls=tuple(FallEvent(float(said["time"]), int(said["robot"])) for said in falls),
+    )
 
 
-def _track(said: dict[str, Any]) -> ObstacleTrack:
+def _obstacle(said: dict[str, Any]) -> ObstacleTrack:
     return ObstacleTrack(
         shape=said["shape"],
         start=float(said["start"]),
@@ -115,18 +173,20 @@ def _track(said: dict[str, Any]) -> ObstacleTrack:
     )
 
 
-def _messages(file: Path) -> Iterator[tuple[str, int, Any]]:
-    """(topic, time in ns, message) in the order of writing, but for the bulky topics."""
-    from rosbags.rosbag2 import Reader
-    from rosbags.typesys import Stores, get_typestore
+def _times(messages: Sequence[tuple[int, bytes]]) -> NDArray[np.int64]:
+    return np.array([time for time, _ in messages], dtype=np.int64)
 
-    store = get_typestore(Stores.ROS2_HUMBLE)
-    try:
-        with Reader(file) as reader:
-            wanted = [c for c in reader.connections if _TOPIC.fullmatch(c.topic)]
-            decode: Callable[[Any, str], Any] = store.deserialize_cdr
-            if wanted:
-                for connection, time, data in reader.messages(wanted):
-                    yield connection.topic, time, decode(data, connection.msgtype)
-    except Exception as error:  # rosbags meets damaged files with errors of many kinds
-        raise RecordingError(f"cannot be read: {error}", file=file) from None
+
+def _columns(
+    found: _Found, topic: str, layout: Layout, time: NDArray[np.int64]
+) -> dict[str, NDArray[Any]]:
+    """The columns of a topic that has a message for each of these times in ns."""
+    read = layout.unpack([data for _, data in found[topic]])
+    if not np.array_equal(nanoseconds_of(read["stamp"]), time):
+        raise ValueError(f"{topic} has other times than it should")
+    return read
+
+
+def _contents(found: _Found, topic: str) -> list[Any]:
+    """What the messages of a topic say in JSON."""
+    return [json.loads(_messages.string_of(data)) for _, data in found.get(topic, ())]

@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import asdict
 from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,27 +17,21 @@ from numpy.typing import NDArray
 from cavalcade.errors import OutputError
 from cavalcade.geometry import Array
 from cavalcade.recording import _messages
-from cavalcade.recording.cdr import Layout
+from cavalcade.recording.cdr import nanoseconds, stamps_of
 from cavalcade.recording.frames import ObstacleTrack, Recording
-from cavalcade.recording.physics_mcap import physics_messages, physics_topics
-from cavalcade.recording.status_text import StatusEncoder
-from cavalcade.robots import RobotModel
+from cavalcade.recording.physics_track import PhysicsTrack
+from cavalcade.recording.status import StatusEncoder
+from cavalcade.robots import LEGS, RobotModel
 from cavalcade.world import OccupancyMap
 
 if TYPE_CHECKING:
     from rosbags.rosbag2 import Writer
 
+FILE = "recording.mcap"
+"""A run's recording in its folder."""
+
 MARKER_PERIOD = 0.1
 """Markers are written this often, s."""
-
-STATUS_TOPIC = "/cavalcade/status"
-"""std_msgs/String, JSON: the planner's status of every cycle (see `status_text`)."""
-
-NOTES_TOPIC = "/cavalcade/notes"
-"""std_msgs/String, JSON `{"time", "text"}`: events and watchdog messages."""
-
-OBSTACLES_TOPIC = "/cavalcade/obstacles"
-"""std_msgs/String, JSON: the obstacle tracks, once."""
 
 _Message = tuple[int, int, str, bytes | memoryview]
 """Time in ns, order among messages of the same time, topic, bytes."""
@@ -66,11 +61,10 @@ def write_recording(
 
     target = Path(path)
     messages = _all_messages(recording, tuple(models), maps)
-    topics = _topics(recording.poses.shape[1])
-    track = recording.physics
-    if track is not None:
-        topics |= physics_topics(track.size)
-        messages += ((time, 10, topic, data) for time, topic, data in physics_messages(track))
+    topics = _messages.run_topics(recording.poses.shape[1])
+    if recording.physics is not None:
+        topics |= _messages.physics_topics(recording.physics.size)
+        messages += physics_messages(recording.physics)
     messages.sort(key=itemgetter(0, 1))
     try:
         # rosbags writes a folder of its own; only the file in it is wanted.
@@ -88,27 +82,35 @@ def write_recording(
     return target
 
 
-def nanoseconds(time: Array) -> NDArray[np.int64]:
-    """Times in s as whole ns."""
-    return np.round(np.asarray(time, dtype=float) * 1e9).astype(np.int64)
-
-
-def _topics(robots: int) -> dict[str, str]:
-    """Topics and their message types."""
-    kinds = {
-        "/map": "nav_msgs/msg/OccupancyGrid",
-        "/tf": "tf2_msgs/msg/TFMessage",
-        "/markers": "visualization_msgs/msg/MarkerArray",
-        STATUS_TOPIC: "std_msgs/msg/String",
-        NOTES_TOPIC: "std_msgs/msg/String",
-        OBSTACLES_TOPIC: "std_msgs/msg/String",
-    }
-    for robot in range(robots):
-        kinds[f"/robot_{robot}/pose"] = "geometry_msgs/msg/PoseStamped"
-        kinds[f"/robot_{robot}/pose_estimated"] = "geometry_msgs/msg/PoseStamped"
-        kinds[f"/robot_{robot}/cmd_vel"] = "geometry_msgs/msg/TwistStamped"
-        kinds[f"/robot_{robot}/path"] = "nav_msgs/msg/Path"
-    return kinds
+def physics_messages(track: PhysicsTrack) -> Iterator[_Message]:
+    """Every message of a track; of each topic in order of time."""
+    times = nanoseconds(track.time)
+    count, stamp = len(times), stamps_of(times)
+    for robot in range(track.size):
+        name = f"/robot_{robot}"
+        # The quaternion is w, x, y, z in memory and x, y, z, w in messages.
+        pose = track.base[:, robot][:, (0, 1, 2, 4, 5, 6, 3)]
+        yield from _series(
+            times, 10, f"{name}/body", _messages.POSE.pack(count, stamp=stamp, pose=pose)
+        )
+        joints = _messages.joints_layout(robot).pack(
+            count,
+            stamp=stamp,
+            position=track.joints[:, robot],
+            velocity=track.joint_rates[:, robot],
+            effort=track.torques[:, robot],
+        )
+        yield from _series(times, 10, f"{name}/joint_states", joints)
+        wrench = np.zeros((count, len(LEGS), 6))
+        wrench[..., :3] = track.foot_forces[:, robot]
+        for k, leg in enumerate(LEGS):
+            layout = _messages.force_layout(robot, leg)
+            forces = layout.pack(count, stamp=stamp, wrench=wrench[:, k])
+            yield from _series(times, 10, f"{name}/foot_force/{leg}", forces)
+    for contact in track.contacts:
+        yield _text(contact.time, 10, _messages.CONTACTS_TOPIC, asdict(contact))
+    for fall in track.falls:
+        yield _text(fall.time, 10, _messages.FALLS_TOPIC, asdict(fall))
 
 
 def _connect(writer: Writer, kinds: dict[str, str]) -> dict[str, Any]:
@@ -126,7 +128,7 @@ def _connect(writer: Writer, kinds: dict[str, str]) -> dict[str, Any]:
             kind,
             msgdef=definitions[kind][0],
             rihs01=definitions[kind][1],
-            offered_qos_profiles=[latched] if topic in ("/map", OBSTACLES_TOPIC) else [],
+            offered_qos_profiles=[latched] if topic in ("/map", _messages.OBSTACLES_TOPIC) else [],
         )
         for topic, kind in kinds.items()
     }
@@ -164,33 +166,30 @@ def _all_messages(
 ) -> list[_Message]:
     times = nanoseconds(recording.time)
     stamps = times.tolist()
-    found: list[_Message] = []
-
-    def series(order: int, topic: str, data: Sequence[bytes | memoryview]) -> None:
-        found.extend((time, order, topic, one) for time, one in zip(stamps, data, strict=True))
-
-    first = stamps[0] if stamps else 0
-    for moment, grid in maps:
-        time = int(nanoseconds(np.array(moment)))
-        found.append((time, 0, "/map", _messages.grid_message(time, grid)))
-    found.append((first, 1, OBSTACLES_TOPIC, _string(_tracks_text(recording.obstacles))))
-    for moment, text in recording.notes:
-        said = json.dumps({"time": moment, "text": text}, ensure_ascii=False)
-        found.append((int(nanoseconds(np.array(moment))), 2, NOTES_TOPIC, _string(said)))
+    found: list[_Message] = [
+        (int(nanoseconds(time)), 0, "/map", _messages.grid_message(int(nanoseconds(time)), grid))
+        for time, grid in maps
+    ]
+    tracks = _messages.string_message(_tracks_text(recording.obstacles))
+    found.append((stamps[0] if stamps else 0, 1, _messages.OBSTACLES_TOPIC, tracks))
+    for time, text in recording.notes:
+        found.append(_text(time, 2, _messages.NOTES_TOPIC, {"time": time, "text": text}))
     if not stamps:
         return found
     encoder = StatusEncoder()
     # The paths come before the status that they belong to.
     found.extend(_paths(recording, stamps))
-    series(4, STATUS_TOPIC, [_string(encoder.encode(status)) for status in recording.status])
-    series(5, "/tf", _messages.transform_messages(times, recording.poses))
+    said = [_messages.string_message(encoder.encode(status)) for status in recording.status]
+    found.extend(_series(times, 4, _messages.STATUS_TOPIC, said))
+    found.extend(_series(times, 5, "/tf", _messages.transform_messages(times, recording.poses)))
     for robot in range(recording.poses.shape[1]):
         name = f"/robot_{robot}"
-        poses, seen = recording.poses[:, robot], recording.estimated[:, robot]
-        series(6, f"{name}/pose", _messages.pose_messages(times, poses))
-        series(7, f"{name}/pose_estimated", _messages.pose_messages(times, seen))
-        commands = recording.commands[:, robot]
-        series(8, f"{name}/cmd_vel", _messages.twist_messages(times, commands, robot))
+        for order, topic, data in (
+            (6, "pose", _messages.pose_messages(times, recording.poses[:, robot])),
+            (7, "pose_estimated", _messages.pose_messages(times, recording.estimated[:, robot])),
+            (8, "cmd_vel", _messages.twist_messages(times, recording.commands[:, robot], robot)),
+        ):
+            found.extend(_series(times, order, f"{name}/{topic}", data))
     found.extend(_markers(recording, times, models))
     return found
 
@@ -247,5 +246,14 @@ def _tracks_text(tracks: tuple[ObstacleTrack, ...]) -> str:
     )
 
 
-def _string(text: str) -> memoryview:
-    return Layout().text(text).pack(1)[0]
+def _series(
+    times: NDArray[np.int64], order: int, topic: str, data: Sequence[bytes | memoryview]
+) -> Iterator[_Message]:
+    """A message for each of these times in ns."""
+    return ((time, order, topic, one) for time, one in zip(times.tolist(), data, strict=True))
+
+
+def _text(time: float, order: int, topic: str, content: dict[str, Any]) -> _Message:
+    """What happened at a time in s, as JSON."""
+    said = json.dumps(content, ensure_ascii=False)
+    return int(nanoseconds(time)), order, topic, _messages.string_message(said)

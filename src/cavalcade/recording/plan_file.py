@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 import zipfile
 from collections.abc import Sequence
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
@@ -55,21 +56,16 @@ def write_plan(
         for robot, (trajectory, feet) in enumerate(zip(trajectories, footholds, strict=True)):
             if trajectory is None:
                 continue
-            arrays = (
-                np.asarray(trajectory.time, dtype=np.float64),
-                np.asarray(trajectory.position, dtype=np.float64),
-                np.asarray(trajectory.velocity, dtype=np.float64),
-                np.asarray(trajectory.yaw, dtype=np.float64),
-                np.asarray(trajectory.phase, dtype=np.int8),
-                np.asarray(feet, dtype=np.float64).reshape(-1, 6),
-            )
-            for key, array in zip(_KEYS, arrays, strict=True):
+            motion = [getattr(trajectory, field.name) for field in fields(Trajectory)]
+            arrays = (*motion, np.reshape(feet, (-1, 6)))
+            for key, values in zip(_KEYS, arrays, strict=True):
+                array = np.ascontiguousarray(values, np.int8 if key == "phase" else np.float64)
                 entry = zipfile.ZipInfo(f"{key}_{robot}.npy", _DATE)
                 entry.compress_type = zipfile.ZIP_DEFLATED
                 entry.create_system = _UNIX
                 entry.external_attr = 0o644 << 16
                 content = io.BytesIO()
-                np.lib.format.write_array(content, np.ascontiguousarray(array), allow_pickle=False)
+                np.lib.format.write_array(content, array, allow_pickle=False)
                 archive.writestr(entry, content.getvalue())
     return target
 

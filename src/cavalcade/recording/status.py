@@ -1,18 +1,28 @@
-"""What the formation planner says about itself after each cycle."""
+"""What a policy says about itself after each cycle, and how that is written as text."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import json
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.geometry import Array
 
+DIGITS = 6
+"""Decimals of numbers in text."""
 
-@dataclass(frozen=True)
+_RARE = ("slots", "connections", "goal", "involved", "message", "goal_moved", "waypoint", "targets")
+"""Written only when they change."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class PlannerStatus:
     """The planner's view of one cycle; positions in the map frame.
+
+    What only formations have may be left out.
 
     Attributes:
         state: `inactive`, `partial`, `final` (the paper's three), `resolving` (a deadlock is
@@ -35,17 +45,89 @@ class PlannerStatus:
     """
 
     state: str
-    leader: int
+    leader: int = -1
     roles: NDArray[np.int64]
-    slots: Array
+    slots: Array = field(default_factory=lambda: np.zeros((0, 2)))
     goals: Array
-    goal: Array | None
+    goal: Array | None = None
     paths: tuple[Array, ...]
-    connections: NDArray[np.int64]
+    connections: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 2), np.int64))
     eta: Array
-    arrived: bool
-    waypoint: int
-    goal_moved: float
-    involved: tuple[int, ...]
-    message: str
+    arrived: bool = False
+    waypoint: int = 0
+    goal_moved: float = 0.0
+    involved: tuple[int, ...] = ()
+    message: str = ""
     targets: Array | None = None
+
+
+class StatusEncoder:
+    """Status after status to JSON; what seldom changes is written only when it does."""
+
+    def __init__(self) -> None:
+        self._last: dict[str, Any] = {}
+
+    def encode(self, status: PlannerStatus) -> str:
+        """The text of the next status, without its paths."""
+        rare: dict[str, Any] = {
+            "slots": _plain(status.slots),
+            "connections": np.asarray(status.connections).reshape(-1, 2).tolist(),
+            "goal": None if status.goal is None else _plain(status.goal),
+            "involved": [int(robot) for robot in status.involved],
+            "message": status.message,
+            "goal_moved": round(float(status.goal_moved), DIGITS),
+            "waypoint": int(status.waypoint),
+            "targets": None if status.targets is None else _plain(status.targets),
+        }
+        said: dict[str, Any] = {
+            "state": status.state,
+            "leader": int(status.leader),
+            "roles": np.asarray(status.roles).tolist(),
+            "goals": _plain(status.goals),
+            "eta": [None if value == np.inf else value for value in _plain(status.eta)],
+            "arrived": bool(status.arrived),
+        }
+        for key, value in rare.items():
+            if key not in self._last or self._last[key] != value:
+                said[key] = value
+        self._last = rare
+        return json.dumps(said, separators=(",", ":"))
+
+
+class StatusDecoder:
+    """The way back."""
+
+    def __init__(self) -> None:
+        self._last: dict[str, Any] = {}
+
+    def decode(self, text: str, paths: tuple[np.ndarray, ...] = ()) -> PlannerStatus:
+        """The status of the next text.
+
+        Raises:
+            ValueError, KeyError, TypeError: It is not what `StatusEncoder` writes.
+        """
+        said = json.loads(text)
+        self._last |= {key: said[key] for key in _RARE if key in said}
+        rare = self._last
+        goal, targets = rare["goal"], rare.get("targets")
+        return PlannerStatus(
+            state=said["state"],
+            leader=int(said["leader"]),
+            roles=np.array(said["roles"], dtype=np.int64),
+            slots=np.array(rare["slots"], dtype=float).reshape(-1, 2),
+            goals=np.array(said["goals"], dtype=float).reshape(-1, 2),
+            goal=None if goal is None else np.array(goal, dtype=float),
+            paths=paths,
+            connections=np.array(rare["connections"], dtype=np.int64).reshape(-1, 2),
+            eta=np.array([np.inf if v is None else v for v in said["eta"]], dtype=float),
+            arrived=bool(said["arrived"]),
+            waypoint=int(rare["waypoint"]),
+            goal_moved=float(rare["goal_moved"]),
+            involved=tuple(int(robot) for robot in rare["involved"]),
+            message=str(rare["message"]),
+            targets=None if targets is None else np.array(targets, dtype=float),
+        )
+
+
+def _plain(values: Any) -> Any:
+    return np.round(np.asarray(values, dtype=float), DIGITS).tolist()

@@ -1,10 +1,16 @@
 """Robot models as data."""
 
-from cavalcade.robots.catalogue import MODELS, ModelRegistry, register_model, robot_model
+from cavalcade.robots.catalogue import (
+    MODELS,
+    ModelRegistry,
+    is_model_file,
+    load_model,
+    register_model,
+    robot_model,
+)
 from cavalcade.robots.description import JOINTS, LEGS, PARTS, BodyShape, QuadrupedDescription
 from cavalcade.robots.legs import LegModel
 from cavalcade.robots.model import Drive, RobotModel, check_model
-from cavalcade.robots.model_file import is_model_file, load_model
 
 __all__ = [
     "JOINTS",

@@ -6,35 +6,11 @@ here they are part of these links, so that the totals stay what they were.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-from cavalcade.robots.description import JointDescription, LegDescription
+from cavalcade.robots.description import JointDescription, LegDescription, QuadrupedDescription
 from cavalcade.robots.inertial import Inertial, Vector, combined
-
-
-@dataclass(frozen=True)
-class Rotor:
-    """A motor's rotor.
-
-    Attributes:
-        place: In the frame of the link that carries it, m.
-        along: Its axis, 0 for x and 1 for y.
-        mass: kg.
-        axial, across: Moments of inertia about its axis and across it, kg m².
-    """
-
-    place: Vector
-    along: int
-    mass: float
-    axial: float
-    across: float
-
-    @property
-    def body(self) -> Inertial:
-        """The rotor in its link's frame."""
-        xx, yy = (self.axial, self.across) if self.along == 0 else (self.across, self.axial)
-        return Inertial(self.mass, self.place, (xx, yy, self.across, 0.0, 0.0, 0.0))
+from cavalcade.robots.looks import Outline, look_shapes, solid_shapes
 
 
 @dataclass(frozen=True)
@@ -45,7 +21,7 @@ class LegParts:
         joints: Hip, thigh, calf.
         links: Hip, thigh, calf without rotors and foot, each in its own frame.
         rotors: Of the hip's motor (carried by the trunk), the thigh's (by the hip) and the calf's
-            (by the thigh).
+            (by the thigh), each in the frame of the link that carries it.
         foot: In its own frame, the centre of the ball.
         foot_place: Of that frame in the calf's, m.
         mirrored_calf: Whether right calves are the left ones' mirror images, or the same part.
@@ -54,33 +30,45 @@ class LegParts:
 
     joints: tuple[JointDescription, JointDescription, JointDescription]
     links: tuple[Inertial, Inertial, Inertial]
-    rotors: tuple[Rotor, Rotor, Rotor]
+    rotors: tuple[Inertial, Inertial, Inertial]
     foot: Inertial
     foot_place: Vector
     mirrored_calf: bool = True
     rear_thigh: tuple[float, float] | None = None
 
 
-def four_legs(
+def described(
+    name: str,
     parts: LegParts,
-) -> tuple[LegDescription, LegDescription, LegDescription, LegDescription]:
-    """Front left, front right, rear left, rear right."""
-    front_left, front_right = _leg(parts, False, False), _leg(parts, False, True)
-    return front_left, front_right, _leg(parts, True, False), _leg(parts, True, True)
-
-
-def trunk_with(parts: LegParts, trunk: Iterable[Inertial]) -> Inertial:
-    """The trunk's own bodies and the rotors of the four hip motors as one body."""
-    rotor = parts.rotors[0].body
-    corners = [rotor.mirrored(x, y) for x in (False, True) for y in (False, True)]
-    return combined([*trunk, *corners])
+    trunk: tuple[Inertial, ...],
+    outline: Outline,
+    stand_height: float,
+    source: str,
+) -> QuadrupedDescription:
+    """The robot whose trunk is made of these bodies and the rotors of the four hip motors."""
+    rotors = [parts.rotors[0].mirrored(x, y) for x in (False, True) for y in (False, True)]
+    return QuadrupedDescription(
+        name=name,
+        trunk=combined([*trunk, *rotors]),
+        legs=(
+            _leg(parts, rear=False, right=False),
+            _leg(parts, rear=False, right=True),
+            _leg(parts, rear=True, right=False),
+            _leg(parts, rear=True, right=True),
+        ),
+        foot_radius=outline.foot_radius,
+        stand_height=stand_height,
+        looks=look_shapes(outline),
+        solids=solid_shapes(outline),
+        source=source,
+    )
 
 
 def _leg(parts: LegParts, rear: bool, right: bool) -> LegDescription:
     hip, thigh, calf = parts.links
     # Only the hip has a front and a back; thighs and calves are the same in front and behind.
-    hip = combined([hip.mirrored(x=rear), parts.rotors[1].body])
-    thigh = combined([thigh, parts.rotors[2].body])
+    hip = combined([hip.mirrored(x=rear), parts.rotors[1]])
+    thigh = combined([thigh, parts.rotors[2]])
     calf = combined([calf, parts.foot.moved(parts.foot_place)])
     links = (
         hip.mirrored(y=right),

@@ -1,15 +1,18 @@
-"""The robot models there are, with the sources of their figures."""
+"""The robot models there are, with the sources of their figures; models of one's own in files."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import MISSING, fields, replace
+from pathlib import Path
+from typing import Any
 
 from cavalcade.errors import InputError
-from cavalcade.robots import go1, go2
 from cavalcade.robots.description import QuadrupedDescription
 from cavalcade.robots.legs import GO1, GO2, SPIRIT, LegModel
 from cavalcade.robots.model import Drive, RobotModel, check_model
+from cavalcade.robots.unitree import GO1_BODY, GO2_BODY
 
 _PAPER = "Norén et al., Role-Adaptive Collaborative Formation Planning"
 _TRACKING_ERROR = 0.03
@@ -83,50 +86,39 @@ def _quadruped(
     )
 
 
-def _unicycle(
+def _planar(
     name: str, drive: Drive, size: tuple[float, float], acceleration: float, source: str
 ) -> RobotModel:
-    """A robot on wheels with 0.5 m/s and 0.5 rad/s, forwards and backwards; square: a disc."""
+    """A robot of db-CBS with 0.5 m/s and 0.5 rad/s; square: a disc.
+
+    Unicycles drive forwards and backwards; integrators move in all directions, and how they are
+    turned is of no account.
+    """
+    unicycle = drive in ("unicycle", "unicycle-2")
     return RobotModel(
         name,
         length=size[0],
         width=size[1],
         height=0.25,
         max_speed_x=0.5,
-        max_speed_y=0.0,
+        max_speed_y=0.0 if unicycle else 0.5,
         max_yaw_rate=0.5,
         max_acceleration=acceleration,
-        max_yaw_acceleration=acceleration,
+        max_yaw_acceleration=acceleration if unicycle else math.inf,
         source=f"{_DB_CBS}: {source}",
         drive=drive,
         round=size[0] == size[1],
     )
 
 
-def _integrator(
-    name: str, drive: Drive, radius: float, acceleration: float, source: str
-) -> RobotModel:
-    """A disc that moves in all directions with 0.5 m/s; how it is turned is of no account."""
-    return RobotModel(
-        name,
-        length=2.0 * radius,
-        width=2.0 * radius,
-        height=0.25,
-        max_speed_x=0.5,
-        max_speed_y=0.5,
-        max_yaw_rate=0.5,
-        max_acceleration=acceleration,
-        max_yaw_acceleration=math.inf,
-        source=f"{_DB_CBS}: {source}",
-        drive=drive,
-        round=True,
-    )
-
-
 _QUADRUPEDS = (
-    _quadruped("go1", (0.65, 0.28, 0.40), GO1, f"{_PAPER}: body and speeds", go1.GO1),
+    _quadruped("go1", (0.65, 0.28, 0.40), GO1, f"{_PAPER}: body and speeds", GO1_BODY),
     _quadruped(
-        "go2", (0.70, 0.31, 0.40), GO2, "Unitree's data sheet of Go2: body; speeds as go1", go2.GO2
+        "go2",
+        (0.70, 0.31, 0.40),
+        GO2,
+        "Unitree's data sheet of Go2: body; speeds as go1",
+        GO2_BODY,
     ),
     _quadruped(
         "spirit", (0.70, 0.35, 0.35), SPIRIT, "Ghost Robotics Spirit 40: body; speeds as go1"
@@ -136,13 +128,15 @@ _QUADRUPEDS = (
 # The integrators' published limits hold for x and y apart; taken for the length of the vector,
 # they are met a fortiori. Radius of the double integrator: 0.15 m there, 0.1 m in dynobench.
 _PLANAR = (
-    _unicycle("unicycle", "unicycle", (0.5, 0.25), math.inf, "unicycle_first_order_0, ±0.5 m/s"),
-    _unicycle("unicycle-sphere", "unicycle", (0.8, 0.8), math.inf, "unicycle_first_order_0_sphere"),
-    _unicycle(
+    _planar("unicycle", "unicycle", (0.5, 0.25), math.inf, "unicycle_first_order_0, ±0.5 m/s"),
+    _planar("unicycle-sphere", "unicycle", (0.8, 0.8), math.inf, "unicycle_first_order_0_sphere"),
+    _planar(
         "unicycle-2", "unicycle-2", (0.5, 0.25), 0.25, "unicycle_second_order_0, ±0.25 m/s², rad/s²"
     ),
-    _integrator("single-integrator", "integrator", 0.1, math.inf, "single_integrator_0, ±0.5 m/s"),
-    _integrator("double-integrator", "integrator-2", 0.15, 2.0, "double_integrator_0, ±2 m/s²"),
+    _planar(
+        "single-integrator", "integrator", (0.2, 0.2), math.inf, "single_integrator_0, ±0.5 m/s"
+    ),
+    _planar("double-integrator", "integrator-2", (0.3, 0.3), 2.0, "double_integrator_0, ±2 m/s²"),
 )
 
 MODELS = ModelRegistry((*_QUADRUPEDS, *_PLANAR))
@@ -175,3 +169,67 @@ def robot_model(name: str) -> RobotModel:
         return MODELS[name]
     except KeyError:
         raise InputError(f"unknown robot model {name!r}", choices=MODELS) from None
+
+
+_MAX_BYTES = 100_000
+_SUFFIXES = (".yaml", ".yml")
+_FIELDS = tuple(field for field in fields(RobotModel) if field.name not in ("legs", "description"))
+
+KEYS = ("like", *(field.name for field in _FIELDS))
+"""Keys of a file: `like`, and the attributes of `RobotModel` but for its parts."""
+
+
+def is_model_file(name: str) -> bool:
+    """Whether a robot's model is named by its file."""
+    return name.lower().endswith(_SUFFIXES)
+
+
+def load_model(path: str | Path) -> RobotModel:
+    """Read a robot model.
+
+    Its keys are the attributes of `RobotModel` in the same units, and `like`: a known model that
+    gives what the file leaves out, its legs, masses and joints among it. `name` is the file's own
+    where it is left out, `source` the file's name.
+
+    Raises:
+        InputError: It cannot be read, a key is unknown or missing, or a value does not fit; the
+            message is one line that names file and key.
+    """
+    from cavalcade.files import read_bytes
+    from cavalcade.yaml_text import parse_yaml
+
+    path = Path(path)
+    said = parse_yaml(read_bytes(path, _MAX_BYTES, InputError), file=path, kind=InputError)
+    if not isinstance(said, dict):
+        raise InputError("expected a mapping of keys such as name and length", file=path)
+    try:
+        return _model(said, path)
+    except InputError as error:
+        raise error.at(file=path, key=error.key) from None
+
+
+def _model(said: dict[str, Any], path: Path) -> RobotModel:
+    for key in said:
+        if key not in KEYS:
+            raise InputError("unknown key", key=key[:40], choices=KEYS)
+    numbers = {key: float(value) for key, value in said.items() if type(value) is int}
+    given = {"name": path.stem, "source": path.name, **said, **numbers}
+    like = given.pop("like", None)
+    for key, kind in (("name", str), ("source", str), ("round", bool)):
+        if key in given and not isinstance(given[key], kind):
+            raise InputError("expected text" if kind is str else "expected yes or no", key=key)
+    if like is None:
+        for field in _FIELDS:
+            if field.default is MISSING and field.name not in given:
+                raise InputError(
+                    "is missing; expected it, or a model that it is like", key=field.name
+                )
+        model = RobotModel(**given)
+    elif isinstance(like, str) and like in MODELS:
+        model = replace(robot_model(like), **given)
+    else:
+        raise InputError("unknown robot model", key="like", choices=MODELS)
+    check_model(model)
+    if model.name in MODELS.shipped:
+        raise InputError(f"there is another robot model {model.name!r}", key="name")
+    return model

@@ -163,38 +163,28 @@ class QuadrupedDescription:
     @cached_property
     def standing(self) -> Array:
         """`(12,)` rad: joint angles with the feet below the thighs' joints at `stand_height`."""
-        return _frozen(
-            [
-                angle
-                for leg in self.legs
-                for angle in _bent(leg, self.stand_height - self.foot_radius)
-            ]
-        )
+        drop = self.stand_height - self.foot_radius
+        return _frozen([angle for leg in range(4) for angle in self.leg_angles(leg, drop)])
 
     def leg_angles(self, leg: int, drop: float) -> tuple[float, float, float]:
-        """Joint angles with the foot's centre straight below the thigh's joint.
+        """Hip, thigh and calf angles with the foot's centre straight below the thigh's joint.
+
+        The knee points backwards unless it can only bend the other way.
 
         Args:
             leg: 0 to 3.
             drop: Of the foot's centre below the trunk's origin, m; cut to what the leg reaches.
         """
-        return _bent(self.legs[leg], drop)
-
-
-def _bent(leg: LegDescription, drop: float) -> tuple[float, float, float]:
-    """Hip, thigh and calf of a leg whose foot is `drop` below the trunk's origin.
-
-    The knee points backwards unless it can only bend the other way.
-    """
-    hip, thigh, calf = leg.joints
-    drop = drop + hip.offset[2] + thigh.offset[2]
-    upper, lower = np.hypot(*calf.offset[::2]), np.hypot(*leg.foot[::2])
-    reach = min(max(drop, abs(upper - lower) + 1e-3), upper + lower - 1e-3)
-    knee = np.arccos((reach**2 - upper**2 - lower**2) / (2.0 * upper * lower))
-    bend = float(knee) if calf.lower >= 0.0 else -float(knee)
-    bend = min(max(bend, calf.lower), calf.upper)
-    lean = np.arctan2(-lower * np.sin(bend), upper + lower * np.cos(bend))
-    return 0.0, float(lean), bend
+        foot = self.legs[leg].foot
+        hip, thigh, calf = self.legs[leg].joints
+        drop = drop + hip.offset[2] + thigh.offset[2]
+        upper, lower = np.hypot(*calf.offset[::2]), np.hypot(*foot[::2])
+        reach = min(max(drop, abs(upper - lower) + 1e-3), upper + lower - 1e-3)
+        knee = np.arccos((reach**2 - upper**2 - lower**2) / (2.0 * upper * lower))
+        bend = float(knee) if calf.lower >= 0.0 else -float(knee)
+        bend = min(max(bend, calf.lower), calf.upper)
+        lean = np.arctan2(-lower * np.sin(bend), upper + lower * np.cos(bend))
+        return 0.0, float(lean), bend
 
 
 def _frozen(values: object) -> Array:

@@ -6,9 +6,7 @@ from typing import Annotated, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from cavalcade.scenario.fields import Index, Number, Point, Seconds, Section, Speed, expected
-
-KINDS = ("velocity", "to", "leap")
+from cavalcade.scenario.fields import Choice, Index, Number, Point, Seconds, Speed, expected
 
 SPEED = 0.4
 """On the way to a point where nothing else is said, m/s."""
@@ -30,7 +28,7 @@ _Component = Annotated[Number, Field(ge=-100, le=100)]
 Velocity = Annotated[tuple[_Component, _Component, _Component], BeforeValidator(_velocity)]
 
 
-class CommandSection(Section):
+class CommandSection(Choice):
     """What a robot, or all, are told `at` so many seconds; it holds until they are told otherwise.
 
     A `velocity` in the body frame: forwards and to the left in m/s, yaw rate in rad/s. Or to walk
@@ -38,6 +36,9 @@ class CommandSection(Section):
     `leap` straight towards a point over what lies between, in physics: a robot steps up to it,
     leaps and stands. Before the first command robots stand. Of several at once the last counts.
     """
+
+    kinds = ("velocity", "to", "leap")
+    wanted = "expected `at` and exactly one of"
 
     at: Seconds
     robot: Index | None = None
@@ -47,9 +48,7 @@ class CommandSection(Section):
     speed: Speed | None = None
 
     @model_validator(mode="after")
-    def _one_kind(self) -> Self:
-        if sum(getattr(self, kind) is not None for kind in KINDS) != 1:
-            raise expected("expected `at` and exactly one of", choices=KINDS)
+    def _speed_to_a_point(self) -> Self:
         if self.to is None and self.speed is not None:
             raise expected("is for `to` alone", key="speed")
         return self

@@ -10,9 +10,9 @@ import yaml
 
 from cavalcade.files import write_file
 from cavalcade.robots import is_model_file
-from cavalcade.scenario.fields import OneLine
-from cavalcade.scenario.kinds import RULES, plain_formation
+from cavalcade.scenario.fields import OneLine, without_nulls
 from cavalcade.scenario.model import Scenario
+from cavalcade.scenario.rules import RULES, plain_formation
 from cavalcade.scenario.worlds import resolve_scenario
 
 
@@ -63,41 +63,33 @@ def scenario_text(scenario: Scenario, folder: str | Path) -> str:
 def _plain(scenario: Scenario, folder: Path) -> dict[str, Any]:
     data = scenario.model_dump(mode="json", exclude={"world", "robots"})
     world = scenario.world.model_dump(mode="json", exclude_none=True)
-    if scenario.world.map is not None:
-        world["map"] = _relative(scenario.world.map, folder)
-    if scenario.world.terrain is not None:
-        world["terrain"] = _relative(scenario.world.terrain, folder)
     if scenario.world.generate is not None:
         world["generate"] = scenario.world.generate.words
-    if scenario.world.movingai is not None:
-        world["movingai"]["file"] = _relative(scenario.world.movingai.file, folder)
     world["obstacles"] = [OneLine(obstacle) for obstacle in world["obstacles"]]
     robots = [
         OneLine(robot.model_dump(mode="json", exclude_none=True)) for robot in scenario.robots
     ]
-    for words, robot in zip(robots, scenario.robots, strict=True):
-        if robot.mjcf is not None:
-            words["mjcf"] = _relative(robot.mjcf, folder)
-        if is_model_file(robot.model):
-            words["model"] = _relative(Path(robot.model), folder)
+    names = [(world, "map"), (world, "terrain"), (world.get("movingai", {}), "file")]
+    names += [(robot, "mjcf") for robot in robots]
+    names += [(robot, "model") for robot in robots if is_model_file(robot["model"])]
+    for place, key in names:
+        if key in place:
+            place[key] = _relative(Path(place[key]), folder)
     rules = RULES[scenario.task.kind]
     data["task"] = rules.plain_task(data["task"])
     planner = data["planner"]
     data["planner"] = {k: value for k, value in planner.items() if k not in rules.unused_keys}
     execution = data["execution"]
     execution["events"] = [_event(event) for event in execution["events"]]
-    head = {key: data[key] for key in ("version", "name", "description")}
-    return {**head, "world": world, "robots": robots, **{k: data[k] for k in _TAIL}}
-
-
-_TAIL = ("task", "planner", "execution")
+    data |= {"world": world, "robots": robots}
+    return {key: data[key] for key in Scenario.model_fields}
 
 
 def _event(event: dict[str, Any]) -> dict[str, Any]:
-    said = OneLine({key: value for key, value in event.items() if value is not None})
+    said = OneLine(without_nulls(event))
     for kind in ("add", "remove", "move"):
         if kind in said:
-            said[kind] = {key: value for key, value in said[kind].items() if value is not None}
+            said[kind] = without_nulls(said[kind])
     if "formation" in said:
         said["formation"] = plain_formation(said["formation"])
     return said

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from cavalcade.scenario.fields import (
+    Choice,
     Index,
     Number,
     Point,
@@ -15,15 +16,9 @@ from cavalcade.scenario.fields import (
     Seconds,
     Section,
     Speed,
-    expected,
 )
 from cavalcade.scenario.obstacles import Obstacle
 from cavalcade.scenario.task import FormationSection
-
-EventKind = Literal["add", "remove", "move", "goals", "formation", "lose", "rejoin", "push"]
-KINDS: tuple[EventKind, ...] = (
-    *("add", "remove", "move", "goals", "formation", "lose", "rejoin", "push"),
-)
 
 
 class Move(Obstacle):
@@ -56,12 +51,15 @@ class Push(Section):
     duration: Annotated[Positive, Field(le=10)] = 0.1
 
 
-class Event(Section):
+class Event(Choice):
     """One thing that happens `at` seconds of simulated time.
 
     `add` and `remove` an obstacle, `move` one, replace the `goals` or the `formation`, `lose` the
     robot of that index (from 0) or let it `rejoin`, `push` a robot in physics.
     """
+
+    kinds = ("add", "remove", "move", "goals", "formation", "lose", "rejoin", "push")
+    wanted = "expected `at` and exactly one thing that happens"
 
     at: Seconds
     add: Obstacle | None = None
@@ -72,19 +70,3 @@ class Event(Section):
     lose: Index | None = None
     rejoin: Index | None = None
     push: Push | None = None
-
-    @model_validator(mode="after")
-    def _one_kind(self) -> Self:
-        if sum(getattr(self, kind) is not None for kind in KINDS) != 1:
-            raise expected("expected `at` and exactly one thing that happens", choices=KINDS)
-        return self
-
-    @property
-    def kind(self) -> EventKind:
-        """Which of the things happens."""
-        return next(kind for kind in KINDS if getattr(self, kind) is not None)
-
-    @property
-    def value(self) -> Any:
-        """What its key says: an `Obstacle`, a `Move`, poses, a formation, an index, a `Push`."""
-        return getattr(self, self.kind)

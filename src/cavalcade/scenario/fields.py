@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import (
     AfterValidator,
@@ -16,6 +16,7 @@ from pydantic import (
     Field,
     Strict,
     ValidationInfo,
+    model_validator,
 )
 from pydantic_core import PydanticCustomError
 
@@ -44,6 +45,34 @@ def expected(
     """
     context = {"text": text, "key": key, "choices": None if choices is None else tuple(choices)}
     return PydanticCustomError("expected", "{text}", context)
+
+
+class Choice(Section):
+    """A mapping in which exactly one of several keys says what it is.
+
+    Attributes:
+        kinds: These keys.
+        wanted: What is said where there is none or more than one of them.
+    """
+
+    kinds: ClassVar[tuple[str, ...]]
+    wanted: ClassVar[str]
+
+    @model_validator(mode="after")
+    def _exactly_one(self) -> Self:
+        if sum(getattr(self, kind) is not None for kind in self.kinds) != 1:
+            raise expected(self.wanted, choices=self.kinds)
+        return self
+
+    @property
+    def kind(self) -> str:
+        """Which of the keys is there."""
+        return next(kind for kind in self.kinds if getattr(self, kind) is not None)
+
+    @property
+    def value(self) -> Any:
+        """What it says."""
+        return getattr(self, self.kind)
 
 
 def _number(value: Any) -> float:
@@ -104,3 +133,8 @@ File = Annotated[Path, BeforeValidator(checked_path), AfterValidator(below_file)
 
 class OneLine(dict[str, Any]):
     """A mapping that is written to a file on one line."""
+
+
+def without_nulls(section: dict[str, Any]) -> dict[str, Any]:
+    """The keys of a section that are given."""
+    return {key: value for key, value in section.items() if value is not None}

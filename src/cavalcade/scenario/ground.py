@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, Strict, model_validator
 
 from cavalcade.scenario.fields import (
+    Choice,
     Coordinate,
     File,
     Fraction,
@@ -22,28 +22,24 @@ from cavalcade.scenario.fields import (
 )
 from cavalcade.scenario.obstacles import Obstacle
 
-KIND_OPTIONS: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {
-        "clutter": ("obstacles", "zone"),
-        "corridor": ("width", "bends", "angle", "zone"),
-        "forest": ("trees", "spacing", "zone"),
-        "maze": ("passage", "wall", "loops"),
-        "rooms": ("room", "door", "wall", "extra"),
-    }
-)
+KIND_OPTIONS: Mapping[str, tuple[str, ...]] = {
+    "clutter": ("obstacles", "zone"),
+    "corridor": ("width", "bends", "angle", "zone"),
+    "forest": ("trees", "spacing", "zone"),
+    "maze": ("passage", "wall", "loops"),
+    "rooms": ("room", "door", "wall", "extra"),
+}
 """What each kind of generated world of obstacles may be told."""
 
-TERRAIN_OPTIONS: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {
-        "blocks": ("height", "side", "zone"),
-        "gap": ("width", "depth", "at"),
-        "rough": ("height", "spacing", "zone"),
-        "slope": ("angle", "length", "at"),
-        "stairs": ("steps", "height", "tread", "at"),
-        "step": ("height", "at"),
-        "stepping-stones": ("stone", "width", "height", "depth", "zone"),
-    }
-)
+TERRAIN_OPTIONS: Mapping[str, tuple[str, ...]] = {
+    "blocks": ("height", "side", "zone"),
+    "gap": ("width", "depth", "at"),
+    "rough": ("height", "spacing", "zone"),
+    "slope": ("angle", "length", "at"),
+    "stairs": ("steps", "height", "tread", "at"),
+    "step": ("height", "at"),
+    "stepping-stones": ("stone", "width", "height", "depth", "zone"),
+}
 """What each kind of generated terrain may be told."""
 
 _ONLY_OBSTACLES = ("radius", "require_feasible")
@@ -51,7 +47,9 @@ _ONLY_OBSTACLES = ("radius", "require_feasible")
 
 Count = Annotated[int, Strict(), Field(ge=0, le=100_000)]
 
-SOURCES = ("map", "terrain", "generate", "empty", "movingai", "barn")
+
+ObstacleKind = Literal["clutter", "forest", "rooms", "corridor", "maze"]
+TerrainKind = Literal["gap", "step", "stairs", "slope", "rough", "stepping-stones", "blocks"]
 
 
 class EmptySource(Section):
@@ -70,20 +68,7 @@ class GenerateSource(Section):
     is the generator's default.
     """
 
-    kind: Literal[
-        "clutter",
-        "forest",
-        "rooms",
-        "corridor",
-        "maze",
-        "gap",
-        "step",
-        "stairs",
-        "slope",
-        "rough",
-        "stepping-stones",
-        "blocks",
-    ]
+    kind: Literal[ObstacleKind, TerrainKind]
     size: Size
     seed: Seed | None = None
     radius: Length = 0.30
@@ -113,14 +98,11 @@ class GenerateSource(Section):
     @model_validator(mode="after")
     def _known_options(self) -> Self:
         known = self._known
-        every = {name for kind in (KIND_OPTIONS, TERRAIN_OPTIONS) for name in _names(kind)}
-        for name in sorted(every - set(known)):
-            if getattr(self, name) is not None:
+        every = set().union(*KIND_OPTIONS.values(), *TERRAIN_OPTIONS.values())
+        foreign = [*sorted(every - set(known)), *(_ONLY_OBSTACLES if self.is_terrain else ())]
+        for name in foreign:
+            if getattr(self, name) != type(self).model_fields[name].default:
                 raise expected(f"a {self.kind} has no such option", key=name, choices=known)
-        if self.is_terrain:
-            for name in _ONLY_OBSTACLES:
-                if getattr(self, name) != type(self).model_fields[name].default:
-                    raise expected(f"a {self.kind} has no such option", key=name, choices=known)
         return self
 
     @property
@@ -145,10 +127,6 @@ class GenerateSource(Section):
         return TERRAIN_OPTIONS[self.kind] if self.is_terrain else KIND_OPTIONS[self.kind]
 
 
-def _names(kinds: Mapping[str, tuple[str, ...]]) -> set[str]:
-    return set().union(*kinds.values())
-
-
 class MovingAISource(Section):
     """A grid map of the MovingAI benchmark; `resolution` is the side of one of its cells in m."""
 
@@ -162,12 +140,15 @@ class BarnSource(Section):
     file: File
 
 
-class WorldSection(Section):
+class WorldSection(Choice):
     """Exactly one source, then optional extra obstacles.
 
     `resolution` (m per cell) is for worlds that don't bring one, and for terrain, which is brought
     to it; `unknown` says what the unknown cells of a map count as.
     """
+
+    kinds = ("map", "terrain", "generate", "empty", "movingai", "barn")
+    wanted = "expected exactly one source"
 
     map: File | None = None
     terrain: File | None = None
@@ -178,17 +159,6 @@ class WorldSection(Section):
     resolution: Annotated[Length, Field(ge=0.001)] = 0.05
     unknown: Literal["occupied", "free"] = "occupied"
     obstacles: Annotated[tuple[Obstacle, ...], Field(max_length=100_000)] = ()
-
-    @model_validator(mode="after")
-    def _one_source(self) -> Self:
-        if sum(getattr(self, name) is not None for name in SOURCES) != 1:
-            raise expected("expected exactly one source", choices=SOURCES)
-        return self
-
-    @property
-    def source(self) -> str:
-        """Which of the sources it is."""
-        return next(name for name in SOURCES if getattr(self, name) is not None)
 
     @property
     def has_heights(self) -> bool:

@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 from cavalcade.errors import ScenarioError
@@ -27,15 +26,13 @@ RESOLUTION = 0.025
 
 _KNOWN = "db-CBS problems (environment with min, max and obstacles; robots with type, start, goal)"
 
-_TYPES: Mapping[str, tuple[str, tuple[str, ...]]] = MappingProxyType(
-    {
-        "unicycle_first_order_0": ("unicycle", ("x", "y", "yaw")),
-        "unicycle_first_order_0_sphere": ("unicycle-sphere", ("x", "y", "yaw")),
-        "unicycle_second_order_0": ("unicycle-2", ("x", "y", "yaw", "v", "w")),
-        "single_integrator_0": ("single-integrator", ("x", "y")),
-        "double_integrator_0": ("double-integrator", ("x", "y", "vx", "vy")),
-    }
-)
+_TYPES: Mapping[str, tuple[str, tuple[str, ...]]] = {
+    "unicycle_first_order_0": ("unicycle", ("x", "y", "yaw")),
+    "unicycle_first_order_0_sphere": ("unicycle-sphere", ("x", "y", "yaw")),
+    "unicycle_second_order_0": ("unicycle-2", ("x", "y", "yaw", "v", "w")),
+    "single_integrator_0": ("single-integrator", ("x", "y")),
+    "double_integrator_0": ("double-integrator", ("x", "y", "vx", "vy")),
+}
 """Their robots: our model and what their states hold."""
 
 _LEAST_TIME, _TIME_PER_METRE = 180.0, 20.0

@@ -40,10 +40,13 @@ def scenario_error(
             message += _got(value, message)
         return ScenarioError(message, file=file, key=key, choices=choices)
     if kind == "extra_forbidden":
-        choices = _keys_at(model, place[:-1])
+        section = _section_at(model, place[:-1])
+        choices = () if section is None else tuple(section.model_fields)
         message = "unknown key" + did_you_mean(str(place[-1]), choices)
     elif kind == "missing":
-        message = "missing" + _wanted(model, place)
+        section, message = _section_at(model, place), "missing"
+        if section is not None:
+            message += f"; expected a mapping with {', '.join(section.model_fields)}"
     elif kind == "literal_error":
         choices = tuple(re.findall(r"'([^']*)'", str(context["expected"])))
         if choices:
@@ -87,25 +90,13 @@ def short(value: Any) -> str:
 
 
 def _got(value: Any, message: str) -> str:
-    return "" if ", got" in message or _named(value, message) else f", got {short(value)}"
-
-
-def _named(value: Any, message: str) -> bool:
-    return isinstance(value, str) and value != "" and value in message
+    """What was found there, unless the message says so already."""
+    named = isinstance(value, str) and value != "" and value in message
+    return "" if named or ", got" in message else f", got {short(value)}"
 
 
 def _clean(part: str) -> str:
     return part if re.fullmatch(r"[\w-]{1,40}", part) else short(part)
-
-
-def _wanted(model: type[BaseModel], place: list[str | int]) -> str:
-    section = _section_at(model, [*place])
-    return "" if section is None else f"; expected a mapping with {', '.join(section.model_fields)}"
-
-
-def _keys_at(model: type[BaseModel], place: list[str | int]) -> tuple[str, ...]:
-    section = _section_at(model, place)
-    return () if section is None else tuple(section.model_fields)
 
 
 def _section_at(model: type[BaseModel], place: list[str | int]) -> type[BaseModel] | None:

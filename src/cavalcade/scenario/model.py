@@ -1,64 +1,30 @@
 """A scenario: everything one run needs, as its file says it.
 
-The parts have modules of their own (`ground`, `obstacles`, `task`, `events`, `settings`); this is
-the whole with what must hold between them.
+The sections have modules of their own (`ground`, `obstacles`, `task`, `events`, `settings`); this
+is the whole with what must hold between them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Any, Self
 
-from pydantic import Field, PrivateAttr, field_validator, model_validator
+from pydantic import PrivateAttr, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from cavalcade.errors import ScenarioError
 from cavalcade.robots import RobotModel
-from cavalcade.scenario.backends import BACKENDS, check_backend
-from cavalcade.scenario.events import Event, Move
-from cavalcade.scenario.fields import Section, expected
-from cavalcade.scenario.ground import (
-    BarnSource,
-    EmptySource,
-    GenerateSource,
-    MovingAISource,
-    WorldSection,
-)
-from cavalcade.scenario.kinds import RULES, with_planner_defaults
-from cavalcade.scenario.obstacles import Box, Circle, Obstacle, Polygon
-from cavalcade.scenario.settings import (
-    Budget,
-    Delay,
-    ExecutionSection,
-    Noise,
-    PhysicsSection,
-    PlannerSection,
-    StateNoise,
-)
-from cavalcade.scenario.task import (
-    ConnectionSection,
-    FormationSection,
-    RobotSection,
-    TaskSection,
-    check_formation,
-)
+from cavalcade.scenario.events import Event
+from cavalcade.scenario.fields import expected
+from cavalcade.scenario.rules import BACKENDS, RULES, Parts, check_backend, with_planner_defaults
+from cavalcade.scenario.task import check_formation
 
 
-class Scenario(Section):
+class Scenario(Parts):
     """A validated scenario; immutable. Its file names are absolute after `load_scenario`."""
 
-    version: Literal[1]
-    name: Annotated[str, Field(min_length=1, max_length=200)]
-    description: Annotated[str, Field(max_length=2000)] = ""
-    world: WorldSection
-    robots: Annotated[tuple[RobotSection, ...], Field(min_length=1, max_length=256)]
-    task: TaskSection
-    planner: PlannerSection = PlannerSection()
-    execution: ExecutionSection = ExecutionSection()
-
     _file: Path | None = PrivateAttr(default=None)
-    _models: tuple[RobotModel, ...] | None = PrivateAttr(default=None)
 
     @field_validator("name", "description")
     @classmethod
@@ -82,21 +48,15 @@ class Scenario(Section):
         return self
 
     def _check_formations(self) -> None:
-        width = min(model.width for model in self.models)
-        try:
-            check_formation(self.task.the_formation, len(self.robots), width)
-        except PydanticCustomError as error:
-            raise _below("task.formation", error) from None
+        width, whole = min(model.width for model in self.models), len(self.robots)
+        check_formation(self.task.the_formation, whole, width, place="task.formation")
         lost: set[int] = set()
         for index, event in enumerate(self.execution.events):
             place = f"execution.events[{index}]"
             self._check_roll(event, lost, place)
             if event.formation is not None:
-                team, whole = len(self.robots) - len(lost), len(self.robots)
-                try:
-                    check_formation(event.formation, team, width, accepted=(whole,))
-                except PydanticCustomError as error:
-                    raise _below(f"{place}.formation", error) from None
+                team, place = whole - len(lost), f"{place}.formation"
+                check_formation(event.formation, team, width, accepted=(whole,), place=place)
 
     def _check_roll(self, event: Event, lost: set[int], place: str) -> None:
         """Follow who is lost at the moment; `events` are in order of time."""
@@ -164,11 +124,6 @@ class Scenario(Section):
         return self._file
 
     @property
-    def models(self) -> tuple[RobotModel, ...]:
-        """The model of each robot."""
-        return self._models or tuple(robot.the_model for robot in self.robots)
-
-    @property
     def starts(self) -> tuple[tuple[float, float, float], ...]:
         """The start (x, y, yaw) of each robot: m, m, rad, map frame."""
         return tuple(robot.start for robot in self.robots)
@@ -194,40 +149,3 @@ class ResolvedScenario(Scenario):
         resolved = cls.model_construct(set(scenario.model_fields_set), **fields)
         resolved._file, resolved._models = scenario._file, scenario._models
         return resolved
-
-
-def _below(place: str, error: PydanticCustomError) -> PydanticCustomError:
-    context = error.context or {}
-    key = context.get("key")
-    return expected(
-        str(context.get("text")),
-        key=f"{place}.{key}" if key else place,
-        choices=context.get("choices"),
-    )
-
-
-__all__ = [
-    "BarnSource",
-    "Box",
-    "Budget",
-    "Circle",
-    "ConnectionSection",
-    "Delay",
-    "EmptySource",
-    "Event",
-    "ExecutionSection",
-    "FormationSection",
-    "GenerateSource",
-    "Move",
-    "MovingAISource",
-    "Noise",
-    "Obstacle",
-    "PhysicsSection",
-    "PlannerSection",
-    "Polygon",
-    "RobotSection",
-    "Scenario",
-    "StateNoise",
-    "TaskSection",
-    "WorldSection",
-]

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Self
+from typing import Annotated, Any
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, field_validator
 
-from cavalcade.scenario.fields import Coordinate, Length, Point, Section, Size, expected
+from cavalcade.scenario.fields import Choice, Coordinate, Length, Point, Section, Size
 
 
 class Box(Section):
@@ -36,29 +36,25 @@ class Polygon(Section):
         return points[:-1] if len(points) > 3 and points[0] == points[-1] else points
 
 
-class Obstacle(Section):
+class Obstacle(Choice):
     """Exactly one shape in the map frame."""
+
+    kinds = ("box", "circle", "polygon")
+    wanted = "expected exactly one shape"
 
     box: Box | None = None
     circle: Circle | None = None
     polygon: Polygon | None = None
 
-    @model_validator(mode="after")
-    def _one_shape(self) -> Self:
-        if sum(part is not None for part in (self.box, self.circle, self.polygon)) != 1:
-            raise expected("expected exactly one shape", choices=("box", "circle", "polygon"))
-        return self
-
     @property
     def words(self) -> dict[str, Any]:
         """The shape as a scenario file writes it, e.g. `{"circle": {"center": [x, y], …}}`."""
-        kind, part = self._part()
-        return {kind: part.model_dump(mode="json")}
+        return {self.kind: self.value.model_dump(mode="json")}
 
     @property
     def center(self) -> tuple[float, float]:
         """What `move: {…, to: [x, y]}` brings to `to`; of a polygon, the mean of its corners."""
-        part = self._part()[1]
+        part: Box | Circle | Polygon = self.value
         if not isinstance(part, Polygon):
             return part.center
         count = len(part.points)
@@ -67,18 +63,11 @@ class Obstacle(Section):
     def moved(self, offset: tuple[float, float]) -> Obstacle:
         """The same shape displaced by (x, y) in m."""
         dx, dy = offset
-        kind, part = self._part()
+        part: Box | Circle | Polygon = self.value
         if isinstance(part, Polygon):
             points = tuple((x + dx, y + dy) for x, y in part.points)
             changed: Section = part.model_copy(update={"points": points})
         else:
             x, y = part.center
             changed = part.model_copy(update={"center": (x + dx, y + dy)})
-        return self.model_copy(update={kind: changed})
-
-    def _part(self) -> tuple[str, Box | Circle | Polygon]:
-        for kind in ("box", "circle", "polygon"):
-            part = getattr(self, kind)
-            if part is not None:
-                return kind, part
-        raise AttributeError("an obstacle without a shape")
+        return self.model_copy(update={self.kind: changed})

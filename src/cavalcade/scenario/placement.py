@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cavalcade.errors import ScenarioError
-from cavalcade.geometry import Array, transform_points
+from cavalcade.geometry import Array, polygons, transform_points
 from cavalcade.robots import RobotModel
 from cavalcade.scenario.model import Scenario
 from cavalcade.world import Box, Circle, OccupancyMap, Shape, rasterise
@@ -37,7 +37,7 @@ def check_starts(
         ScenarioError: Naming the robot and what it would stand in.
     """
     bodies: list[Body] = []
-    for index, (robot, model) in enumerate(zip(scenario.robots, scenario.models, strict=True)):
+    for key, robot, model in scenario.team:
         x, y, yaw = robot.start
         body = _body(model, robot.start)
         problem = _problem(body, base, shapes, bodies)
@@ -50,7 +50,7 @@ def check_starts(
             raise ScenarioError(
                 f"the robot at ({x:g}, {y:g}) {problem}; expected free ground",
                 file=scenario.file,
-                key=f"robots[{index}].start",
+                key=f"{key}.start",
             )
         bodies.append(body)
 
@@ -98,33 +98,4 @@ def _overlap(body: Body, shape: Shape) -> bool:
     if isinstance(body, Circle):
         return bool(shape.distance([body.center])[0] < body.radius)
     corners = shape.corners if isinstance(shape, Box) else shape.vertices
-    return _polygons_meet(body.corners, corners)
-
-
-def _polygons_meet(one: Array, other: Array) -> bool:
-    """Whether two simple polygons `(N, 2)`, `(M, 2)` share a point."""
-    return _edges_cross(one, other) or _inside(one[0], other) or _inside(other[0], one)
-
-
-def _edges_cross(one: Array, other: Array) -> bool:
-    a, b = one[:, None], np.roll(one, -1, axis=0)[:, None]
-    c, d = other[None], np.roll(other, -1, axis=0)[None]
-    # Edges meet if each straddles the other's line; the boxes tell those on one line apart.
-    straddle = (_side(a, b, c) * _side(a, b, d) <= 0) & (_side(c, d, a) * _side(c, d, b) <= 0)
-    near = (np.maximum(a, b) >= np.minimum(c, d)) & (np.maximum(c, d) >= np.minimum(a, b))
-    return bool((straddle & near.all(axis=2)).any())
-
-
-def _side(start: Array, end: Array, point: Array) -> Array:
-    """Positive where `point` is left of the line from `start` to `end`."""
-    u, v = end - start, point - start
-    result: Array = np.sign(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])
-    return result
-
-
-def _inside(point: Array, polygon: Array) -> bool:
-    a, b = polygon, np.roll(polygon, -1, axis=0)
-    spans = (a[:, 1] > point[1]) != (b[:, 1] > point[1])
-    a, b = a[spans], b[spans]
-    x = a[:, 0] + (point[1] - a[:, 1]) * (b[:, 0] - a[:, 0]) / (b[:, 1] - a[:, 1])
-    return bool(np.count_nonzero(x > point[0]) % 2)
+    return polygons.meet(body.corners, corners)

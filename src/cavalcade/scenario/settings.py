@@ -43,23 +43,6 @@ TEAM_METHODS = ("sequential", "joint", "cbs", "auto")
 TEAM_VARIANTS = ("cavalcade", "published")
 """Variants of these."""
 
-FORMATION_KEYS = (
-    "preset",
-    "lookahead",
-    "r_max",
-    "d_safe_a",
-    "d_safe_b",
-    "d_switch",
-    "w_min_partial",
-    "w_min_avoid",
-    "v_max_x",
-    "v_max_y",
-    "v_min",
-    "d_slowdown",
-    "expect",
-)
-"""Keys of `planner` for formations alone."""
-
 TEAM_KEYS = ("constraints", "conflict", "leaps", "improve", "margin")
 """Keys of `planner` for individual goals alone."""
 
@@ -138,6 +121,12 @@ class PlannerSection(Section):
     v_min: NotNegative | None = None
     d_slowdown: Length | None = None
     expect: Expectations = Expectations()
+
+
+_KEYS = tuple(PlannerSection.model_fields)
+
+FORMATION_KEYS = _KEYS[_KEYS.index("budget") + 1 :]
+"""Keys of `planner` for formations alone."""
 
 
 class StateNoise(Section):

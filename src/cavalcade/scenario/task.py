@@ -277,7 +277,11 @@ def kind_of(commands: object, goals: object) -> Kind:
 
 
 def check_formation(
-    formation: FormationSection, robots: int, width: float, accepted: tuple[int, ...] = ()
+    formation: FormationSection,
+    robots: int,
+    width: float,
+    accepted: tuple[int, ...] = (),
+    place: str | None = None,
 ) -> None:
     """Refuse a formation that a team cannot take up.
 
@@ -286,13 +290,19 @@ def check_formation(
         robots: How many there are.
         width: Of a robot's body, m.
         accepted: Other numbers of slots that are right too.
+        place: Its key, for errors; None where the formation itself is what is validated.
+
+    Raises:
+        PydanticCustomError: One line with the key and what was expected.
     """
     count = formation.slot_count
     if count is not None and count != robots and count not in accepted:
-        raise expected(f"the {formation.shape} has {count} slots, the team {robots} robots")
+        text = f"the {formation.shape} has {count} slots, the team {robots} robots"
+        raise expected(text, key=place)
     slots = robots if count is None else count
     for index, joint in enumerate(formation.connections or ()):
         if max(joint.a, joint.b) >= slots:
-            raise expected(f"expected slots 0 to {slots - 1}", key=f"connections[{index}]")
+            key = f"{place}.connections[{index}]" if place else f"connections[{index}]"
+            raise expected(f"expected slots 0 to {slots - 1}", key=key)
     if formation.closest_slots(slots) < width:
-        raise expected(f"slots closer than a robot's width ({width:g} m)")
+        raise expected(f"slots closer than a robot's width ({width:g} m)", key=place)

@@ -8,10 +8,10 @@ written so. A `move` that matches none lets the obstacle appear; a `remove` must
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 
 from cavalcade.errors import ScenarioError
-from cavalcade.scenario.events import Event, Move
+from cavalcade.scenario.events import Move
 from cavalcade.scenario.model import Scenario
 from cavalcade.scenario.obstacles import Obstacle
 
@@ -75,95 +75,71 @@ _EARLIEST = 1e-9
 """s; an obstacle that an event brings at 0 s comes after those of the world, which are fixed."""
 
 
-@dataclass
-class _Track:
-    obstacle: Obstacle
-    start: float
-    end: float = math.inf
-    time: list[float] = field(default_factory=list)
-    offset: list[Offset] = field(default_factory=list)
-
-    def span(self) -> ObstacleSpan:
-        return ObstacleSpan(
-            self.obstacle, self.start, self.end, tuple(self.time), tuple(self.offset)
-        )
-
-
-def obstacle_spans(
-    scenario: Scenario, generated: tuple[Obstacle, ...] = ()
-) -> tuple[ObstacleSpan, ...]:
+def obstacle_spans(scenario: Scenario) -> tuple[ObstacleSpan, ...]:
     """Every obstacle of the scenario over time: first `world.obstacles`, then what events add.
 
     Args:
         scenario: Best a resolved one, whose world lists all its obstacles.
-        generated: Obstacles of a `generate` or `barn` source, which follow `world.obstacles`.
 
     Raises:
         ScenarioError: An event removes an obstacle that is not there.
     """
-    tracks = [
-        _Track(obstacle, 0.0, time=[0.0], offset=[(0.0, 0.0)])
-        for obstacle in (*scenario.world.obstacles, *generated)
-    ]
+    spans = [ObstacleSpan(obstacle) for obstacle in scenario.world.obstacles]
     for index, event in enumerate(scenario.execution.events):
+        start = max(event.at, _EARLIEST)
         if event.add is not None:
-            start = max(event.at, _EARLIEST)
-            tracks.append(_Track(event.add, start, time=[start], offset=[(0.0, 0.0)]))
+            spans.append(ObstacleSpan(event.add, start, time=(start,)))
         elif event.remove is not None:
-            track = _find(tracks, event.remove, event.at)
-            if track is None:
+            found = _find(spans, event.remove, event.at)
+            if found is None:
                 raise ScenarioError(
                     f"no such obstacle at {event.at:g} s; expected the shape as it was added",
                     file=scenario.file,
                     key=f"execution.events[{index}].remove",
                 )
-            track.end = event.at
+            spans[found] = replace(spans[found], end=event.at)
         elif event.move is not None:
-            _move(tracks, event, event.move)
-    return tuple(track.span() for track in tracks)
+            found = _find(spans, event.move.obstacle, event.at)
+            if found is None:
+                found = len(spans)
+                spans.append(ObstacleSpan(event.move.obstacle, start, time=(event.at,)))
+            spans[found] = _moving(spans[found], event.at, event.move)
+    return tuple(spans)
 
 
-def _move(tracks: list[_Track], event: Event, move: Move) -> None:
-    track = _find(tracks, move.obstacle, event.at)
-    if track is None:
-        start = max(event.at, _EARLIEST)
-        track = _Track(move.obstacle, start, time=[event.at], offset=[(0.0, 0.0)])
-        tracks.append(track)
-    here = track.span().offset_at(event.at)
-    keep = [k for k, time in enumerate(track.time) if time < event.at]
-    track.time = [track.time[k] for k in keep]
-    track.offset = [track.offset[k] for k in keep]
-    cx, cy = track.obstacle.center
+def _moving(span: ObstacleSpan, at: float, move: Move) -> ObstacleSpan:
+    """The span of an obstacle that is told at `at` s where to go; what it was told before ends."""
+    here = span.offset_at(at)
+    cx, cy = span.obstacle.center
     there = (move.to[0] - cx, move.to[1] - cy)
-    duration = math.dist(here, there) / move.speed
-    track.time.append(event.at)
-    track.offset.append(here)
-    if event.at + duration > event.at:
-        track.time.append(event.at + duration)
-        track.offset.append(there)
+    arrival = at + math.dist(here, there) / move.speed
+    before = sum(time < at for time in span.time)
+    times, offsets = (*span.time[:before], at), (*span.offset[:before], here)
+    if arrival > at:
+        times, offsets = (*times, arrival), (*offsets, there)
+    return replace(span, time=times, offset=offsets)
 
 
-def _find(tracks: list[_Track], shape: Obstacle, time: float) -> _Track | None:
-    alive = [track for track in tracks if track.start <= time < track.end]
-    for track in alive:
-        if _same(track.obstacle.moved(track.span().offset_at(time)), shape):
-            return track
-    return next((track for track in alive if _same(track.obstacle, shape)), None)
+def _find(spans: list[ObstacleSpan], shape: Obstacle, time: float) -> int | None:
+    alive = [k for k, span in enumerate(spans) if span.start <= time < span.end]
+    for k in alive:
+        if _same(spans[k].obstacle.moved(spans[k].offset_at(time)), shape):
+            return k
+    return next((k for k in alive if _same(spans[k].obstacle, shape)), None)
 
 
 def _same(one: Obstacle, other: Obstacle) -> bool:
     a, b = _figures(one), _figures(other)
     return (
-        a[0] == b[0]
-        and len(a[1]) == len(b[1])
-        and all(abs(x - y) <= _SAME for x, y in zip(a[1], b[1], strict=True))
+        one.kind == other.kind
+        and len(a) == len(b)
+        and all(abs(x - y) <= _SAME for x, y in zip(a, b, strict=True))
     )
 
 
-def _figures(obstacle: Obstacle) -> tuple[str, list[float]]:
+def _figures(obstacle: Obstacle) -> list[float]:
     if obstacle.box is not None:
-        return "box", [*obstacle.box.center, *obstacle.box.size, obstacle.box.yaw]
+        return [*obstacle.box.center, *obstacle.box.size, obstacle.box.yaw]
     if obstacle.circle is not None:
-        return "circle", [*obstacle.circle.center, obstacle.circle.radius]
-    points = obstacle.polygon.points if obstacle.polygon is not None else ()
-    return "polygon", [value for point in points for value in point]
+        return [*obstacle.circle.center, obstacle.circle.radius]
+    return [value for point in obstacle.value.points for value in point]

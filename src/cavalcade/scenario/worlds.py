@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -132,8 +132,7 @@ def resolve_scenario(scenario: Scenario) -> ResolvedScenario:
         seed = scenario.seed if world.generate.seed is None else world.generate.seed
         known, given = terrain_options(world.generate.kind), world.generate.options
         source = world.generate.model_copy(update={"seed": seed, **known, **given})
-        changed = world.model_copy(update={"generate": source})
-        return ResolvedScenario.of(scenario.model_copy(update={"world": changed}))
+        return _with_world(scenario, generate=source)
     if world.generate is not None:
         size, shapes = _generated(scenario, world.generate)
     elif world.barn is not None:
@@ -141,25 +140,15 @@ def resolve_scenario(scenario: Scenario) -> ResolvedScenario:
         size, shapes = field.size, field.circles
     else:
         return ResolvedScenario.of(scenario)
-    listed = tuple(_obstacle(shape) for shape in shapes)
-    resolved = world.model_copy(
-        update={
-            "generate": None,
-            "barn": None,
-            "empty": EmptySource(size=size),
-            "obstacles": (*world.obstacles, *listed),
-        }
-    )
-    return ResolvedScenario.of(scenario.model_copy(update={"world": resolved}))
+    found = (Obstacle.model_validate(shape_to_mapping(shape)) for shape in shapes)
+    listed = (*world.obstacles, *found)
+    empty = EmptySource(size=size)
+    return _with_world(scenario, generate=None, barn=None, empty=empty, obstacles=listed)
 
 
-def shape_of(obstacle: Obstacle) -> Shape:
-    """The exact shape of an obstacle of the file.
-
-    Raises:
-        InputError: A polygon that crosses itself or has no area.
-    """
-    return shape_from_mapping(obstacle.words)
+def _with_world(scenario: Scenario, **changes: Any) -> ResolvedScenario:
+    world = scenario.world.model_copy(update=changes)
+    return ResolvedScenario.of(scenario.model_copy(update={"world": world}))
 
 
 def _generated(
@@ -183,13 +172,9 @@ def _generated(
 
 def _shape(scenario: Scenario, obstacle: Obstacle, key: str) -> Shape:
     try:
-        return shape_of(obstacle)
+        return shape_from_mapping(obstacle.words)
     except InputError as error:
         raise _at(scenario, key, error) from None
-
-
-def _obstacle(shape: Shape) -> Obstacle:
-    return Obstacle.model_validate(shape_to_mapping(shape))
 
 
 def _at(scenario: Scenario, key: str, error: InputError) -> ScenarioError:

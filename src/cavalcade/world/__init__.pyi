@@ -10,13 +10,13 @@ from .raster import rasterise as rasterise
 from .ros_map import MapWarning as MapWarning
 from .ros_map import load_map as load_map
 from .ros_map import save_map as save_map
-from .shape_files import shape_from_mapping as shape_from_mapping
-from .shape_files import shape_to_mapping as shape_to_mapping
 from .shapes import Box as Box
 from .shapes import Circle as Circle
 from .shapes import Polygon as Polygon
 from .shapes import Shape as Shape
 from .shapes import distance_to_shapes as distance_to_shapes
+from .shapes import shape_from_mapping as shape_from_mapping
+from .shapes import shape_to_mapping as shape_to_mapping
 from .terrain import TERRAINS as TERRAINS
 from .terrain import Terrain as Terrain
 from .terrain import generate_terrain as generate_terrain

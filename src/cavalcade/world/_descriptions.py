@@ -51,11 +51,7 @@ class MapDescription:
 
 
 def read_description(path: Path) -> MapDescription:
-    """Read and check the YAML description of a map.
-
-    Raises:
-        MapError: The file cannot be read, is no YAML mapping, or a key is missing or wrong.
-    """
+    """Read and check the YAML description of a map."""
     document = load_mapping(path)
     try:
         description = MapDescription(
@@ -100,15 +96,7 @@ def _threshold(document: dict[str, Any], key: str) -> float:
 
 
 def load_mapping(path: Path, such_as: str = "image and resolution") -> dict[str, Any]:
-    """The mapping that a YAML file holds.
-
-    Args:
-        path: The file.
-        such_as: Some of its keys, for the error.
-
-    Raises:
-        MapError: It cannot be read or holds something else.
-    """
+    """The mapping that a YAML file holds; `such_as` names some of its keys for the error."""
     document = parse_yaml(read_bytes(path, _MAX_BYTES), file=path, kind=MapError)
     if not isinstance(document, dict):
         raise MapError(f"expected a mapping of keys such as {such_as}", file=path)

@@ -9,9 +9,7 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,11 +18,7 @@ from cavalcade.errors import MapError
 from cavalcade.files import read_bytes, read_head
 from cavalcade.world.occupancy import check_cell_count
 
-if TYPE_CHECKING:
-    from PIL.Image import Image as Picture
-
 Pixels = NDArray[np.uint8]
-T = TypeVar("T")
 
 PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _GAP = rb"(?:\s|#[^\r\n]*[\r\n])+"
@@ -57,7 +51,10 @@ def read_grey(path: Path) -> tuple[Pixels, Pixels | None]:
     check_cell_count(height, width, file=str(path), key="picture")
     content = read_bytes(path, _BYTES_PER_PIXEL * width * height + 16 * _HEAD)
     if head.startswith(PNG_SIGNATURE):
-        return decode_png(content, _grey_and_alpha, path)
+        grey, alpha = decode_png(content, path)
+        if grey.dtype == np.uint16:
+            grey = ((grey.astype(np.int64) + 128) // 257).astype(np.uint8)
+        return grey.astype(np.uint8, copy=False), alpha
     return _decode_pgm(content, path), None
 
 
@@ -84,26 +81,6 @@ def encode_png(grey: Pixels, alpha: Pixels | None = None) -> bytes:
     return stream.getvalue()
 
 
-def _decode_pgm(content: bytes, path: Path) -> Pixels:
-    header = _pgm_header(content, path)
-    kind, width, height, largest = (int(part) for part in header.groups())
-    if not 1 <= largest <= 65535:
-        raise MapError(f"the largest grey must be 1 to 65535, not {largest}", file=path)
-    count = width * height
-    body = memoryview(content)[header.end() :]
-    if kind == 5:
-        values = _binary_samples(body, count, 1 if largest < 256 else 2, path)
-    else:
-        values = _text_samples(bytes(body), count, path)
-    if largest != 255:
-        if values.max() > largest:
-            raise MapError(f"a grey value exceeds the largest one, {largest}", file=path)
-        values = (values.astype(np.int64) * 510 + largest) // (2 * largest)
-    elif values.max() > 255:
-        raise MapError("a grey value exceeds the largest one, 255", file=path)
-    return values.astype(np.uint8).reshape(height, width)
-
-
 def _pgm_header(content: bytes, path: Path) -> re.Match[bytes]:
     """The header with its four numbers: format, width, height, largest grey."""
     header = _PGM_HEADER.match(content)
@@ -112,62 +89,61 @@ def _pgm_header(content: bytes, path: Path) -> re.Match[bytes]:
     return header
 
 
-def _binary_samples(body: memoryview, count: int, width: int, path: Path) -> NDArray[np.integer]:
-    if len(body) < count * width:
-        raise MapError(f"the picture is truncated: {len(body)} of {count * width} bytes", file=path)
-    return np.frombuffer(body, dtype=np.uint8 if width == 1 else np.dtype(">u2"), count=count)
-
-
-def _text_samples(body: bytes, count: int, path: Path) -> NDArray[np.integer]:
-    if b"#" in body:
-        body = re.sub(rb"#[^\r\n]*", b"", body)
-    if body.translate(None, b"0123456789 \t\r\n\v\f"):
-        raise MapError("the picture holds something else than numbers", file=path)
-    values = np.fromstring(body.decode("ascii"), dtype=np.int64, sep=" ")
-    if len(values) < count:
-        raise MapError(f"the picture is truncated: {len(values)} of {count} pixels", file=path)
-    return values[:count]
+def _decode_pgm(content: bytes, path: Path) -> Pixels:
+    header = _pgm_header(content, path)
+    kind, width, height, largest = (int(part) for part in header.groups())
+    if not 1 <= largest <= 65535:
+        raise MapError(f"the largest grey must be 1 to 65535, not {largest}", file=path)
+    count = width * height
+    body = memoryview(content)[header.end() :]
+    values: NDArray[np.integer]
+    if kind == 5:
+        sample = np.dtype(np.uint8 if largest < 256 else ">u2")
+        size = count * sample.itemsize
+        if len(body) < size:
+            raise MapError(f"the picture is truncated: {len(body)} of {size} bytes", file=path)
+        values = np.frombuffer(body, dtype=sample, count=count)
+    else:
+        text = re.sub(rb"#[^\r\n]*", b"", body)
+        if text.translate(None, b"0123456789 \t\r\n\v\f"):
+            raise MapError("the picture holds something else than numbers", file=path)
+        values = np.fromstring(text.decode("ascii"), dtype=np.int64, sep=" ")[:count]
+        if len(values) < count:
+            raise MapError(f"the picture is truncated: {len(values)} of {count} pixels", file=path)
+    if values.max() > largest:
+        raise MapError(f"a grey value exceeds the largest one, {largest}", file=path)
+    if largest != 255:
+        values = (values.astype(np.int64) * 510 + largest) // (2 * largest)
+    return values.astype(np.uint8).reshape(height, width)
 
 
 def png_size(head: bytes, path: Path) -> tuple[int, int]:
-    """Width and height from the first chunk.
-
-    Raises:
-        MapError: There is no such chunk.
-    """
+    """Width and height from the first chunk."""
     if len(head) < 24 or not head.startswith(PNG_SIGNATURE) or head[12:16] != b"IHDR":
         raise MapError("the header of the PNG picture is damaged", file=path)
     return int.from_bytes(head[16:20], "big"), int.from_bytes(head[20:24], "big")
 
 
-def decode_png(content: bytes, convert: Callable[[Picture], T], path: Path) -> T:
-    """What `convert` makes of a PNG.
-
-    Raises:
-        MapError: It is truncated or damaged.
-    """
+def decode_png(content: bytes, path: Path) -> tuple[NDArray[np.uint8 | np.uint16], Pixels | None]:
+    """Brightness `(height, width)` of a PNG in its 8 or 16 bits, and its opacity if it has any."""
     from PIL import Image
 
     try:
         with Image.open(io.BytesIO(content), formats=["PNG"]) as picture:
             picture.load()
-            return convert(picture)
+            transparent = picture.info.get("transparency")
+            if picture.mode.startswith("I"):  # 16-bit grey
+                values = np.asarray(picture).astype(np.uint16)
+                if not isinstance(transparent, int):
+                    return values, None
+                return values, np.where(values == transparent, 0, 255).astype(np.uint8)
+            if transparent is None and picture.mode not in ("LA", "PA", "RGBA"):
+                return np.asarray(picture.convert("L")), None
+            full = picture.convert("RGBA")
+            grey = np.asarray(full.convert("RGB").convert("L"))
+            return grey, np.asarray(full.getchannel("A"))
     except MemoryError:
         raise
     except Exception:
         # The decoder answers damaged pictures with errors of about ten unrelated types.
         raise MapError("the PNG picture is truncated or damaged", file=path) from None
-
-
-def _grey_and_alpha(picture: Picture) -> tuple[Pixels, Pixels | None]:
-    transparent = picture.info.get("transparency")
-    if picture.mode.startswith("I"):  # 16-bit grey
-        values = np.asarray(picture).astype(np.int64)
-        grey = ((values + 128) // 257).astype(np.uint8)
-        if isinstance(transparent, int):
-            return grey, np.where(values == transparent, 0, 255).astype(np.uint8)
-        return grey, None
-    if transparent is None and picture.mode not in ("LA", "PA", "RGBA"):
-        return np.asarray(picture.convert("L")), None
-    full = picture.convert("RGBA")
-    return np.asarray(full.convert("RGB").convert("L")), np.asarray(full.getchannel("A"))

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from cavalcade.errors import MapError
 from cavalcade.geometry import Array, inverse_transform_points, transform_points
 from cavalcade.world.raster import rasterise
-from cavalcade.world.shapes import Shape
+from cavalcade.world.shapes import Shape, plain_number
 
 FREE, OCCUPIED, UNKNOWN = 0, 100, -1
 """Cell values of nav_msgs/OccupancyGrid."""
@@ -204,12 +204,7 @@ def grid_shape(size: ArrayLike, resolution: float) -> tuple[int, int]:
 
 
 def _finite(value: object, key: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
-        raise MapError("expected a number", key=key)
-    try:
-        number = float(value)
-    except (OverflowError, TypeError):
-        raise MapError("expected a number", key=key) from None
+    number = plain_number(value, key, MapError)
     if not math.isfinite(number):
         raise MapError("expected a finite number", key=key)
     return number

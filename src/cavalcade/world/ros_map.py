@@ -69,7 +69,9 @@ def load_map(path: str | Path, unknown: Unknown | None = None) -> OccupancyMap:
         raise MapError(f"no such file: {description.image}", file=path, key="image")
     grey, alpha = read_grey(picture)
     table = _occupancy_of_grey(description)
-    if _loses_unknown(description, table) and bool((grey == _SAVED_UNKNOWN).any()):
+    # Scaled maps tell unknown ground by opacity, and raw ones by values above 100.
+    told_by_grey = description.mode == "trinary" and not description.negate
+    if told_by_grey and table[_SAVED_UNKNOWN] == FREE and (grey == _SAVED_UNKNOWN).any():
         warnings.warn(
             f"{path}: free_thresh: {description.free_thresh:g} turns unknown ground "
             f"(grey {_SAVED_UNKNOWN}) into free ground; set it to 0.196 to keep it unknown",
@@ -113,10 +115,10 @@ def save_map(
     if mode is not None and mode not in MODES:
         raise MapError("unknown mode", key="mode", choices=MODES)
     grid = occupancy_map.grid[::-1]
-    chosen = _fitting_mode(grid, image) if mode is None else mode
+    chosen = next(m for m in MODES if _keeps(grid, m, image)) if mode is None else mode
     if not _keeps(grid, chosen, image):
         raise MapError(f"{chosen} in a {image} picture cannot keep this map's values", key="mode")
-    grey = _GREY_OF[chosen][grid.astype(np.int64) + 1]
+    grey = _GREY_OF[chosen].astype(np.uint8)[grid.astype(np.int64) + 1]
     alpha = None
     if chosen == "scale" and image == "png":
         alpha = np.where(grid == UNKNOWN, 0, 255).astype(np.uint8)
@@ -156,34 +158,13 @@ def _occupancy_of_grey(description: MapDescription) -> NDArray[np.int8]:
     return table
 
 
-def _loses_unknown(description: MapDescription, table: NDArray[np.int8]) -> bool:
-    # Scaled maps tell unknown ground by opacity, and raw ones by values above 100.
-    if description.mode != "trinary" or description.negate:
-        return False
-    return bool(table[_SAVED_UNKNOWN] == FREE)
-
-
-def _grey_tables() -> dict[Mode, NDArray[np.uint8]]:
-    """Grey `(102,)` that each mode writes for the values -1 to 100."""
-    value = np.arange(-1, 101)
-    trinary = np.where(value == FREE, 254, np.where(value == OCCUPIED, 0, _SAVED_UNKNOWN))
-    scale = np.where(value == UNKNOWN, 128, np.rint((100 - value) / 100 * 255))
-    raw = np.where(value == UNKNOWN, 255, value)
-    tables: dict[Mode, NDArray[np.uint8]] = {
-        "trinary": trinary.astype(np.uint8),
-        "scale": scale.astype(np.uint8),
-        "raw": raw.astype(np.uint8),
-    }
-    for table in tables.values():
-        table.setflags(write=False)
-    return tables
-
-
-_GREY_OF = _grey_tables()
-
-
-def _fitting_mode(grid: NDArray[np.int8], image: str) -> Mode:
-    return next(mode for mode in MODES if _keeps(grid, mode, image))
+_VALUES = np.arange(-1, 101)
+_GREY_OF: dict[Mode, NDArray] = {
+    "trinary": np.select([_VALUES == FREE, _VALUES == OCCUPIED], [254, 0], _SAVED_UNKNOWN),
+    "scale": np.where(_VALUES == UNKNOWN, 128, np.rint((100 - _VALUES) / 100 * 255)),
+    "raw": np.where(_VALUES == UNKNOWN, 255, _VALUES),
+}
+"""Grey `(102,)` that each mode writes for the values -1 to 100."""
 
 
 def _keeps(grid: NDArray[np.int8], mode: Mode, image: str) -> bool:

@@ -1,21 +1,21 @@
-"""Obstacles as exact planar shapes: box, circle, polygon. Metres, radians, one common frame.
+"""Obstacles as exact planar shapes, also in the words of a scenario file. Metres, radians.
 
-The shapes are the truth about an obstacle; grids are made from them (`raster.py`). Distances are
-measured to the surface and are 0 inside.
+Box, circle and polygon are the truth about an obstacle, all in one common frame; grids are made
+from them (`raster.py`). Distances are measured to the surface and are 0 inside.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.errors import InputError
-from cavalcade.geometry import Array, inverse_transform_points, rectangle_corners
-from cavalcade.world import _polygons
+from cavalcade.geometry import Array, inverse_transform_points, polygons, rectangle_corners
 
 MAX_COORDINATE = 1e6
 """Largest coordinate or length of a shape, m; beyond it arithmetic loses the millimetres."""
@@ -140,12 +140,12 @@ class Polygon:
         object.__setattr__(self, "points", tuple(points))
         if len(points) < 3:
             raise InputError("at least three different vertices are needed", key=key)
-        crossing = _polygons.first_crossing(self.vertices)
+        crossing = polygons.first_crossing(self.vertices)
         if crossing is not None:
             raise InputError(
                 f"edges {crossing[0]} and {crossing[1]} touch or cross each other", key=key
             )
-        if abs(_polygons.signed_area(self.vertices)) < MIN_LENGTH**2:
+        if abs(polygons.signed_area(self.vertices)) < MIN_LENGTH**2:
             raise InputError("the polygon has no area", key=key)
 
     @property
@@ -168,7 +168,7 @@ class Polygon:
 
     def distance(self, points: ArrayLike) -> Array:
         """Distance in m of points `(N, 2)` to the polygon, `(N,)`, 0 inside."""
-        return _polygons.distance(self.vertices, _points(points))
+        return polygons.distance(self.vertices, _points(points))
 
 
 Shape = Box | Circle | Polygon
@@ -183,14 +183,62 @@ def distance_to_shapes(shapes: Sequence[Shape], points: ArrayLike) -> Array:
     return nearest
 
 
+_KEYS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "box": (("center", "size"), ("yaw",)),
+    "circle": (("center", "radius"), ()),
+    "polygon": (("points",), ()),
+}
+"""Kind to its required and its optional keys."""
+
+
+def shape_from_mapping(mapping: Mapping[str, Any]) -> Shape:
+    """A shape from `{"box": {...}}`, `{"circle": {...}}` or `{"polygon": {...}}`.
+
+    Raises:
+        InputError: Unknown kind, a missing or unknown key, or a value the shape refuses; the key
+            says which.
+    """
+    if not isinstance(mapping, Mapping) or len(mapping) != 1:
+        raise InputError("expected one shape, such as {circle: ...}", choices=_KEYS)
+    kind, values = next(iter(mapping.items()))
+    if kind not in _KEYS:
+        raise InputError(f"unknown shape {str(kind)[:40]!r}", choices=_KEYS)
+    if not isinstance(values, Mapping):
+        raise InputError("expected a mapping", key=kind)
+    required, optional = _KEYS[kind]
+    for name in required:
+        if name not in values:
+            raise InputError("is missing", key=f"{kind}.{name}")
+    for name in values:
+        if name not in (*required, *optional):
+            choices = (*required, *optional)
+            raise InputError("unknown key", key=f"{kind}.{str(name)[:40]}", choices=choices)
+    shapes: dict[str, type[Shape]] = {"box": Box, "circle": Circle, "polygon": Polygon}
+    return shapes[kind](**values)
+
+
+def shape_to_mapping(shape: Shape) -> dict[str, dict[str, Any]]:
+    """The mapping of plain lists and floats that `shape_from_mapping` turns back into `shape`."""
+    if isinstance(shape, Polygon):
+        return {"polygon": {"points": [list(point) for point in shape.points]}}
+    if isinstance(shape, Circle):
+        return {"circle": {"center": list(shape.center), "radius": shape.radius}}
+    return {"box": {"center": list(shape.center), "size": list(shape.size), "yaw": shape.yaw}}
+
+
+def plain_number(value: object, key: str, kind: type[InputError] = InputError) -> float:
+    """`value` as a float, infinite or nan too; True and False are none."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
+        raise kind("expected a number", key=key)
+    try:
+        return float(value)
+    except (OverflowError, TypeError):
+        raise kind("expected a number", key=key) from None
+
+
 def _number(value: object, key: str) -> float:
     """`value` as a finite float of sensible size."""
-    if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
-        raise InputError("expected a number", key=key)
-    try:
-        number = float(value)
-    except (OverflowError, TypeError):
-        raise InputError("expected a number", key=key) from None
+    number = plain_number(value, key)
     if not math.isfinite(number) or abs(number) > MAX_COORDINATE:
         raise InputError(f"expected a finite number within ±{MAX_COORDINATE:g}", key=key)
     return number

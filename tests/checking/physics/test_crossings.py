@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cavalcade.checking.physics.crossings import find_leap
-from cavalcade.checking.plans.heights import Ground, Heights, ground_around
+from cavalcade.checking.heights import Ground, Heights, ground_around
+from cavalcade.checking.physics.leaps import find_leap
 from cavalcade.geometry import transform_points
 
 

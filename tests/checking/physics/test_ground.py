@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from cavalcade.checking.heights import Heights
 from cavalcade.checking.physics import floor_of, judge_robots
-from cavalcade.checking.plans.heights import Heights
 from cavalcade.robots import robot_model
 from cavalcade.world import OccupancyMap, generate_terrain
 

@@ -10,7 +10,7 @@ import pytest
 
 from cavalcade.checking import check
 from cavalcade.checking.check import judge_physics
-from cavalcade.checking.physics.reading import read_records
+from cavalcade.checking.physics.record import read_records
 from cavalcade.checking.tracks import read_tracks
 from cavalcade.errors import RecordingError
 from cavalcade.scenario import load_scenario, resolve_scenario

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from cavalcade.checking.plans.heights import Heights, ground_around
+from cavalcade.checking.heights import Heights, ground_around
 from cavalcade.scenario import build_world, parse_scenario
 
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from cavalcade.fleet.mujoco._rectangles import cover
-from cavalcade.fleet.mujoco.blocks import blocks_of_map, blocks_of_shape, shifted
+from cavalcade.fleet.mujoco.blocks import blocks_of_map, blocks_of_shape
 from cavalcade.fleet.mujoco.ground_spec import clusters
 from cavalcade.geometry import inverse_transform_points
 from cavalcade.world import Box, Circle, OccupancyMap, Polygon
@@ -103,13 +103,6 @@ def test_a_polygon_is_filled_to_within_a_cell():
     away = polygon.distance(points)
     assert hit[away == 0.0].mean() > 0.99  # all but what lies deep inside
     assert not hit[away > 0.05 * math.sqrt(2.0)].any()
-
-
-def test_a_shifted_block_is_the_same_elsewhere():
-    (block,) = blocks_of_shape(Box((1.0, 2.0), (0.4, 0.2), 0.3))
-    moved = shifted(block, (0.5, -1.0))
-    assert moved.pose == (1.5, 1.0, 0.3)
-    assert moved.half == block.half
 
 
 @settings(deadline=None)

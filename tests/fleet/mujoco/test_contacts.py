@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cavalcade.fleet.mujoco import Contact, ContactRecorder, PhysicsGround, TeamSimulator
+from cavalcade.fleet.mujoco import ContactRecorder, PhysicsGround, TeamSimulator
+from cavalcade.recording.physics_track import ContactEvent
 from cavalcade.robots import PARTS, robot_model
 from cavalcade.world import OccupancyMap, Terrain
 
@@ -145,7 +146,7 @@ def test_what_touches_again_soon_is_the_same_contact_and_later_a_new_one():
     put(1.5, 5)
     put(1.75, 5)
     first = recorder.contacts
-    assert first == (Contact(pytest.approx(0.012), 0, "trunk", "obstacle"),)
+    assert first == (ContactEvent(pytest.approx(0.012), 0, "trunk", "obstacle"),)
     put(1.5, 45)
     put(1.75, 5)
     assert recorder.contacts == first

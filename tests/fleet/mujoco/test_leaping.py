@@ -7,10 +7,10 @@ import pytest
 
 pytest.importorskip("mujoco")
 
+from cavalcade.checking.heights import Heights
 from cavalcade.checking.physics.floor import floor_of
 from cavalcade.checking.physics.leaps import Leap, judge_leap
 from cavalcade.checking.physics.record import RobotRecord, Touch
-from cavalcade.checking.plans.heights import Heights
 from cavalcade.errors import InputError
 from cavalcade.fleet import LeapingFleet, LeapRequest
 from cavalcade.fleet.mujoco import PhysicsGround, PhysicsSettings

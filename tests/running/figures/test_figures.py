@@ -3,7 +3,6 @@ from __future__ import annotations
 import dataclasses
 import subprocess
 import sys
-import time
 
 import numpy as np
 import pytest
@@ -42,10 +41,8 @@ def draw(run, folder):
     return make_figures(run.scenario, run.world, run.recording, run.summary, folder)
 
 
-def test_a_run_leaves_four_pictures_in_good_time(run, tmp_path):
-    start = time.perf_counter()
+def test_a_run_leaves_four_pictures(run, tmp_path):
     files = draw(run, tmp_path / "new" / "figures")
-    assert time.perf_counter() - start < 20.0  # a second or two on a machine of its own
     assert [file.name for file in files] == NAMES
     assert sorted(path.name for path in files[0].parent.iterdir()) == sorted(NAMES)
     for file in files:

@@ -12,12 +12,11 @@ from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_typestore
 
 from cavalcade.errors import RecordingError
-from cavalcade.recording._physics_messages import JOINT_NAMES
+from cavalcade.recording._messages import JOINT_NAMES, physics_topics
+from cavalcade.recording.frames import Recorder
 from cavalcade.recording.mcap_reader import read_recording
-from cavalcade.recording.mcap_writer import write_recording
-from cavalcade.recording.physics_mcap import physics_messages, physics_topics, read_physics
+from cavalcade.recording.mcap_writer import physics_messages, write_recording
 from cavalcade.recording.physics_track import ContactEvent, FallEvent, PhysicsTrack
-from cavalcade.recording.recorder import Recorder
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 ROBOTS, SAMPLES = 2, 30
@@ -50,7 +49,7 @@ def written(path: Path, track: PhysicsTrack | None) -> Path:
 
 def test_everything_comes_back_to_the_last_bit(tmp_path: Path) -> None:
     written(tmp_path / "recording.mcap", a_track())
-    back = read_physics(tmp_path)
+    back = read_recording(tmp_path).physics
     assert back is not None
     for field in fields(PhysicsTrack):
         one, other = getattr(back, field.name), getattr(a_track(), field.name)
@@ -58,7 +57,7 @@ def test_everything_comes_back_to_the_last_bit(tmp_path: Path) -> None:
 
 
 def test_recordings_of_ideal_robots_have_no_track(tmp_path: Path) -> None:
-    assert read_physics(written(tmp_path / "r.mcap", None)) is None
+    assert read_recording(written(tmp_path / "r.mcap", None)).physics is None
 
 
 def test_what_planners_saw_is_read_beside_it(tmp_path: Path) -> None:
@@ -78,7 +77,7 @@ def test_messages_are_those_of_ros() -> None:
     """Every message decoded by rosbags, and encoded again to the same bytes."""
     track, kinds = a_track(), physics_topics(ROBOTS)
     decoded: dict[str, list[tuple[int, Any]]] = {topic: [] for topic in kinds}
-    for time, topic, data in physics_messages(track):
+    for time, _, topic, data in physics_messages(track):
         message = STORE.deserialize_cdr(bytes(data), kinds[topic])
         assert bytes(STORE.serialize_cdr(message, kinds[topic])) == bytes(data)
         decoded[topic].append((time, message))
@@ -110,7 +109,7 @@ def test_a_damaged_file_is_one_clear_error(tmp_path: Path, cut: int) -> None:
     file = written(tmp_path / "recording.mcap", a_track())
     file.write_bytes(file.read_bytes()[:cut])
     with pytest.raises(RecordingError, match=r"recording\.mcap") as caught:
-        read_physics(tmp_path)
+        read_recording(tmp_path)
     assert "\n" not in str(caught.value)
 
 
@@ -124,7 +123,7 @@ def test_bytes_turned_over_never_end_in_a_traceback(tmp_path: Path) -> None:
             data[place] ^= 0xFF
         file.write_bytes(bytes(data))
         try:
-            read_physics(file)
+            read_recording(file)
         except RecordingError:
             continue
 
@@ -146,4 +145,4 @@ def test_topics_of_the_contract_are_there(tmp_path: Path) -> None:
 
 def test_no_recording_at_all(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match="no such recording"):
-        read_physics(tmp_path)
+        read_recording(tmp_path)

@@ -10,7 +10,7 @@ import pytest
 
 from cavalcade.coordination.result import TeamPlan
 from cavalcade.geometry.trajectory import FLIGHT, LANDING, TAKE_OFF, WALK, Trajectory
-from cavalcade.jobs.individual_task import make_plan
+from cavalcade.jobs.planning import make_plan
 from cavalcade.robots import RobotModel
 from cavalcade.scenario import Scenario, World, build_world, parse_scenario, resolve_scenario
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from cavalcade.coordination import PlanSettings
-from cavalcade.jobs.individual_task import settings_of
+from cavalcade.jobs.planning import settings_of
 
 
 def test_without_words_the_defaults_hold(make_scenario):

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import cavalcade as cv
-from cavalcade.execution.tracking_fleet import tracking_model
-from cavalcade.jobs import individual_task
-from cavalcade.jobs.individual_task import make_plan
+from cavalcade.execution.fleets import tracking_model
+from cavalcade.jobs import tasks
+from cavalcade.jobs.planning import make_plan
 from cavalcade.recording.plan_file import read_plan
 from cavalcade.robots import robot_model
 
@@ -18,7 +18,7 @@ def carried(make_scenario, straight_team, monkeypatch):
     def go(coordinator=None, out=None, **options):
         chosen = coordinator or straight_team()
         monkeypatch.setattr(
-            individual_task,
+            tasks,
             "make_plan",
             lambda scenario, world, reporter=None: make_plan(scenario, world, chosen, reporter),
         )

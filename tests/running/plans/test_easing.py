@@ -11,7 +11,7 @@ from cavalcade.execution.plan_follower import PlanFollower
 from cavalcade.execution.speed_profile import (
     GRAIN,
     LegLimits,
-    pace_profile,
+    rate_profile,
     relief_along,
     rounded_headings,
 )
@@ -42,7 +42,7 @@ def test_a_steady_bend_stays_what_it_is():
     eased = rounded_headings(path, LIMITS.window)
     np.testing.assert_allclose(eased.yaw, path.yaw, atol=1e-12)
     inside = slice(10, -20)  # it begins and ends at full speed
-    np.testing.assert_allclose(pace_profile(eased, LIMITS, BRAKE)[inside], 1.0)
+    np.testing.assert_allclose(rate_profile(eased, LIMITS, BRAKE)[inside], 1.0)
 
 
 @pytest.mark.parametrize("rates", [(0.0, 1.2), (1.2, -1.2), (-1.2, 0.0)])
@@ -60,7 +60,7 @@ def test_corners_are_off_by_an_eighth_of_the_change_and_the_window(rates):
 @pytest.mark.parametrize("rates", [(0.0, 1.2), (1.2, -1.2)])
 def test_at_its_profile_a_robot_keeps_to_the_limits(rates):
     path = rounded_headings(bends(rates), LIMITS.window)
-    profile = pace_profile(path, LIMITS, BRAKE)
+    profile = rate_profile(path, LIMITS, BRAKE)
     inside = profile[20:-30]  # it begins and ends at full speed
     assert inside.min() == pytest.approx(profile[round(1.5 / GRAIN)], abs=1e-9)
     assert 0.3 < inside.min() < 0.9
@@ -82,25 +82,25 @@ def test_at_its_profile_a_robot_keeps_to_the_limits(rates):
 
 
 def test_robots_brake_in_time_for_slow_places():
-    profile = pace_profile(rounded_headings(bends([1.2, -1.2]), LIMITS.window), LIMITS, BRAKE)
+    profile = rate_profile(rounded_headings(bends([1.2, -1.2]), LIMITS.window), LIMITS, BRAKE)
     falling = np.diff(profile**2) / GRAIN
     assert falling.min() >= -2.0 * BRAKE - 1e-9
 
 
 def test_speeds_beyond_what_legs_do_are_passed_more_slowly():
     path = bends([0.0], speed=2.0)
-    assert pace_profile(path, LIMITS, BRAKE)[20] == pytest.approx(LIMITS.ahead / 2.0)
+    assert rate_profile(path, LIMITS, BRAKE)[20] == pytest.approx(LIMITS.ahead / 2.0)
 
 
 def test_a_robot_that_stands():
     path = bends([0.0], speed=0.0)
     np.testing.assert_array_equal(rounded_headings(path, 0.25).yaw, path.yaw)
-    np.testing.assert_allclose(pace_profile(path, LIMITS, BRAKE), 1.0)
+    np.testing.assert_allclose(rate_profile(path, LIMITS, BRAKE), 1.0)
     single = replace(
         path, **{n: getattr(path, n)[:1] for n in ("time", "position", "velocity", "yaw", "phase")}
     )
     assert rounded_headings(single, 0.25) is single
-    assert (pace_profile(single, LIMITS, BRAKE) == 1.0).all()
+    assert (rate_profile(single, LIMITS, BRAKE) == 1.0).all()
 
 
 def test_the_follower_slows_down_at_corners_and_not_elsewhere():
@@ -136,7 +136,7 @@ def test_rough_ground_is_passed_more_slowly():
     rough = generate_terrain("rough", (6.0, 4.0), seed=1, height=0.25)
     path = bends([0.0], span=6.0)
     path = replace(path, position=path.position + np.array([0.5, 2.0, 0.0]))
-    level, there = (pace_profile(path, LIMITS, BRAKE, ground) for ground in (None, rough))
+    level, there = (rate_profile(path, LIMITS, BRAKE, ground) for ground in (None, rough))
     assert (there <= level + 1e-12).all()
     relief = relief_along(rough, path.poses_at(GRAIN * np.arange(len(there))))
     most = np.interp(relief, LIMITS.relief, (LIMITS.ahead, LIMITS.rough_ahead))

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from cavalcade.checking.distance import corners, seen_from, to_polygons
+from cavalcade.execution.fleets import tracking_fleet, tracking_model
 from cavalcade.execution.plan_follower import PlanFollower
 from cavalcade.execution.time_scaling import EXACT, FollowSettings
-from cavalcade.execution.tracking_fleet import tracking_fleet, tracking_model
 from cavalcade.fleet import IdealFleet
 from cavalcade.geometry import wrap_angle
-from cavalcade.jobs.individual_task import make_plan
+from cavalcade.jobs.planning import make_plan
 from cavalcade.scenario import build_world, load_scenario, resolve_scenario
 
 CLOCK = FollowSettings(in_order=False)
@@ -141,8 +141,8 @@ def test_one_that_stands_is_waited_for_by_those_after_it_alone(robot):
     follower, poses, done = carried(paths, models, fleet, FollowSettings(), longest=28.0)
     assert not done
     assert least_gap(poses, models) > 0.0
-    order = follower._pace.precedence
-    bounds = order.bounds(follower._pace.sure)
+    order = follower._scaling.precedence
+    bounds = order.bounds(follower._scaling.sure)
     for k in range(len(paths)):
         # Held up where it is not its turn, or at the end of its way.
         at_bound = bounds[k] - follower.progress[k] < 0.1
@@ -181,7 +181,7 @@ def test_rates_change_smoothly(crowd):
         seen = fleet.observe()
         fleet.send(follower.step(seen.poses, seen.time, seen.stamps))
         fleet.advance(0.05)
-        rates = follower._pace.rates.copy()
+        rates = follower._scaling.rates.copy()
         assert ((rates >= 0.0) & (rates <= 1.0)).all()
         assert (follower.progress >= progress - 1e-9).all()
         falls.append(before - rates)

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from cavalcade.execution.fleets import tracking_model
 from cavalcade.execution.leaping import edges_of, leaps_of, request_of
 from cavalcade.execution.plan_follower import PlanFollower
 from cavalcade.execution.time_scaling import FollowSettings
-from cavalcade.execution.tracking_fleet import tracking_model
 from cavalcade.fleet import IdealFleet, LeapingFleet, Observation
 from cavalcade.geometry.trajectory import FLIGHT, LANDING, TAKE_OFF
-from cavalcade.jobs import individual_task
-from cavalcade.jobs.individual_task import make_plan
+from cavalcade.jobs import tasks
+from cavalcade.jobs.planning import make_plan
 from cavalcade.scenario import build_world, load_scenario, parse_scenario, resolve_scenario
 
 
@@ -233,7 +233,7 @@ def test_a_shipped_leap_is_handed_over_in_a_run(monkeypatch):
     scenario = resolve_scenario(load_scenario("step"))
     world = build_world(scenario)
     made = make_plan(scenario, world)
-    monkeypatch.setattr(individual_task, "make_plan", lambda *_, **__: made)
+    monkeypatch.setattr(tasks, "make_plan", lambda *_, **__: made)
     fleets = []
 
     def fleet(said):

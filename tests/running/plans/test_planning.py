@@ -8,9 +8,9 @@ import pytest
 import cavalcade as cv
 from cavalcade.errors import InputError, OutputError
 from cavalcade.execution.loop import Outcome
+from cavalcade.metrics.plan_summary import as_recording
 from cavalcade.metrics.run_summary import summarise
 from cavalcade.recording.plan_file import read_plan
-from cavalcade.recording.plan_sampling import as_recording
 from cavalcade.scenario import load_scenario
 
 FILES = {

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time as clock
 from itertools import combinations, pairwise
 
 import numpy as np
@@ -166,11 +165,3 @@ def test_a_parked_robot_holds_nobody_up(straight_way):
     parked = paths[0].duration
     assert order.bounds(np.array([parked + 0.02, 0.0]))[1] == np.inf
     assert np.isfinite(order.bounds(np.array([parked - 1.0, 0.0]))[1])
-
-
-def test_eight_robots_are_done_in_a_moment():
-    paths = wandering(1, 8, 25.0, 8.0)
-    Precedence(paths[:2], [GO1] * 2, REACH)
-    start = clock.perf_counter()
-    Precedence(paths, [GO1] * 8, REACH)
-    assert clock.perf_counter() - start < 1.5

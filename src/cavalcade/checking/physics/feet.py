@@ -6,14 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.checking.physics.floor import Floor
-from cavalcade.checking.physics.kinematics import CALVES, Posture
-from cavalcade.checking.physics.momentum import GRAVITY
+from cavalcade.checking.physics.kinematics import CALVES, Posture, middles
 from cavalcade.checking.physics.record import RobotRecord
 from cavalcade.checking.physics.rotations import turns
-from cavalcade.checking.physics.stretches import stretches
-from cavalcade.checking.plans.stretches import excesses
 from cavalcade.checking.report import Violation
+from cavalcade.checking.stretches import excesses, stretches
 from cavalcade.geometry import Array
+from cavalcade.geometry.constants import GRAVITY
 from cavalcade.robots.description import LEGS
 
 TOUCHING = 2.0
@@ -118,7 +117,7 @@ def _parts(record: RobotRecord, posture: Posture) -> tuple[Array, Array]:
     On an edge the normal is not known; there both are none.
     """
     even = posture.even[1:] & posture.even[:-1]
-    normals = 0.5 * (posture.normals[1:] + posture.normals[:-1])
+    normals = middles(posture.normals)
     force = np.where(even[..., None], record.forces[1:], 0.0)
     return (force * normals).sum(axis=-1), _along(force, normals)
 
@@ -129,7 +128,7 @@ def slips(record: RobotRecord, posture: Posture) -> Array:
     A foot is a ball that rolls as its calf turns: its centre moves, what touches the ground does
     not. A foot whose friction is used up may slide against it; on an edge nothing is said.
     """
-    normals = 0.5 * (posture.normals[1:] + posture.normals[:-1])
+    normals = middles(posture.normals)
     rolled = np.cross(turns(posture.turn[:, CALVES]), posture.radius * normals)
     moved = _along(np.diff(posture.feet, axis=0) - rolled, normals)
     pressing, along = _parts(record, posture)
@@ -151,5 +150,4 @@ def slides(record: RobotRecord, posture: Posture) -> Array:
 
 
 def _along(vectors: Array, normals: Array) -> Array:
-    part: Array = vectors - (vectors * normals).sum(axis=-1, keepdims=True) * normals
-    return part
+    return vectors - (vectors * normals).sum(axis=-1, keepdims=True) * normals

@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.checking.plans.heights import Ground, Heights, ground_around
+from cavalcade.checking.heights import Ground, Heights, ground_around
 from cavalcade.geometry import Array
 
 _AROUND = np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]], dtype=float)
@@ -78,8 +78,7 @@ class HeightFloor:
         """From the heights before, behind, left and right; on an edge half way between."""
         slope = np.clip(self._slope_at(places, reach), -STEEP, STEEP)
         normals = np.concatenate((-slope, np.ones((*slope.shape[:-1], 1))), axis=-1)
-        unit: Array = normals / np.linalg.norm(normals, axis=-1, keepdims=True)
-        return unit
+        return normals / np.linalg.norm(normals, axis=-1, keepdims=True)
 
     def even_at(self, places: Array, reach: float) -> NDArray[np.bool_]:
         """Where slopes seen nearby and from three times as far are gentle and about the same.
@@ -91,20 +90,17 @@ class HeightFloor:
         size = np.maximum(np.abs(near), np.abs(far)).max(axis=-1)
         bend = np.maximum(self._bend_at(places, reach), self._bend_at(places, 2.0 * reach))
         bend = np.maximum(bend, np.abs(near - far).max(axis=-1))
-        even: NDArray[np.bool_] = (size < STEEP) & (bend < BENT)
-        return even
+        return (size < STEEP) & (bend < BENT)
 
     def _bend_at(self, places: Array, reach: float) -> Array:
         """Largest change `(...)` of the slope from one side of a place to the other."""
         heights = self._ground.heights_at(places[..., None, :] + reach * _AROUND)
         sides = heights[..., 1::2] + heights[..., 2::2] - 2.0 * heights[..., :1]
-        bend: Array = np.abs(sides / reach).max(axis=-1)
-        return bend
+        return np.abs(sides / reach).max(axis=-1)
 
     def _slope_at(self, places: Array, reach: float) -> Array:
         heights = self._ground.heights_at(places[..., None, :] + reach * _AROUND[1:])
-        slope: Array = (heights[..., ::2] - heights[..., 1::2]) / (2.0 * reach)
-        return slope
+        return (heights[..., ::2] - heights[..., 1::2]) / (2.0 * reach)
 
 
 def floor_of(heights: Heights | None, places: Array) -> Floor:

@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.checking.physics.feet import standing
-from cavalcade.checking.physics.kinematics import Posture
-from cavalcade.checking.physics.momentum import GRAVITY
+from cavalcade.checking.physics.kinematics import Posture, middles
 from cavalcade.checking.physics.record import RobotRecord
-from cavalcade.checking.plans.stretches import excesses
 from cavalcade.checking.report import Violation
+from cavalcade.checking.stretches import excesses
 from cavalcade.geometry import Array
+from cavalcade.geometry.constants import GRAVITY
 from cavalcade.robots.description import JOINTS, LEGS, QuadrupedDescription
 
 TORQUE = 1e-3
@@ -37,11 +37,7 @@ def check_joints(
 ) -> list[Violation]:
     """Joints beyond their limits, or with rates or torques that don't belong to the motion.
 
-    Args:
-        record: Of the robot.
-        posture: Its links.
-        description: With the limits.
-        unknown: `(T - 1,)` intervals in which more than feet carries.
+    In the intervals `unknown` `(T - 1,)` more than feet carries.
     """
     result: list[Violation] = []
     size = np.abs(record.torques)
@@ -62,7 +58,7 @@ def check_joints(
 
 def _check_rates(record: RobotRecord) -> list[Violation]:
     found = np.diff(record.joints, axis=0) / record.steps[:, None]
-    amiss = 0.5 * (record.rates[1:] + record.rates[:-1]) - found
+    amiss = middles(record.rates) - found
     difference, limit = _rms(amiss), RATE[0] + RATE[1] * _rms(found)
     result = []
     for j in np.flatnonzero(difference > limit):
@@ -103,9 +99,8 @@ def _check_holding(
 def holding_torques(record: RobotRecord, posture: Posture) -> Array:
     """Torques `(T - 1, 12)` in N m that hold the mean forces of each interval and the weights."""
     held = np.empty((len(record.time) - 1, 12))
-    middle = 0.5 * (posture.place[1:] + posture.place[:-1])
-    centers = 0.5 * (posture.centers[1:] + posture.centers[:-1])
-    soles = 0.5 * (posture.soles[1:] + posture.soles[:-1])
+    middle, centers = middles(posture.place), middles(posture.centers)
+    soles, axes = middles(posture.soles), middles(posture.axes)
     for leg in range(4):
         for j in range(3):
             link = 1 + 3 * leg + j
@@ -114,8 +109,7 @@ def holding_torques(record: RobotRecord, posture: Posture) -> Array:
             for outer in range(link, 4 + 3 * leg):
                 weight = (0.0, 0.0, -GRAVITY * posture.mass[outer])
                 moment += np.cross(centers[:, outer] - pivot, weight)
-            axis = 0.5 * (posture.axes[1:, link - 1] + posture.axes[:-1, link - 1])
-            held[:, link - 1] = -(axis * moment).sum(axis=1)
+            held[:, link - 1] = -(axes[:, link - 1] * moment).sum(axis=1)
     return held
 
 

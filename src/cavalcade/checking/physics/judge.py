@@ -7,7 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cavalcade.checking.physics.contacts import hidden_contacts, recorded_contacts, touched
+from cavalcade.checking.physics.contacts import (
+    check_upright,
+    hidden_contacts,
+    recorded_contacts,
+    touched,
+)
 from cavalcade.checking.physics.feet import FRICTION, check_feet
 from cavalcade.checking.physics.floor import Floor
 from cavalcade.checking.physics.joints import check_joints
@@ -15,12 +20,10 @@ from cavalcade.checking.physics.kinematics import Posture, posture
 from cavalcade.checking.physics.momentum import carried_part, check_momentum
 from cavalcade.checking.physics.record import RobotRecord
 from cavalcade.checking.physics.touching import (
-    Overlap,
     ground_overlaps,
     obstacle_overlaps,
     robot_overlaps,
 )
-from cavalcade.checking.physics.upright import check_upright
 from cavalcade.checking.report import Violation
 from cavalcade.checking.solids import Scene
 from cavalcade.geometry import Array
@@ -80,23 +83,21 @@ def judge_robots(
         In order of time.
     """
     conditions = conditions or Conditions()
-    told = {
-        record.robot: description for record, description in zip(records, descriptions, strict=True)
-    }
-    links = {
-        record.robot: _links(record, told[record.robot], floor, conditions) for record in records
-    }
-    among: dict[int, list[Overlap]] = {record.robot: [] for record in records}
-    for overlap in robot_overlaps(links, told):
-        among[overlap.robot].append(overlap)
+    told = {one.robot: said for one, said in zip(records, descriptions, strict=True)}
+    links = {one.robot: _links(one, told[one.robot], floor, conditions) for one in records}
     result: list[Violation] = []
     for record in records:
-        robot = record.robot
-        overlaps = [*ground_overlaps(robot, links[robot], told[robot], floor), *among[robot]]
+        robot, own, description = record.robot, links[record.robot], told[record.robot]
+        overlaps = [*ground_overlaps(own, description, floor), *robot_overlaps(robot, links, told)]
         if scene is not None:
-            overlaps += obstacle_overlaps(robot, links[robot], told[robot], scene)
+            overlaps += obstacle_overlaps(own, description, scene)
         result += hidden_contacts(record, overlaps)
-        result += _alone(record, links[robot], told[robot], floor, conditions)
+        unknown, forces = touched(record), _pushed(record, conditions.pushes)
+        result += check_upright(record, description, floor)
+        result += recorded_contacts(record)
+        result += check_joints(record, own, description, unknown)
+        result += check_feet(record, own, floor, conditions.friction)
+        result += check_momentum(record, own, forces, unknown)
     return sorted(result, key=lambda violation: violation.time)
 
 
@@ -110,27 +111,12 @@ def _links(
     links = posture(record, description, floor=floor)
     if conditions.variation <= 0.0:
         return links
-    part = carried_part(record, links, pushed(record, conditions.pushes), touched(record))
+    part = carried_part(record, links, _pushed(record, conditions.pushes), touched(record))
     scale = np.clip(1.0 if part is None else part, *(1.0 + conditions.variation * _BOTH))
     return posture(record, description, float(scale), floor)
 
 
-def _alone(
-    record: RobotRecord,
-    links: Posture,
-    description: QuadrupedDescription,
-    floor: Floor,
-    conditions: Conditions,
-) -> list[Violation]:
-    unknown, forces = touched(record), pushed(record, conditions.pushes)
-    result = check_upright(record, description, floor)
-    result += recorded_contacts(record)
-    result += check_joints(record, links, description, unknown)
-    result += check_feet(record, links, floor, conditions.friction)
-    return result + check_momentum(record, links, forces, unknown)
-
-
-def pushed(record: RobotRecord, pushes: Sequence[Push]) -> Array:
+def _pushed(record: RobotRecord, pushes: Sequence[Push]) -> Array:
     """Mean forces `(T - 1, 3)` in N of the pushes on a robot in each interval."""
     result = np.zeros((len(record.time) - 1, 3))
     for push in pushes:

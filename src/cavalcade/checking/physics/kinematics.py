@@ -51,8 +51,7 @@ class Posture:
     @cached_property
     def soles(self) -> Array:
         """Where the feet touch the ground, or would, `(T, 4, 3)` m."""
-        soles: Array = self.feet - self.radius * self.normals
-        return soles
+        return self.feet - self.radius * self.normals
 
     @cached_property
     def weight(self) -> float:
@@ -62,8 +61,7 @@ class Posture:
     @cached_property
     def center(self) -> Array:
         """Centre of mass `(T, 3)` of the whole robot, m."""
-        center: Array = np.einsum("l,tlx->tx", self.mass, self.centers) / self.weight
-        return center
+        return np.einsum("l,tlx->tx", self.mass, self.centers) / self.weight
 
     @cached_property
     def velocity(self) -> Array:
@@ -75,7 +73,7 @@ class Posture:
         """Mean angular momentum `(T - 1, 3)` about the centre of mass between samples, N m s."""
         step = np.diff(self.time)[:, None, None]
         speed = np.diff(self.centers, axis=0) / step - self.velocity[:, None]
-        arm = _middle(self.centers) - _middle(self.center)[:, None]
+        arm = middles(self.centers) - middles(self.center)[:, None]
         orbit = np.einsum("l,tlx->tx", self.mass, np.cross(arm, speed))
         # A rotation in the middle of an interval, near enough: the inertia of one of its ends.
         own = np.zeros_like(orbit)
@@ -92,13 +90,9 @@ def posture(
     mass_scale: float = 1.0,
     floor: Floor | None = None,
 ) -> Posture:
-    """The links of a robot at its samples; masses and inertias `mass_scale` times those said.
+    """The links of a robot at its samples, on level ground by default.
 
-    Args:
-        record: Of the robot.
-        description: Of its mechanism.
-        mass_scale: Factor on masses and inertias.
-        floor: What it stands on; level ground by default.
+    Masses and inertias are `mass_scale` times those of the description.
     """
     floor = floor or LevelFloor()
     count = len(record.time)
@@ -135,6 +129,6 @@ def posture(
     )
 
 
-def _middle(values: Array) -> Array:
-    middle: Array = 0.5 * (values[1:] + values[:-1])
-    return middle
+def middles(values: Array) -> Array:
+    """Values `(T - 1, ...)` in the middle of each interval between `(T, ...)`."""
+    return 0.5 * (values[1:] + values[:-1])

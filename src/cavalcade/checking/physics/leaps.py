@@ -1,22 +1,30 @@
-"""Whether a leap succeeded, strictly: judged from one robot's recording alone."""
+"""Where the ground breaks on a robot's way, and whether it leapt that as it should.
+
+A leap is judged strictly, from one robot's recording alone.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cavalcade.checking.heights import Ground, Heights, ground_around
 from cavalcade.checking.physics.contacts import BODY, hidden_contacts
 from cavalcade.checking.physics.feet import TOUCHING
-from cavalcade.checking.physics.floor import Floor
+from cavalcade.checking.physics.floor import Floor, floor_of
 from cavalcade.checking.physics.kinematics import posture
 from cavalcade.checking.physics.record import RobotRecord
 from cavalcade.checking.physics.rotations import roll_pitch_yaw
-from cavalcade.checking.physics.stretches import stretches
 from cavalcade.checking.physics.touching import ground_overlaps
+from cavalcade.checking.report import Violation
+from cavalcade.checking.stretches import stretches
 from cavalcade.geometry import Array
 from cavalcade.robots.description import QuadrupedDescription
+from cavalcade.scenario import Scenario
 
 SUNK = 0.05
 """No foot is further below the surface on either side, m."""
@@ -36,6 +44,16 @@ over the surface beyond: legs give way when they land."""
 
 SETTLED, HIGH = 0.5, 0.6
 """From so long after touch-down, s, it is higher than this part."""
+
+BREAK, LEVEL = 0.05, 0.02
+"""Ground that differs by more from that at the end of the way is a break; it ends where the ground
+differs by less than the second from there on, m."""
+
+SIDE, GRAIN = 0.15, 0.005
+"""Ways beside it tell how the break lies, m; they are looked at every so many m."""
+
+ENDS = 0.1
+"""The first and last part of a way are its sides of the break, m."""
 
 
 @dataclass(frozen=True)
@@ -58,8 +76,7 @@ class Leap:
     def past(self, places: Array) -> Array:
         """How far `(...)` places `(..., 2)` are past the edge, m; negative before it."""
         direction = np.array([np.cos(self.heading), np.sin(self.heading)])
-        distance: Array = (places - np.array(self.edge)) @ direction
-        return distance
+        return (places - np.array(self.edge)) @ direction
 
 
 @dataclass(frozen=True)
@@ -109,8 +126,7 @@ def judge_leap(
     touch_down = _touch_down(record.time, landed)
     surface = np.where(past > 0.0, leap.beyond, min(leap.before, leap.beyond))
     sunk = float((surface - bottom)[late].max(initial=-np.inf))
-    angles = roll_pitch_yaw(record.turn)
-    pitch = float(np.abs(angles[late, 1]).max(initial=0.0))
+    pitch = float(np.abs(roll_pitch_yaw(record.turn)[late, 1]).max(initial=0.0))
 
     def verdict(reason: str) -> LeapVerdict:
         return LeapVerdict(not reason, reason, flight, touch_down, sunk, pitch)
@@ -123,7 +139,7 @@ def judge_leap(
     body = [touch for touch in record.touches if touch.part in BODY and touch.time >= leap.begin]
     if body:
         return verdict(f"the {body[0].part} touches the {body[0].other} at {body[0].time:.2f} s")
-    hidden = hidden_contacts(record, ground_overlaps(record.robot, links, description, floor))
+    hidden = hidden_contacts(record, ground_overlaps(links, description, floor))
     unsaid = [violation.message for violation in hidden if violation.time >= leap.begin]
     if unsaid:
         return verdict(unsaid[0])
@@ -142,6 +158,77 @@ def judge_leap(
     return verdict("")
 
 
+def find_leap(ground: Ground, start: Array, end: Array, begin: float) -> Leap | None:
+    """What is to be leapt on a straight way; None where the ground does not break.
+
+    The way goes from `start` to `end`, `(2,)` m; the take-off begins at `begin` s at the earliest.
+    """
+    way = end - start
+    length = math.hypot(*way)
+    if length < 2.0 * ENDS:
+        return None
+    along = way / length
+    side = np.array([-along[1], along[0]])
+    marks = np.arange(0.0, length, GRAIN)
+    offsets = np.array([-SIDE, 0.0, SIDE])
+    places = start + marks[:, None, None] * along + offsets[:, None] * side
+    heights = ground.heights_at(places)
+    beyond = np.median(heights[marks > length - ENDS], axis=0)
+    before = float(np.median(heights[marks < ENDS, 1]))
+    if (np.abs(heights - beyond) <= BREAK).all():
+        return None
+    off = np.abs(heights - beyond) > LEVEL
+    far = [_last(column, marks) for column in off.T]
+    turn = -math.atan((far[2] - far[0]) / (2.0 * SIDE))
+    edge = start + far[1] * along
+    heading = math.atan2(along[1], along[0]) + turn
+    return Leap((float(edge[0]), float(edge[1])), heading, before, float(beyond[1]), begin)
+
+
+def _last(off: NDArray[np.bool_], marks: Array) -> float:
+    return float(marks[np.flatnonzero(off)[-1]]) + GRAIN if off.any() else 0.0
+
+
+def check_leaps(
+    scenario: Scenario, records: Sequence[RobotRecord], heights: Heights | None
+) -> list[Violation]:
+    """Leaps that robots were commanded, by the strict criterion of `judge_leap`."""
+    result: list[Violation] = []
+    for record, model in zip(records, scenario.models, strict=True):
+        own = [one for one in scenario.task.commands or () if one.robot in (None, record.robot)]
+        ends = [*(one.at for one in own[1:]), math.inf]
+        for command, end in zip(own, ends, strict=True):
+            if command.leap is None or heights is None or model.description is None:
+                continue
+            part = _between(record, command.at, end)
+            point = np.array(command.leap)
+            reason = leap_reason(part, model.description, heights, point, command.at)
+            if reason:
+                text = f"robot {record.robot} does not leap as it should: {reason}"
+                result.append(Violation("leap", command.at, (record.robot,), text, 0.0, 1.0))
+    return result
+
+
+def leap_reason(
+    record: RobotRecord,
+    description: QuadrupedDescription,
+    heights: Heights,
+    end: Array,
+    begin: float,
+) -> str:
+    """What the leap of a robot from where it is at `begin` s towards a point fails by; else empty.
+
+    Also of a way without a break there is nothing to say.
+    """
+    first = int(np.searchsorted(record.time, begin))
+    start = record.base[min(first, len(record.time) - 1), :2]
+    around = np.concatenate([record.base[:, :2], [end]])
+    leap = find_leap(ground_around(heights, around), start, end, begin)
+    if leap is None:
+        return ""
+    return judge_leap(record, description, leap, floor_of(heights, around)).reason
+
+
 def _longest(time: Array, holds: NDArray[np.bool_]) -> float:
     spans = [float(time[end - 1] - time[max(begin - 1, 0)]) for begin, end in stretches(holds)]
     return max(spans, default=0.0)
@@ -152,3 +239,11 @@ def _touch_down(time: Array, landed: NDArray[np.bool_]) -> float:
     if not landed.any(axis=0).all():
         return float("nan")
     return float(time[landed.argmax(axis=0)].max())
+
+
+def _between(record: RobotRecord, begin: float, end: float) -> RobotRecord:
+    """The part of a record up to `end` s, from a moment before `begin` on."""
+    chosen = (record.time >= begin - 0.1) & (record.time <= end)
+    names = ("time", "base", "joints", "rates", "torques", "forces")
+    touches = tuple(touch for touch in record.touches if begin - 0.1 <= touch.time <= end)
+    return replace(record, touches=touches, **{k: getattr(record, k)[chosen] for k in names})

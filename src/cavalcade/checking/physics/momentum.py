@@ -15,14 +15,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.checking.physics.kinematics import Posture
+from cavalcade.checking.physics.kinematics import Posture, middles
 from cavalcade.checking.physics.record import RobotRecord
-from cavalcade.checking.physics.stretches import stretches
-from cavalcade.checking.plans.stretches import excesses
 from cavalcade.checking.report import Kind, Violation
+from cavalcade.checking.stretches import excesses, stretches
 from cavalcade.geometry import Array
-
-GRAVITY = 9.81
+from cavalcade.geometry.constants import GRAVITY
 
 WEIGHT = 0.03
 """Mean vertical force may differ from the weight (and the change of momentum) by this fraction."""
@@ -55,18 +53,21 @@ def check_momentum(
     """Changes of momentum, and of angular momentum, that no contact force accounts for.
 
     Args:
-        record: With the forces.
-        posture: Its links.
+        record, posture: With the forces, and the links.
         pushes: `(T - 1, 3)` N, mean of known forces on the trunk's centre in each interval.
         unknown: `(T - 1,)` intervals in which other forces act, about which nothing is said.
     """
     if len(record.time) < 3:
         return []
-    mass = posture.weight
     linear, turning = _missing(record, posture, pushes)
-    weight = mass * GRAVITY
-    result = _mean_force(record, _carried(record, linear, weight, unknown))
-    middle = 0.5 * (record.time[1:] + record.time[:-1])
+    weight, middle = posture.weight * GRAVITY, middles(record.time)
+    result = []
+    # Over the whole recording the feet carry the robot's weight.
+    part = _carried(middle, linear, weight, unknown)
+    if part is not None and abs(part - 1.0) > WEIGHT:
+        text = f"the feet of robot {record.robot} carry {100.0 * part:.1f} % of what moves it"
+        begin = float(record.time[0])
+        result.append(Violation("weight", begin, (record.robot,), text, part, 1.0))
     edge = _grain(record, pushes, weight) + _steps(record, posture)
     rules: tuple[tuple[Kind, Array, Array, float], ...] = (
         ("momentum", linear, edge, DRIFT * weight),
@@ -90,10 +91,9 @@ def _missing(record: RobotRecord, posture: Posture, pushes: Array) -> tuple[Arra
     step = record.steps[:, None]
     gravity = np.array([0.0, 0.0, -GRAVITY * posture.weight])
     force = record.forces[1:].sum(axis=1) + pushes + gravity
-    center = _middle(posture.center)
-    soles = _middle(posture.soles)
+    center, soles = middles(posture.center), middles(posture.soles)
     moment = np.cross(soles - center[:, None], record.forces[1:]).sum(axis=1)
-    moment += np.cross(_middle(posture.centers[:, 0]) - center, pushes)
+    moment += np.cross(middles(posture.centers[:, 0]) - center, pushes)
     linear = posture.weight * posture.velocity - _until_middle(force * step)
     return linear, posture.spin - _until_middle(moment * step)
 
@@ -105,8 +105,7 @@ def _grain(record: RobotRecord, pushes: Array, weight: float) -> Array:
     sudden = np.full(len(forces), SUDDEN * weight / 8.0)
     sudden[1:] += change / 4.0
     sudden[:-1] += change / 4.0
-    grain: Array = sudden * record.steps
-    return grain
+    return sudden * record.steps
 
 
 def _steps(record: RobotRecord, posture: Posture) -> Array:
@@ -118,8 +117,7 @@ def _steps(record: RobotRecord, posture: Posture) -> Array:
     rate = np.abs(np.diff(record.joints, axis=0)) / record.steps[:, None]
     fastest = rate.reshape(-1, 4, 3).max(axis=2)
     mass = posture.mass[1:].reshape(4, 3).sum(axis=1)
-    error: Array = 0.5 * SIMULATED * LEG * (mass * fastest**2).sum(axis=1)
-    return error
+    return 0.5 * SIMULATED * LEG * (mass * fastest**2).sum(axis=1)
 
 
 def _until_middle(impulse: Array) -> Array:
@@ -133,26 +131,17 @@ def carried_part(
     if len(record.time) < 3:
         return None
     linear, _ = _missing(record, posture, pushes)
-    return _carried(record, linear, posture.weight * GRAVITY, unknown)
+    return _carried(middles(record.time), linear, posture.weight * GRAVITY, unknown)
 
 
 def _carried(
-    record: RobotRecord, balance: Array, weight: float, unknown: NDArray[np.bool_]
+    middle: Array, balance: Array, weight: float, unknown: NDArray[np.bool_]
 ) -> float | None:
-    middle = 0.5 * (record.time[1:] + record.time[:-1])
     missing, span = 0.0, 0.0
     for begin, end in stretches(~unknown):
         missing += float(balance[begin, 2] - balance[end - 1, 2])
         span += float(middle[end - 1] - middle[begin])
     return None if span < LONG_ENOUGH else 1.0 + missing / (weight * span)
-
-
-def _mean_force(record: RobotRecord, part: float | None) -> list[Violation]:
-    """Over the whole recording the feet carry the robot's weight."""
-    if part is None or abs(part - 1.0) <= WEIGHT:
-        return []
-    text = f"the feet of robot {record.robot} carry {100.0 * part:.1f} % of what moves it"
-    return [Violation("weight", float(record.time[0]), (record.robot,), text, part, 1.0)]
 
 
 def _window(
@@ -180,8 +169,3 @@ def _window(
         f"{cause} on its feet accounts for; {{limit:.2f}} could be the recording's grain"
     )
     return excesses(kind, robot, middle[first], gap, limit, words)
-
-
-def _middle(values: Array) -> Array:
-    middle: Array = 0.5 * (values[1:] + values[:-1])
-    return middle

@@ -43,8 +43,7 @@ def turns(rotation: Array) -> Array:
     size = np.linalg.norm(sine, axis=-1)
     angle = np.arctan2(size, (np.trace(change, axis1=-2, axis2=-1) - 1.0) / 2.0)
     scale = np.where(size > 1e-9, angle / np.maximum(size, 1e-9), 1.0)
-    vectors: Array = sine * scale[..., None]
-    return vectors
+    return sine * scale[..., None]
 
 
 def roll_pitch_yaw(rotation: Array) -> Array:

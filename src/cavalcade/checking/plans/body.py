@@ -10,9 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.checking.plans.heights import Ground
+from cavalcade.checking.heights import Ground
 from cavalcade.checking.plans.motion import LANDING, TAKE_OFF, WALK, Motion
-from cavalcade.checking.plans.stretches import excesses, shortfalls
 from cavalcade.checking.report import Violation
 from cavalcade.geometry import Array
 from cavalcade.robots.legs import LegModel
@@ -37,16 +36,12 @@ Bools = NDArray[np.bool_]
 def check_body(
     motion: Motion, legs: LegModel, ground: Ground | None, clearance: Array
 ) -> list[Violation]:
-    """What contradicts the ground.
+    """What contradicts the ground around the motion; None is level ground at height 0.
 
-    Args:
-        motion: Of a legged robot.
-        legs: Its figures.
-        ground: Around the motion; None for level ground at height 0.
-        clearance: `(T,)` as `belly_clearance` gives it, m.
+    `clearance` `(T,)` m is that of `belly_clearance`.
     """
     words = "has its belly {value:.3f} m above the ground; the least is {limit:.3f} m"
-    low = shortfalls("belly", motion.robot, motion.time, clearance, legs.h_min, words, BELLY_SLACK)
+    low = motion.shortfalls("belly", clearance, legs.h_min, words, BELLY_SLACK)
     return low + _reach(motion, legs, ground) + _carried(motion, legs, ground)
 
 
@@ -54,8 +49,7 @@ def belly_clearance(motion: Motion, legs: LegModel, ground: Ground | None) -> Ar
     """`(T,)` m, of the lowest of the five points, over the ground below it."""
     pitches = _pitches(motion, ground)
     clear = np.stack([_clearance(motion, legs, ground, pitch) for pitch in pitches])
-    kindest: Array = np.where(motion.phase == WALK, clear[0], clear.max(axis=0))
-    return kindest
+    return np.where(motion.phase == WALK, clear[0], clear.max(axis=0))
 
 
 def _reach(motion: Motion, legs: LegModel, ground: Ground | None) -> list[Violation]:
@@ -67,15 +61,8 @@ def _reach(motion: Motion, legs: LegModel, ground: Ground | None) -> list[Violat
         high = np.stack([_hip_heights(motion, legs, ground, p, end) for p in pitches])
         most = np.where(motion.phase == WALK, high[0], high.min(axis=0))
         words = f"has a {name} hip {{value:.3f}} m above the ground; legs reach {{limit:.3f}} m"
-        result += excesses(
-            "reach",
-            motion.robot,
-            motion.time,
-            np.where(pushing, most, 0.0),
-            legs.h_max,
-            words,
-            REACH_SLACK,
-        )
+        high = np.where(pushing, most, 0.0)
+        result += motion.excesses("reach", high, legs.h_max, words, REACH_SLACK)
     return result
 
 
@@ -89,15 +76,7 @@ def _carried(motion: Motion, legs: LegModel, ground: Ground | None) -> list[Viol
         hips = ground.best_at(_hips(motion, legs, end)).min(axis=1)
         worst = np.where(_pushing(motion, end), np.minimum(worst, hips), worst)
     words = "stands on ground of traversability {value:.2f}; the least is {limit:.2f}"
-    return shortfalls(
-        "traversability",
-        motion.robot,
-        motion.time,
-        worst,
-        LEAST_TRAVERSABILITY,
-        words,
-        GROUND_BAND,
-    )
+    return motion.shortfalls("traversability", worst, LEAST_TRAVERSABILITY, words, GROUND_BAND)
 
 
 def _pushing(motion: Motion, end: float) -> Bools:
@@ -107,8 +86,7 @@ def _pushing(motion: Motion, end: float) -> Bools:
     only the phase after is asked.
     """
     leap = TAKE_OFF if end < 0.0 else LANDING
-    pushing: Bools = (motion.phase == WALK) | (motion.phase == leap)
-    return pushing
+    return (motion.phase == WALK) | (motion.phase == leap)
 
 
 def _pitches(motion: Motion, ground: Ground | None) -> tuple[Array, ...]:

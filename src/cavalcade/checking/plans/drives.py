@@ -1,14 +1,16 @@
 """The motion of robots without legs: unicycles and integrators, of first and second order.
 
-Of first-order drives velocities may jump; then a sample holds that before or that after.
+Of first-order drives velocities may jump; then a sample holds that before or that after. Rest at
+both ends and limits of speed and yaw rate are checked for robots with legs as well.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from cavalcade.checking.plans.motion import Motion
-from cavalcade.checking.plans.stretches import excesses
+from cavalcade.checking.plans.motion import POSITION_ROUNDING, SPEED_ROUNDING, Motion
 from cavalcade.checking.report import Violation
 from cavalcade.geometry import Array
 from cavalcade.robots import RobotModel
@@ -20,26 +22,24 @@ SIDEWAYS = 0.02
 """A unicycle's sideways speed as a fraction of its largest speed: rounding, and the turning
 within one interval."""
 
-_ROUNDING = 2e-5
-_SPEED_ROUNDING = 1e-4
 _REST = 0.02
 
 
 def check_driven(motion: Motion, model: RobotModel) -> list[Violation]:
-    """Everything about the motion of a robot without legs.
-
-    Args:
-        motion: With increasing times.
-        model: With a drive other than `legged`.
-    """
+    """Everything about the motion, with increasing times, of a robot without legs."""
     second = model.drive.endswith("-2")
     turning = model.drive.startswith("unicycle")
     violations = _level(motion)
     if second:
-        violations += _rest(motion)
+        violations += check_rest(
+            motion, [float(np.hypot(*motion.velocity[k, :2])) for k in (0, -1)]
+        )
     if len(motion.time) > 1:
         violations += _integrated(motion, model, second)
-        violations += _speeds(motion, model)
+        violations += check_speed(motion, model.max_speed_x)
+        # Nobody can see how a disc that goes anywhere is turned.
+        if turning or not model.round:
+            violations += check_yaw_rate(motion, model.max_yaw_rate, TOLERANCE)
         if turning:
             violations += _sideways(motion, model)
         if second:
@@ -47,29 +47,38 @@ def check_driven(motion: Motion, model: RobotModel) -> list[Violation]:
     return violations
 
 
-def _level(motion: Motion) -> list[Violation]:
-    away = np.abs(motion.position[:, 2] - motion.position[0, 2])
-    moving = np.abs(motion.velocity[:, 2])
-    return excesses(
-        "dynamics",
-        motion.robot,
-        motion.time,
-        np.maximum(away, moving),
-        0.0,
-        "rises or sinks by {value:.4f} m or m/s, but has no legs",
-        1e-6,
-    )
-
-
-def _rest(motion: Motion) -> list[Violation]:
+def check_rest(motion: Motion, speeds: Sequence[float]) -> list[Violation]:
+    """A plan begins and ends at rest, with speeds in m/s: what comes after it is standing."""
     result = []
-    for k, words in ((0, "begins"), (-1, "ends")):
-        speed = float(np.hypot(*motion.velocity[k, :2]))
+    for k, words, speed in zip((0, -1), ("begins", "ends"), speeds, strict=True):
         if speed > _REST:
             text = f"robot {motion.robot} {words} its plan at {speed:.3f} m/s instead of at rest"
             time = float(motion.time[k])
             result.append(Violation("dynamics", time, (motion.robot,), text, speed, _REST))
     return result
+
+
+def check_speed(motion: Motion, limit: float) -> list[Violation]:
+    """At each sample and on average in between, m/s."""
+    fastest = motion.speed
+    moved = motion.mean_velocity
+    fastest[:-1] = np.maximum(fastest[:-1], np.hypot(moved[:, 0], moved[:, 1]))
+    words = "moves at {value:.3f} m/s; the limit is {limit:.3f}"
+    return motion.excesses("speed", fastest, limit, words, TOLERANCE * limit)
+
+
+def check_yaw_rate(motion: Motion, limit: float, tolerance: float) -> list[Violation]:
+    """In rad/s; it may be exceeded by the fraction `tolerance`."""
+    words = "turns at {value:.3f} rad/s; the limit is {limit:.3f}"
+    slack = tolerance * limit + SPEED_ROUNDING / motion.steps
+    return motion.excesses("yaw-rate", np.abs(motion.yaw_rate), limit, words, slack)
+
+
+def _level(motion: Motion) -> list[Violation]:
+    away = np.abs(motion.position[:, 2] - motion.position[0, 2])
+    moving = np.maximum(away, np.abs(motion.velocity[:, 2]))
+    words = "rises or sinks by {value:.4f} m or m/s, but has no legs"
+    return motion.excesses("dynamics", moving, 0.0, words, 1e-6)
 
 
 def _integrated(motion: Motion, model: RobotModel, second: bool) -> list[Violation]:
@@ -82,59 +91,29 @@ def _integrated(motion: Motion, model: RobotModel, second: bool) -> list[Violati
         # Within an interval it may turn one way and back again, moving along all the while.
         bend = model.max_speed_x * model.max_yaw_rate * dt * dt / 4.0
     if second:
-        allowed = _ROUNDING + bend + 2.0 * model.max_acceleration * dt * dt / 8.0
+        allowed = POSITION_ROUNDING + bend + 2.0 * model.max_acceleration * dt * dt / 8.0
         defect = np.abs(moved - (one + two) / 2.0 * dt)
     else:
-        allowed = _ROUNDING + bend
+        allowed = POSITION_ROUNDING + bend
         low, high = np.minimum(one, two) * dt, np.maximum(one, two) * dt
         defect = np.maximum(np.maximum(low - moved, moved - high), 0.0)
     worst = (defect - allowed).argmax(axis=1)[:, None]
-    return excesses(
+    return motion.excesses(
         "dynamics",
-        motion.robot,
-        motion.time[:-1],
         np.take_along_axis(defect, worst, axis=1)[:, 0],
         np.take_along_axis(np.broadcast_to(allowed, defect.shape), worst, axis=1)[:, 0],
         "is {value:.5f} m off from where its velocity takes it within one interval",
     )
 
 
-def _speeds(motion: Motion, model: RobotModel) -> list[Violation]:
-    robot, time, dt = motion.robot, motion.time, motion.steps
-    moved = np.diff(motion.position[:, :2], axis=0) / dt[:, None]
-    fastest = np.hypot(motion.velocity[:, 0], motion.velocity[:, 1])
-    fastest[:-1] = np.maximum(fastest[:-1], np.hypot(moved[:, 0], moved[:, 1]))
-    result = excesses(
-        "speed",
-        robot,
-        time,
-        fastest,
-        model.max_speed_x,
-        "moves at {value:.3f} m/s; the limit is {limit:.3f}",
-        TOLERANCE * model.max_speed_x,
-    )
-    if model.round and not model.drive.startswith("unicycle"):
-        return result  # nobody can see how a disc that goes anywhere is turned
-    return result + excesses(
-        "yaw-rate",
-        robot,
-        time[:-1],
-        np.abs(motion.yaw_rate),
-        model.max_yaw_rate,
-        "turns at {value:.3f} rad/s; the limit is {limit:.3f}",
-        TOLERANCE * model.max_yaw_rate + _SPEED_ROUNDING / dt,
-    )
-
-
 def _sideways(motion: Motion, model: RobotModel) -> list[Violation]:
     """A unicycle moves along its heading, at each sample and on average in between."""
-    slack = SIDEWAYS * model.max_speed_x + _SPEED_ROUNDING
+    slack = SIDEWAYS * model.max_speed_x + SPEED_ROUNDING
     words = "moves sideways at {value:.3f} m/s, but is a unicycle"
     sideways = _across(motion.velocity[:, :2], motion.yaw)
-    moved = np.diff(motion.position[:, :2], axis=0) / motion.steps[:, None]
     middle = (motion.yaw[1:] + motion.yaw[:-1]) / 2.0
-    sideways[:-1] = np.maximum(sideways[:-1], _across(moved, middle))
-    return excesses("dynamics", motion.robot, motion.time, sideways, 0.0, words, slack)
+    sideways[:-1] = np.maximum(sideways[:-1], _across(motion.mean_velocity, middle))
+    return motion.excesses("dynamics", sideways, 0.0, words, slack)
 
 
 def _across(vector: Array, yaw: Array) -> Array:
@@ -142,8 +121,7 @@ def _across(vector: Array, yaw: Array) -> Array:
 
 
 def _accelerations(motion: Motion, model: RobotModel, turning: bool) -> list[Violation]:
-    robot, dt = motion.robot, motion.steps
-    velocity = motion.velocity[:, :2]
+    dt, velocity = motion.steps, motion.velocity[:, :2]
     if turning:
         # What changes speed counts, not what changes direction.
         forward = velocity[:, 0] * np.cos(motion.yaw) + velocity[:, 1] * np.sin(motion.yaw)
@@ -151,29 +129,19 @@ def _accelerations(motion: Motion, model: RobotModel, turning: bool) -> list[Vio
     else:
         step = np.diff(velocity, axis=0)
         change = np.hypot(step[:, 0], step[:, 1])
-    most = model.max_acceleration
-    result = excesses(
-        "acceleration",
-        robot,
-        motion.time[:-1],
-        change / dt,
-        most,
+    most, words = (
+        model.max_acceleration,
         "accelerates with {value:.3f} m/s²; the limit is {limit:.3f}",
-        TOLERANCE * most + _SPEED_ROUNDING / dt,
     )
+    slack = TOLERANCE * most + SPEED_ROUNDING / dt
+    result = motion.excesses("acceleration", change / dt, most, words, slack)
     if not turning:
         return result
     # Yaw rates are known as means only, at the middle of each interval, and are 0 at both ends.
     rate = np.concatenate(([0.0], motion.yaw_rate, [0.0]))
     half = np.concatenate(([0.0], dt, [0.0])) / 2.0
     between = half[1:] + half[:-1]
-    most = model.max_yaw_acceleration
-    return result + excesses(
-        "yaw-acceleration",
-        robot,
-        motion.time,
-        np.abs(np.diff(rate)) / between,
-        most,
-        "turns ever faster with {value:.3f} rad/s²; the limit is {limit:.3f}",
-        TOLERANCE * most + 2.0 * _SPEED_ROUNDING / between,
-    )
+    change, most = np.abs(np.diff(rate)) / between, model.max_yaw_acceleration
+    words = "turns ever faster with {value:.3f} rad/s²; the limit is {limit:.3f}"
+    slack = TOLERANCE * most + 2.0 * SPEED_ROUNDING / between
+    return result + motion.excesses("yaw-acceleration", change, most, words, slack)

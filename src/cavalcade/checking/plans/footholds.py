@@ -5,13 +5,16 @@ Legs are numbered front left, front right, rear left, rear right.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
+from cavalcade.checking.heights import Ground
 from cavalcade.checking.plans.body import GROUND_BAND, LEAST_TRAVERSABILITY
-from cavalcade.checking.plans.heights import Ground
 from cavalcade.checking.plans.motion import FLIGHT, LANDING, TAKE_OFF, Motion
 from cavalcade.checking.report import Violation
+from cavalcade.checking.stretches import stretches
 from cavalcade.geometry import Array
 from cavalcade.robots.legs import LegModel
 
@@ -31,13 +34,7 @@ _LEFT = np.array([1.0, -1.0, 1.0, -1.0])
 
 
 def check_footholds(motion: Motion, legs: LegModel, ground: Ground | None) -> list[Violation]:
-    """What is wrong with the footholds of a legged robot's motion.
-
-    Args:
-        motion: With its footholds.
-        legs: The robot's figures.
-        ground: Around the motion; None for level ground at height 0.
-    """
+    """What is wrong with a legged robot's footholds; None is level ground at height 0."""
     if not len(motion.footholds):
         text = f"robot {motion.robot} has no footholds"
         return [Violation("foothold", 0.0, (motion.robot,), text, 0.0, 1.0)]
@@ -62,12 +59,9 @@ def _violation(motion: Motion, k: int, text: str, value: float, limit: float) ->
 def _malformed(motion: Motion) -> list[Violation]:
     down, up, leg = motion.footholds[:, :3].T
     result = []
-    wrong = np.flatnonzero(~np.isin(leg, range(4)))
-    if len(wrong):
-        result.append(_violation(motion, int(wrong[0]), "belongs to no leg", leg[wrong[0]], 3.0))
-    wrong = np.flatnonzero(up < down - _TINY)
-    if len(wrong):
-        k = int(wrong[0])
+    for k in np.flatnonzero(~np.isin(leg, range(4)))[:1]:
+        result.append(_violation(motion, k, "belongs to no leg", leg[k], 3.0))
+    for k in np.flatnonzero(up < down - _TINY)[:1]:
         result.append(_violation(motion, k, "leaves before it comes", up[k], down[k]))
     return result
 
@@ -94,23 +88,15 @@ def _on_ground(motion: Motion, ground: Ground | None) -> list[Violation]:
         low, high = ground.range_at(place)
     away = np.maximum(np.maximum(low - height, height - high), 0.0)
     result = [
-        _violation(motion, int(k), f"is {away[k]:.3f} m off the ground", away[k], 0.0)
+        _violation(motion, k, f"is {away[k]:.3f} m off the ground", away[k], 0.0)
         for k in np.flatnonzero(away > ON_GROUND)[:1]
     ]
-    if ground is None:
-        return result
-    best = ground.best_at(place)
-    wrong = np.flatnonzero(best < LEAST_TRAVERSABILITY - GROUND_BAND)
-    return result + [
-        _violation(
-            motion,
-            int(k),
-            f"is on ground of traversability {best[k]:.2f}; the least is {LEAST_TRAVERSABILITY}",
-            best[k],
-            LEAST_TRAVERSABILITY,
-        )
-        for k in wrong[:1]
-    ]
+    if ground is not None:
+        best, least = ground.best_at(place), LEAST_TRAVERSABILITY
+        for k in np.flatnonzero(best < least - GROUND_BAND)[:1]:
+            text = f"is on ground of traversability {best[k]:.2f}; the least is {least}"
+            result.append(_violation(motion, k, text, best[k], least))
+    return result
 
 
 def _in_flight(motion: Motion) -> list[Violation]:
@@ -126,12 +112,8 @@ def _in_flight(motion: Motion) -> list[Violation]:
 
 
 def _flights(motion: Motion) -> list[tuple[float, float]]:
-    air = np.concatenate(([False], motion.phase[:-1] == FLIGHT, [False]))
-    edges = np.flatnonzero(np.diff(air.astype(np.int8)))
-    return [
-        (float(motion.time[a]), float(motion.time[b]))
-        for a, b in zip(edges[::2], edges[1::2], strict=True)
-    ]
+    flying = stretches(motion.phase[:-1] == FLIGHT)
+    return [(float(motion.time[begin]), float(motion.time[end])) for begin, end in flying]
 
 
 def _unsupported(motion: Motion) -> list[Violation]:
@@ -158,11 +140,8 @@ def _out_of_reach(motion: Motion, legs: LegModel, ground: Ground | None) -> list
     sample = np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)
     sample = sample + np.repeat(first, count)
     leg = motion.footholds[which, 2].astype(np.int64)
-    away = np.where(
-        _needed(motion.phase[sample], leg),
-        _distances(motion, legs, ground, which, sample, leg),
-        0.0,
-    )
+    away = _distances(motion, legs, ground, which, sample)
+    away = np.where(_needed(motion.phase[sample], leg), away, 0.0)
     limit = STRETCH * legs.h_max
     longest = np.zeros(len(count))
     np.maximum.at(longest, which, away)
@@ -173,14 +152,13 @@ def _out_of_reach(motion: Motion, legs: LegModel, ground: Ground | None) -> list
     moment = float(motion.time[sample[(which == k) & (away > limit)][0]])
     text = f"is {longest[k]:.3f} m from its hip; the leg reaches {limit:.3f} m"
     found = _violation(motion, k, text, float(longest[k]), limit)
-    return [Violation("foothold", moment, found.robots, found.message, found.value, found.limit)]
+    return [replace(found, time=moment)]
 
 
 def _needed(phase: NDArray[np.int64], leg: NDArray[np.int64]) -> NDArray[np.bool_]:
     """Whether the leg must reach: in take-off the front, in landing the rear may hang."""
     hanging = ((phase == TAKE_OFF) & (leg < 2)) | ((phase == LANDING) & (leg >= 2))
-    needed: NDArray[np.bool_] = ~hanging & (phase != FLIGHT)
-    return needed
+    return ~hanging & (phase != FLIGHT)
 
 
 def _distances(
@@ -189,8 +167,9 @@ def _distances(
     ground: Ground | None,
     which: NDArray[np.int64],
     sample: NDArray[np.int64],
-    leg: NDArray[np.int64],
 ) -> Array:
+    """Of foot `which` `(K,)` from its leg's hip at samples `(K,)`, m."""
+    leg = motion.footholds[which, 2].astype(np.int64)
     place, yaw = motion.position[sample], motion.yaw[sample]
     forward, left = legs.hip_x * _FORWARD[leg], legs.hip_y * _LEFT[leg]
     x = place[:, 0] + np.cos(yaw) * forward - np.sin(yaw) * left
@@ -199,5 +178,4 @@ def _distances(
     if ground is not None:
         z = z + ground.slope_at(place[:, :2], yaw) * forward
     foot = motion.footholds[which, 3:]
-    away: Array = np.sqrt((x - foot[:, 0]) ** 2 + (y - foot[:, 1]) ** 2 + (z - foot[:, 2]) ** 2)
-    return away
+    return np.sqrt((x - foot[:, 0]) ** 2 + (y - foot[:, 1]) ** 2 + (z - foot[:, 2]) ** 2)

@@ -1,30 +1,38 @@
-"""The verdict on a plan."""
+"""The verdict on a plan: what it is, whether the scenario asks for it, what it says of itself."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cavalcade.checking.arrival import DISTANCE, TURN
 from cavalcade.checking.contact import find_contacts
+from cavalcade.checking.heights import Heights, ground_around, read_heights
 from cavalcade.checking.motion import bodies, common_clock
 from cavalcade.checking.plans.body import belly_clearance, check_body
-from cavalcade.checking.plans.claims import check_figures, check_goal, check_missing, check_start
 from cavalcade.checking.plans.drives import check_driven
 from cavalcade.checking.plans.footholds import check_footholds
-from cavalcade.checking.plans.heights import Ground, Heights, ground_around
 from cavalcade.checking.plans.legged import check_legged, top_speed
 from cavalcade.checking.plans.motion import FLIGHT, Motion
 from cavalcade.checking.plans.structure import read_motions
-from cavalcade.checking.plans.terrainfile import read_heights
-from cavalcade.checking.report import Figures, Report, Violation
+from cavalcade.checking.report import Figures, Report, Violation, make_report
+from cavalcade.checking.samples import Pose, off_start
 from cavalcade.checking.solids import Scene, build_scene
-from cavalcade.geometry import Array
+from cavalcade.geometry import Array, wrap_angle
 from cavalcade.robots import RobotModel
 from cavalcade.scenario import Scenario
+
+START = (1e-3, 1e-3)
+"""How far a plan may begin from the scenario's start, m and rad."""
+
+_SLACK = 1e-3
+_SHARE = 1e-3
+"""Figures of the summary may be off by this much, or by this fraction."""
 
 
 def judge_plan(
@@ -60,17 +68,19 @@ def judge_plan(
         violations += _alone(scenario, motion, models[motion.robot], heights, bellies)
     gap = np.inf
     if known:
-        place = None if heights is None else (heights.size, heights.origin)
-        contacts, gap = _contacts(build_scene(scenario, place), models, known, solved)
+        contacts, gap = _contacts(build_scene(scenario, heights), models, known, solved)
         violations += contacts
     if solved:
         for motion in known:
-            violations += check_goal(motion, models[motion.robot], scenario.goals[motion.robot])
-        violations += check_missing(motions, spoken_of)
+            violations += _check_goal(motion, models[motion.robot], scenario.goals[motion.robot])
+        violations += [
+            Violation("plan", 0.0, (robot,), f"robot {robot} has no plan", 0.0, 1.0)
+            for robot, motion in enumerate(motions)
+            if motion is None and robot not in spoken_of
+        ]
         if figures:
-            violations += check_figures(motions, summary)
-    ordered = tuple(sorted(violations, key=lambda violation: violation.time))
-    return Report(ordered, _figures(known, models, gap, bellies) if known else None)
+            violations += _check_figures(known, len(models), summary)
+    return make_report(violations, _figures(known, models, gap, bellies) if known else None)
 
 
 def _alone(
@@ -84,21 +94,19 @@ def _alone(
 
     The least clearance of its belly goes into `bellies`.
     """
-    violations = check_start(motion, model, scenario.starts[motion.robot])
+    robot, pose = motion.robot, motion.track.pose[0]
+    violations = off_start(robot, 0.0, pose, scenario.starts[robot], START, _heads(model))
     if model.legs is None or model.drive != "legged":
         return violations + check_driven(motion, model)
-    ground = _ground(motion, heights)
+    ground = None
+    if heights is not None:
+        places = np.vstack((motion.position[:, :2], motion.footholds[:, 3:5]))
+        ground = ground_around(heights, places)
     violations += check_legged(motion, model, scenario.planner.variant == "published")
     clearance = belly_clearance(motion, model.legs, ground)
     bellies.append(float(clearance.min()))
     violations += check_body(motion, model.legs, ground, clearance)
     return violations + check_footholds(motion, model.legs, ground)
-
-
-def _ground(motion: Motion, heights: Heights | None) -> Ground | None:
-    if heights is None:
-        return None
-    return ground_around(heights, np.vstack((motion.position[:, :2], motion.footholds[:, 3:5])))
 
 
 def _contacts(
@@ -138,22 +146,14 @@ def _figures(
     def largest(values: Array) -> float:
         return float(values.max(initial=0.0))
 
-    tops = [top_speed(models[motion.robot]) for motion in motions]
-    moving = [motion for motion in motions if len(motion.time) > 1]
     return Figures(
         robots=len(motions),
-        duration_s=max(float(motion.time[-1]) for motion in motions),
+        duration_s=max(_duration(motion) for motion in motions),
         min_footprint_gap_m=gap,
-        max_speed_ratio=max(
-            largest(np.hypot(motion.velocity[:, 0], motion.velocity[:, 1])) / top
-            for motion, top in zip(motions, tops, strict=True)
-        ),
-        max_yaw_rate=max((largest(np.abs(m.yaw_rate)) for m in moving), default=0.0),
-        max_acceleration=max(
-            (largest(np.hypot(m.acceleration[:, 0], m.acceleration[:, 1])) for m in moving),
-            default=0.0,
-        ),
-        max_yaw_acceleration=max((largest(_yaw_accelerations(m)) for m in moving), default=0.0),
+        max_speed_ratio=max(largest(m.speed) / top_speed(models[m.robot]) for m in motions),
+        max_yaw_rate=max(largest(np.abs(m.yaw_rate)) for m in motions),
+        max_acceleration=max(largest(np.hypot(*m.acceleration[:, :2].T)) for m in motions),
+        max_yaw_acceleration=max(largest(_yaw_accelerations(m)) for m in motions),
         min_belly_clearance_m=min(bellies, default=None),
     )
 
@@ -161,3 +161,63 @@ def _figures(
 def _yaw_accelerations(motion: Motion) -> Array:
     dt = motion.steps
     return np.abs(np.diff(motion.yaw_rate)) / ((dt[1:] + dt[:-1]) / 2.0)
+
+
+def _heads(model: RobotModel) -> bool:
+    """Whether it matters where the robot looks: not for one that goes in all directions."""
+    return not model.drive.startswith("integrator")
+
+
+def _check_goal(motion: Motion, model: RobotModel, goal: Pose) -> list[Violation]:
+    """A plan that is said to solve the problem, but ends elsewhere."""
+    x, y = motion.position[-1, :2] - goal[:2]
+    distance, turn = float(np.hypot(x, y)), float(np.abs(wrap_angle(motion.yaw[-1] - goal[2])))
+    end, robot = float(motion.time[-1]), motion.robot
+    result = []
+    if distance > DISTANCE + _SLACK:
+        text = f"robot {robot} ends {distance:.3f} m from its goal"
+        result.append(Violation("arrival", end, (robot,), text, distance, DISTANCE))
+    if _heads(model) and turn > TURN + _SLACK:
+        text = f"robot {robot} ends turned by {turn:.3f} rad from its goal"
+        result.append(Violation("arrival", end, (robot,), text, turn, TURN))
+    return result
+
+
+def _check_figures(
+    motions: Sequence[Motion], robots: int, summary: Mapping[str, Any]
+) -> list[Violation]:
+    """Lengths, durations and makespan of a solved plan's summary."""
+    result = []
+    for key, measure in (("path_length_m", _path_length), ("duration_s", _duration)):
+        said = summary.get(key)
+        if not isinstance(said, list) or len(said) != robots:
+            text = f"{key} of the summary has no value for each of {robots} robots"
+            result.append(Violation("summary", 0.0, (), text, 0.0, float(robots)))
+            continue
+        for motion in motions:
+            robot = motion.robot
+            result += _compared(f"{key} of robot {robot}", said[robot], measure(motion), (robot,))
+    if motions:
+        everyone, last = tuple(range(robots)), max(_duration(motion) for motion in motions)
+        result += _compared("makespan_s", summary.get("makespan_s"), last, everyone)
+    return result
+
+
+def _duration(motion: Motion) -> float:
+    return float(motion.time[-1])
+
+
+def _path_length(motion: Motion) -> float:
+    """Of the way of the body's centre in space, m."""
+    steps = np.diff(motion.position, axis=0)
+    return float(np.sqrt((steps * steps).sum(axis=1)).sum())
+
+
+def _compared(key: str, claim: Any, truth: float, robots: tuple[int, ...]) -> list[Violation]:
+    number = isinstance(claim, int | float) and not isinstance(claim, bool)
+    if number and math.isclose(claim, truth, rel_tol=_SHARE, abs_tol=_SLACK):
+        return []
+    said = f"{claim:.4g}" if number else repr(claim)[:40]
+    text = f"{key} is {said} in the summary, {truth:.4g} in the plan"
+    value = float(claim) if number else math.nan
+    return [Violation("summary", 0.0, robots, text, value, truth)]

@@ -7,13 +7,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cavalcade.checking.report import Kind, Violation
+from cavalcade.checking.stretches import beyond_by, excesses
 from cavalcade.checking.tracks import Track
 from cavalcade.geometry import Array
 
 WALK, TAKE_OFF, FLIGHT, LANDING = 0, 1, 2, 3
 NAMES = ("walk", "take-off", "flight", "landing")
 
-GRAVITY = 9.81
+SPEED_ROUNDING = 1e-4
+"""Of velocities, and of changes of position per interval's time, m/s or rad/s."""
+
+POSITION_ROUNDING = 2e-5
+"""Of changes of position, m."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,16 +49,24 @@ class Motion:
         return np.diff(self.time)
 
     @property
+    def speed(self) -> Array:
+        """`(T,)` seen from above, m/s."""
+        return np.hypot(self.velocity[:, 0], self.velocity[:, 1])
+
+    @property
+    def mean_velocity(self) -> Array:
+        """`(T - 1, 2)` over each interval, from positions, m/s."""
+        return np.diff(self.position[:, :2], axis=0) / self.steps[:, None]
+
+    @property
     def acceleration(self) -> Array:
         """`(T - 1, 3)` mean over each interval, m/s²."""
-        mean: Array = np.diff(self.velocity, axis=0) / self.steps[:, None]
-        return mean
+        return np.diff(self.velocity, axis=0) / self.steps[:, None]
 
     @property
     def yaw_rate(self) -> Array:
         """`(T - 1,)` mean over each interval, rad/s."""
-        mean: Array = np.diff(self.yaw) / self.steps
-        return mean
+        return np.diff(self.yaw) / self.steps
 
     @property
     def track(self) -> Track:
@@ -64,3 +78,22 @@ class Motion:
         if not self.time[0] <= time < self.time[-1]:
             return WALK
         return int(self.phase[np.searchsorted(self.time, time, side="right") - 1])
+
+    def excesses(
+        self,
+        kind: Kind,
+        value: Array,
+        limit: Array | float,
+        words: str,
+        slack: Array | float = 0.0,
+    ) -> list[Violation]:
+        """As `stretches.excesses`, of values at samples `(T,)` or over intervals `(T - 1,)`."""
+        time = self.time[: len(value)]
+        return excesses(kind, self.robot, time, value, limit, words, slack)
+
+    def shortfalls(
+        self, kind: Kind, value: Array, least: float, words: str, slack: float
+    ) -> list[Violation]:
+        """Likewise where `value < least - slack`."""
+        time, short = self.time[: len(value)], least - value - slack
+        return beyond_by(short, kind, self.robot, time, value, least, words)

@@ -1,9 +1,11 @@
-"""Whether a plan's arrays are complete, of the right shapes, finite and in order of time."""
+"""`plan.npz`: arrays and nothing that could run code, complete, finite and in order of time."""
 
 from __future__ import annotations
 
 import re
+import zipfile
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +13,7 @@ from numpy.typing import NDArray
 
 from cavalcade.checking.plans.motion import FLIGHT, LANDING, NAMES, TAKE_OFF, WALK, Motion
 from cavalcade.checking.report import Violation
+from cavalcade.errors import RecordingError
 from cavalcade.robots import RobotModel
 
 LONGEST_STEP = 0.03
@@ -20,6 +23,7 @@ _SHAPES = {"t": (), "position": (3,), "velocity": (3,), "yaw": (), "phase": ()}
 _KEY = re.compile(rf"({'|'.join(_SHAPES)}|footholds)_(\d+)")
 _LARGEST = 1e6
 _TINY = 1e-6
+_MOST_BYTES = 2_000_000_000
 
 _FOLLOWS = {
     WALK: (WALK, TAKE_OFF),
@@ -28,6 +32,33 @@ _FOLLOWS = {
     LANDING: (LANDING, WALK, TAKE_OFF),
 }
 """What may come after each phase; one leap may follow another."""
+
+
+def read_plan(path: str | Path) -> dict[str, NDArray[Any]]:
+    """All arrays of a `plan.npz`, by name, as they are.
+
+    Raises:
+        RecordingError: The file is missing, damaged, too large or holds other things than plain
+            arrays.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise RecordingError("there is no such file", file=path)
+    try:
+        with zipfile.ZipFile(path) as archive:
+            size = sum(entry.file_size for entry in archive.infolist())
+        if size > _MOST_BYTES:
+            raise RecordingError(f"{size} bytes of arrays are too many", file=path)
+        with np.load(path, allow_pickle=False) as archive:
+            return {name: archive[name] for name in archive.files}
+    except RecordingError:
+        raise
+    except OSError as error:
+        reason = error.strerror or type(error).__name__
+        raise RecordingError(f"cannot be read: {reason}", file=path) from error
+    except Exception as error:
+        # A damaged archive surfaces as whatever the unpacking tripped over.
+        raise RecordingError(f"not a readable NPZ file ({error})", file=path) from error
 
 
 def read_motions(
@@ -45,17 +76,15 @@ def read_motions(
         violations.append(Violation("plan", 0.0, (robot,), text, robot, len(models) - 1))
     motions: list[Motion | None] = []
     for robot, model in enumerate(models):
-        if robot not in numbers:
-            motions.append(None)
-            continue
-        wrong = _malformed(arrays, robot, model)
         motion = None
-        if wrong is None:
-            motion = _motion(arrays, robot)
-            wrong = _disordered(motion)
-        if wrong is not None:
-            violations.append(wrong)
-            motion = None
+        if robot in numbers:
+            wrong = _malformed(arrays, robot, model)
+            if wrong is None:
+                motion = _motion(arrays, robot)
+                wrong = _disordered(motion)
+            if wrong is not None:
+                violations.append(wrong)
+                motion = None
         motions.append(motion)
     for motion, model in zip(motions, models, strict=True):
         if motion is not None:
@@ -80,7 +109,8 @@ def _malformed(
         if array.dtype.kind not in "fiu":
             return bad(f"{key} holds no numbers")
         if array.ndim != 1 + len(rest) or array.shape[1:] != rest or not len(array):
-            return bad(f"{key} has the shape {array.shape}, expected {_said(rest)}")
+            expected = f"(T, {rest[0]})" if rest else "(T,)"
+            return bad(f"{key} has the shape {array.shape}, expected {expected}")
         count = len(array) if count is None else count
         if len(array) != count:
             return bad(f"{key} has {len(array)} samples, t_{robot} has {count}")
@@ -95,10 +125,6 @@ def _malformed(
     return None if _measured(array) else bad(f"{key} is not finite or beyond all measure")
 
 
-def _said(rest: tuple[int, ...]) -> str:
-    return f"(T, {rest[0]})" if rest else "(T,)"
-
-
 def _measured(array: NDArray[Any]) -> bool:
     # Written so that nan is bad too.
     return bool((np.abs(array.astype(float)) < _LARGEST).all())
@@ -108,18 +134,10 @@ def _motion(arrays: Mapping[str, NDArray[Any]], robot: int) -> Motion:
     def table(name: str) -> NDArray[np.float64]:
         return np.asarray(arrays[f"{name}_{robot}"], dtype=float)
 
-    phase = table("phase")
+    phase, yaw = table("phase"), np.unwrap(table("yaw"))
     whole = np.where(np.isin(phase, range(4)), phase, -1).astype(np.int64)
     steps = table("footholds") if f"footholds_{robot}" in arrays else np.empty((0, 6))
-    return Motion(
-        robot,
-        table("t"),
-        table("position"),
-        table("velocity"),
-        np.unwrap(table("yaw")),
-        whole,
-        steps,
-    )
+    return Motion(robot, table("t"), table("position"), table("velocity"), yaw, whole, steps)
 
 
 def _disordered(motion: Motion) -> Violation | None:
@@ -141,14 +159,12 @@ def _disordered(motion: Motion) -> Violation | None:
 
 def _long_steps(motion: Motion) -> list[Violation]:
     steps, robot = motion.steps, motion.robot
-    result = []
     wide = np.flatnonzero(steps > LONGEST_STEP + _TINY)
-    if len(wide):
-        worst = float(steps.max())
-        text = f"robot {robot} has samples {worst:.4f} s apart; at most {LONGEST_STEP} s"
-        time = float(motion.time[wide[0]])
-        result.append(Violation("samples", time, (robot,), text, worst, LONGEST_STEP))
-    return result
+    if not len(wide):
+        return []
+    worst, time = float(steps.max()), float(motion.time[wide[0]])
+    text = f"robot {robot} has samples {worst:.4f} s apart; at most {LONGEST_STEP} s"
+    return [Violation("samples", time, (robot,), text, worst, LONGEST_STEP)]
 
 
 def _odd_phases(motion: Motion, model: RobotModel) -> list[Violation]:

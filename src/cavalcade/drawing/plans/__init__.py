@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from cavalcade.drawing.plans.scene import PlanScene
-    from cavalcade.metrics.plan_result import PlanResult
+    from cavalcade.metrics.plan_summary import PlanResult
     from cavalcade.scenario import Scenario, World
 
 __all__ = ["draw_plan_figures", "make_plan_figures"]

@@ -16,7 +16,7 @@ from cavalcade.robots import RobotModel
 from cavalcade.world import Terrain
 
 if TYPE_CHECKING:
-    from cavalcade.metrics.plan_result import PlanResult
+    from cavalcade.metrics.plan_summary import PlanResult
     from cavalcade.scenario import Scenario, World
 
 WALKING, FLYING, WAITING, TURNING = "#d7191c", "#1f5fe0", "#c9cdd2", "#f0a3a0"

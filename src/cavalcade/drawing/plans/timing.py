@@ -19,8 +19,8 @@ from cavalcade.drawing.plans.scene import (
     runs,
 )
 from cavalcade.geometry import Array
-from cavalcade.metrics.body_gaps import nearest_gaps
-from cavalcade.recording.plan_sampling import common_clock, team_poses
+from cavalcade.geometry.distances import nearest_gaps
+from cavalcade.geometry.trajectory import common_clock, team_poses
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -25,7 +25,7 @@ from cavalcade.recording.physics_track import PhysicsTrack
 from cavalcade.robots import RobotModel
 
 if TYPE_CHECKING:
-    from cavalcade.metrics.plan_result import PlanResult
+    from cavalcade.metrics.plan_summary import PlanResult
     from cavalcade.recording.frames import Recording
     from cavalcade.scenario import Scenario, World
 

@@ -13,7 +13,7 @@ from cavalcade.drawing.replay.data import replay_data
 from cavalcade.files import write_file
 
 if TYPE_CHECKING:
-    from cavalcade.metrics.plan_result import PlanResult
+    from cavalcade.metrics.plan_summary import PlanResult
     from cavalcade.recording.frames import Recording
     from cavalcade.scenario import Scenario, World
 

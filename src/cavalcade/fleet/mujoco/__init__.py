@@ -3,7 +3,7 @@
 Importing this package does not load MuJoCo; making a simulator does.
 """
 
-from cavalcade.fleet.mujoco.contacts import Contact, ContactRecorder
+from cavalcade.fleet.mujoco.contacts import ContactRecorder
 from cavalcade.fleet.mujoco.fleet import MujocoFleet
 from cavalcade.fleet.mujoco.ground import PhysicsGround
 from cavalcade.fleet.mujoco.own_robot import own_robot
@@ -11,7 +11,6 @@ from cavalcade.fleet.mujoco.settings import PhysicsSettings
 from cavalcade.fleet.mujoco.simulator import TeamSimulator
 
 __all__ = [
-    "Contact",
     "ContactRecorder",
     "MujocoFleet",
     "PhysicsGround",

@@ -4,17 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-
-
-@njit(cache=True)
-def at_the_edge(grid, row, col):
-    """Whether one of the eight neighbours of a cell is free; beyond the grid nothing is."""
-    rows, cols = grid.shape
-    for r in range(max(row - 1, 0), min(row + 2, rows)):
-        for c in range(max(col - 1, 0), min(col + 2, cols)):
-            if not grid[r, c]:
-                return True
-    return False
+from numpy.typing import NDArray
+from scipy.ndimage import binary_erosion
 
 
 @njit(cache=True)
@@ -34,13 +25,10 @@ def widest(grid, row, col):
     return low, high, left, right
 
 
-@njit(cache=True)
-def cover(grid):
+def cover(grid: NDArray[np.bool_]) -> NDArray[np.int64]:
     """Rectangles of occupied cells that hold every occupied cell beside a free one.
 
-    What lies deeper is covered as it comes: nothing gets there. Cell by cell in the order of
-    rows, the first one that is not covered yet gets the rectangle through it that covers more
-    new ones, of the widest and the highest.
+    What lies deeper is covered as it comes: nothing gets there. Beyond the grid nothing is free.
 
     Args:
         grid: `(rows, cols)` bool, True where occupied.
@@ -48,16 +36,21 @@ def cover(grid):
     Returns:
         `(M, 4)` rows from, to, columns from, to (half-open).
     """
-    rows, cols = grid.shape
-    turned = np.ascontiguousarray(grid.T)
-    wanted = np.zeros((rows, cols), dtype=np.bool_)
-    for row in range(rows):
-        for col in range(cols):
-            wanted[row, col] = grid[row, col] and at_the_edge(grid, row, col)
-    found = np.empty((16, 4), dtype=np.int64)
-    count = 0
-    for row in range(rows):
-        for col in range(cols):
+    inner = binary_erosion(grid, np.ones((3, 3), bool), border_value=1)
+    return cover_wanted(grid, np.ascontiguousarray(grid.T), grid & ~inner)
+
+
+@njit(cache=True)
+def cover_wanted(grid, turned, wanted):
+    """The rectangles that cover the `wanted` cells, of which those that are covered become False.
+
+    Cell by cell in the order of rows, the first one that is not covered yet gets the rectangle
+    through it that covers more new ones, of the widest and the highest. `turned` is the grid's
+    transpose.
+    """
+    found = []
+    for row in range(grid.shape[0]):
+        for col in range(grid.shape[1]):
             if not wanted[row, col]:
                 continue
             a, b, c, d = widest(grid, row, col)
@@ -65,10 +58,8 @@ def cover(grid):
             if wanted[g:h, e:f].sum() > wanted[a:b, c:d].sum():
                 a, b, c, d = g, h, e, f
             wanted[a:b, c:d] = False
-            if count == len(found):
-                longer = np.empty((2 * count, 4), dtype=np.int64)
-                longer[:count] = found
-                found = longer
-            found[count] = (a, b, c, d)
-            count += 1
-    return found[:count]
+            found.append((a, b, c, d))
+    rectangles = np.empty((len(found), 4), np.int64)
+    for k, edges in enumerate(found):
+        rectangles[k] = edges
+    return rectangles

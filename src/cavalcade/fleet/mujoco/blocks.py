@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from cavalcade.fleet.mujoco._rectangles import cover
-from cavalcade.geometry import Array, transform_points
 from cavalcade.world import Box, Circle, OccupancyMap, Shape, rasterise
 
 HEIGHT = 0.5
@@ -68,18 +67,6 @@ def blocks_of_shape(shape: Shape, resolution: float = 0.05) -> tuple[Block, ...]
     grid = rasterise([shape], rows, cols, resolution, origin)
     local = OccupancyMap(np.where(grid, np.int8(100), np.int8(0)), resolution, origin)
     return tuple(_box(local, *(int(v) for v in edges)) for edges in cover(grid))
-
-
-def shifted(block: Block, offset: tuple[float, float]) -> Block:
-    """The same block displaced by `offset` m."""
-    x, y, yaw = block.pose
-    return replace(block, pose=(x + offset[0], y + offset[1], yaw))
-
-
-def outline(block: Block) -> Array:
-    """Corners `(4, 2)` of the block's rectangle in the map frame, m."""
-    signs = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
-    return transform_points(block.pose, signs * block.half)
 
 
 def _box(map: OccupancyMap, low: int, high: int, left: int, right: int) -> Block:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from cavalcade.fleet.mujoco._step import OTHERS, add_contacts
 from cavalcade.fleet.mujoco.simulator import TeamSimulator
 from cavalcade.geometry import Array
+from cavalcade.recording.physics_track import ContactEvent
 from cavalcade.robots.description import PARTS
 
 QUIET = 0.1
@@ -16,23 +15,6 @@ QUIET = 0.1
 
 _ROOM = 256
 """Contacts that may begin in one step."""
-
-
-@dataclass(frozen=True)
-class Contact:
-    """The begin of a contact that is not a foot on the ground.
-
-    Attributes:
-        time: Of the simulator, s.
-        robot: Whose part.
-        part: `trunk`, `hip`, `thigh`, `calf` or `foot`.
-        other: `ground`, `obstacle` or `robot k`.
-    """
-
-    time: float
-    robot: int
-    part: str
-    other: str
 
 
 class ContactRecorder:
@@ -55,13 +37,13 @@ class ContactRecorder:
         self._begun = np.zeros((_ROOM, 3), dtype=np.int64)
         self._names = ("ground", "obstacle", *(f"robot {k}" for k in range(size)))
         self._steps, self._taken = 0, 0
-        self._contacts: list[Contact] = []
+        self._contacts: list[ContactEvent] = []
         # Arrays of at most one contact count as contiguous, others do not: compiled for both now.
         contact = self._data.contact
         self._add(contact.geom[:0], contact.frame[:0], contact.efc_address[:0])
 
     @property
-    def contacts(self) -> tuple[Contact, ...]:
+    def contacts(self) -> tuple[ContactEvent, ...]:
         """All that began so far, in order of time."""
         return tuple(self._contacts)
 
@@ -73,21 +55,18 @@ class ContactRecorder:
         if begun:
             time = self._simulator.time
             for robot, part, other in self._begun[:begun].tolist():
-                self._contacts.append(Contact(time, robot, PARTS[part], self._names[other]))
+                self._contacts.append(ContactEvent(time, robot, PARTS[part], self._names[other]))
 
-    def touching(self, steps: int) -> list[Contact]:
+    def touching(self, steps: int) -> list[ContactEvent]:
         """What was in contact during the last `steps` recorded steps, at the last time of each."""
         since = max(self._steps - steps, 0)
-        step, seen = self._simulator.settings.step, self._seen
+        step = self._simulator.settings.step
         begin = self._simulator.time - self._steps * step
+        now = self._seen >= since
+        places, lasts = np.argwhere(now).tolist(), self._seen[now].tolist()
         return [
-            Contact(
-                begin + (int(seen[robot, part, other]) + 1) * step,
-                int(robot),
-                PARTS[part],
-                self._names[other],
-            )
-            for robot, part, other in np.argwhere(seen >= since)
+            ContactEvent(begin + (last + 1) * step, robot, PARTS[part], self._names[other])
+            for (robot, part, other), last in zip(places, lasts, strict=True)
         ]
 
     def take_forces(self) -> Array:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -17,8 +16,8 @@ from cavalcade.fleet.mujoco.sampling import Sampler, Samples
 from cavalcade.fleet.mujoco.sensing import Sensing, SensingErrors
 from cavalcade.fleet.mujoco.settings import PhysicsSettings
 from cavalcade.fleet.mujoco.simulator import TeamSimulator
-from cavalcade.fleet.protocol import Fall, LeapRequest, Observation
-from cavalcade.fleet.radio import CommandDelay, LocalisationNoise, Radio, start_poses
+from cavalcade.fleet.protocol import Fall, LeapRequest
+from cavalcade.fleet.radio import CommandDelay, LocalisationNoise, RadioFleet
 from cavalcade.geometry import Array
 from cavalcade.lattice.ground import Ground
 from cavalcade.locomotion.control import LegControl
@@ -35,7 +34,7 @@ LEAST_HEIGHT = 0.4
 _CAUSES = ("", "tilt", "height")
 
 
-class MujocoFleet:
+class MujocoFleet(RadioFleet):
     """Robots on legs that follow body velocities as well as they can.
 
     Within `advance` leg control and physics take turns, 500 times a second. A robot that has got
@@ -81,13 +80,12 @@ class MujocoFleet:
         seed: int = 0,
         time: float = 0.0,
     ) -> None:
-        start = start_poses(poses, len(models))
-        self.simulator = TeamSimulator(models, start, ground, physics)
+        self.simulator = TeamSimulator(models, poses, ground, physics)
         self.control = LegControl(models, footing, origin, gait)
         self._step = self.simulator.settings.step
         errors = sensing or SensingErrors()
         self._sensing = None if errors.none else Sensing(errors, self._step, seed)
-        self._start = self._time = float(time)
+        self._start = float(time)
         self._steps = 0
         standing = [robot.stand_height for robot in self.simulator.descriptions]
         self._lowest = LEAST_HEIGHT * np.array(standing)
@@ -96,36 +94,25 @@ class MujocoFleet:
         self._place_obstacles(0.0)
         self._falls: dict[int, Fall] = {}
         self._judged = 0
-        self._sampler = Sampler(self.simulator, self._time)
+        self._sampler = Sampler(self.simulator, self._start)
         # One time per robot; leg control takes that as well as one for all.
-        self._heard: Any = np.full(len(models), self._time)
-        self._radio = Radio(self.true_poses(), self._time, noise, delay, seed)
+        self._heard: Any = np.full(len(models), self._start)
+        super().__init__(self.true_poses(), self._start, noise, delay, seed)
         self.control.begin(self._time, self.simulator.qpos)
         terrain = self.simulator.ground.terrain
         fronts = [robot.joint_offsets[0, 0, 0] for robot in self.simulator.descriptions]
         heights = None if terrain is None else terrain.heights_at
         self._leapers = Leapers(self.control, np.array(fronts), heights)
         self._judge()
-        self._compile(LegControl(models, footing, origin, gait))
-
-    @property
-    def size(self) -> int:
-        """Number of robots."""
-        return self.simulator.size
-
-    @property
-    def time(self) -> float:
-        """The fleet's clock, s; physics is at most half a step of its own off."""
-        return self._time
+        # Let kernels be compiled before anybody's clock runs; this one is used up.
+        control, simulator = LegControl(models, footing, origin, gait), self.simulator
+        control.begin(self._time, simulator.qpos)
+        control.step(self._time, simulator.qpos, simulator.qvel, simulator.foot_forces)
 
     @property
     def falls(self) -> tuple[Fall, ...]:
         """The first fall of each robot that fell, in order of time."""
         return tuple(self._falls.values())
-
-    def observe(self) -> Observation:
-        """The newest pose report of every robot and when it was measured."""
-        return self._radio.observation(self._time)
 
     def true_poses(self) -> Array:
         """`(N, 3)` true poses of the trunks now, seen from above."""
@@ -162,90 +149,39 @@ class MujocoFleet:
         """What happened to bodies, joints and feet so far, 50 times a second."""
         return self._sampler.samples()
 
-    def send(self, commands: ArrayLike) -> None:
-        """Command body-frame velocities `(N, 3)`: m/s, m/s, rad/s. They hold for 0.5 s.
+    def push(self, robot: int, force: ArrayLike, duration: float) -> None:
+        """Push a trunk with the force `(3,)`, map frame, N, for so many seconds from now on."""
+        self.simulator.push(robot, force, duration)
 
-        Raises:
-            InputError: Another shape, or a value that is not finite; nothing is sent then.
-        """
-        self._hear(self._radio.send(commands, self._time), self._time)
+    def state_bytes(self) -> bytes:
+        """The state of physics to the last bit, to compare runs."""
+        return self.simulator.state_bytes()
 
-    def advance(self, dt: float) -> None:
-        """Let `dt` seconds pass; every robot that answers then reports its pose.
-
-        Raises:
-            InputError: `dt` is not positive and finite, or physics has become unstable.
-        """
-        if not (math.isfinite(dt) and dt > 0.0):
-            raise InputError("expected a positive time step", key="dt")
-        self._time += dt
+    def _move(self, start: float, dt: float) -> Array:
+        """Leg control and physics in turns; physics is at most half a step of its own off."""
         until = round((self._time - self._start) / self._step)
-        simulator, control, sampler = self.simulator, self.control, self._sampler
-        sensing, radio = self._sensing, self._radio
+        simulator, control, sensing = self.simulator, self.control, self._sensing
         while self._steps < until:
             now = self._start + self._steps * self._step
-            if radio.busy:
-                self._hear(radio.deliver(now), now)
+            self._deliver(now)
             state = simulator.qpos, simulator.qvel, simulator.foot_forces
             if sensing is not None:
                 state = sensing.measured(state)
             if self._obstacles:
                 self._place_obstacles(self._steps * self._step)
             if self._leapers.due(now):
-                self._steer(now, state[0])
+                self._hear(self._leapers.steer(now, state[0]), now)
             simulator.step(control.step(now, *state))
             self._steps += 1
-            if sampler.step():
+            if self._sampler.step():
                 self._judge()
-        radio.report(self.true_poses(), self._time)
-
-    def push(self, robot: int, force: ArrayLike, duration: float) -> None:
-        """Push a trunk with the force `(3,)`, map frame, N, for so many seconds from now on."""
-        self.simulator.push(robot, force, duration)
-
-    def silence(self, robot: int) -> None:
-        """The robot stops answering: no more reports; it stops and stands."""
-        self._radio.silence(robot)
-        self._stop(robot)
-
-    def revive(self, robot: int) -> None:
-        """The robot answers and listens again, from where it stands."""
-        self._radio.revive(robot)
-
-    def disable(self, robot: int) -> None:
-        """The robot stops, stands and ignores commands, but can still be located."""
-        self._radio.disable(robot)
-        self._stop(robot)
-
-    def enable(self, robot: int) -> None:
-        """The robot listens to commands again."""
-        self._radio.enable(robot)
-
-    def state_bytes(self) -> bytes:
-        """The state of physics to the last bit, to compare runs."""
-        return self.simulator.state_bytes()
-
-    def _compile(self, control: LegControl) -> None:
-        """Let kernels be compiled before anybody's clock runs; `control` is used up."""
-        simulator = self.simulator
-        control.begin(self._time, simulator.qpos)
-        control.step(self._time, simulator.qpos, simulator.qvel, simulator.foot_forces)
-
-    def _stop(self, robot: int) -> None:
-        reached = np.zeros(self.size, dtype=bool)
-        reached[robot] = True
-        self._hear(reached, self._time)
+        return self.true_poses()
 
     def _hear(self, reached: NDArray[np.bool_], now: float) -> None:
         """Hand over what robots `reached` `(N,)` were told; the others' last command ages."""
         if reached.any():
             self._heard[reached] = now
-            self.control.command(self._leapers.overrule(self._radio.commands), self._heard)
-
-    def _steer(self, now: float, qpos: Array) -> None:
-        """Command those robots that were handed over to leap."""
-        self._heard[self._leapers.steer(now, qpos)] = now
-        self.control.command(self._leapers.overrule(self._radio.commands), self._heard)
+            self.control.command(self._leapers.overrule(self._commands), self._heard)
 
     def _place_obstacles(self, time: float) -> None:
         """Move those obstacles that are elsewhere, or away, by `time` s."""

@@ -3,26 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cavalcade.fleet.mujoco.blocks import (
-    HEIGHT,
-    Block,
-    blocks_of_map,
-    blocks_of_shape,
-    outline,
-)
-from cavalcade.geometry import Array
-from cavalcade.scenario.worlds import shape_of
-from cavalcade.world import OccupancyMap, Shape
-
-if TYPE_CHECKING:
-    from cavalcade.scenario.timeline import ObstacleSpan
-    from cavalcade.scenario.worlds import World
-    from cavalcade.world import Terrain
+from cavalcade.fleet.mujoco.blocks import HEIGHT, Block, blocks_of_map, blocks_of_shape
+from cavalcade.geometry import Array, rectangle_corners
+from cavalcade.scenario.timeline import ObstacleSpan
+from cavalcade.scenario.worlds import World
+from cavalcade.world import OccupancyMap, Terrain, shape_from_mapping
 
 
 @dataclass(frozen=True)
@@ -66,11 +55,14 @@ class PhysicsGround:
         `movable_spans`.
         """
         cell = world.map.resolution
-        standing = [span for span in world.spans if span.fixed]
-        blocks = [block for span in standing for block in blocks_of_shape(_shape(span), cell)]
+        groups = [
+            (span, blocks_of_shape(shape_from_mapping(span.obstacle.words), cell))
+            for span in world.spans
+        ]
+        blocks = [block for span, group in groups if span.fixed for block in group]
         ground = cls(world.terrain).with_fixed((*blocks_of_map(world.base), *blocks))
-        moving = [blocks_of_shape(_shape(span), cell) for span in movable_spans(world)]
-        return replace(ground, movable=tuple(ground.raised(group) for group in moving))
+        moving = tuple(ground.raised(group) for span, group in groups if not span.fixed)
+        return replace(ground, movable=moving)
 
     def with_fixed(self, blocks: tuple[Block, ...]) -> PhysicsGround:
         """This ground with more obstacles that stay, standing on it."""
@@ -93,7 +85,7 @@ class PhysicsGround:
 
     def _highest(self, block: Block) -> float:
         """Of the ground below a block, sampled in steps of a cell."""
-        a, b, _, d = outline(block)
+        a, b, _, d = rectangle_corners(block.pose, 2.0 * block.half[0], 2.0 * block.half[1])
         cell = 0.05 if self.terrain is None else self.terrain.resolution
         along = np.linspace(0.0, 1.0, 2 + int(np.hypot(*(b - a)) / cell))
         across = np.linspace(0.0, 1.0, 2 + int(np.hypot(*(d - a)) / cell))
@@ -104,7 +96,3 @@ class PhysicsGround:
 def movable_spans(world: World) -> tuple[ObstacleSpan, ...]:
     """The spans of `world.spans` whose obstacles come, go or move, in order."""
     return tuple(span for span in world.spans if not span.fixed)
-
-
-def _shape(span: ObstacleSpan) -> Shape:
-    return shape_of(span.obstacle)

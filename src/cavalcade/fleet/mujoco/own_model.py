@@ -28,23 +28,32 @@ _SAME = 1e-3
 
 
 @dataclass(frozen=True)
-class OwnModel:
-    """A model of the user and where its things are.
+class RobotSpec:
+    """One robot as a specification, and what its things are called.
 
     Attributes:
-        spec: Its `MjSpec`, without actuators, sensors, keyframes and other things in its world.
-        model: The same, compiled.
-        root: Name of the free joint.
-        joints: Names of the 12 hinges in their order.
-        feet: Names of the feet's geoms in the order of legs.
-        torques: Largest torques of the joints, N m.
+        spec: A fresh `MjSpec`.
+        root: The free joint.
+        joints: The 12 hinges in their order.
+        feet: The geoms of the four feet in the order of legs.
     """
 
     spec: Any
-    model: Any
     root: str
     joints: tuple[str, ...]
     feet: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class OwnModel(RobotSpec):
+    """A model of the user, without actuators, sensors, keyframes and other things in its world.
+
+    Attributes:
+        model: Its `spec`, compiled.
+        torques: Largest torques of the joints, N m.
+    """
+
+    model: Any
     torques: tuple[float, ...]
 
 
@@ -76,7 +85,7 @@ def read_own_model(file: str | Path) -> OwnModel:
     others = (body for body in world.bodies if body.name != trunk)
     for thing in (*world.geoms, *world.sites, *world.lights, *others):
         spec.delete(thing)
-    return OwnModel(spec, spec.compile(), root, joints, feet, torques)
+    return OwnModel(spec, root, joints, feet, spec.compile(), torques)
 
 
 def links_of(model: Any, joints: tuple[str, ...]) -> dict[int, int]:

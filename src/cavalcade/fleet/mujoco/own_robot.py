@@ -49,25 +49,19 @@ def describe(own: OwnModel, file: Path) -> QuadrupedDescription:
     """The description of a user's model."""
     model, data = own.model, zero_state(own.model)
     links = links_of(model, own.joints)
-    bodies = _inertials(model, data, links)
     places = [np.zeros(3), *(data.xanchor[model.joint(name).id] for name in own.joints)]
+    bodies = _inertials(model, data, links, places)
     legs = []
-    for leg in range(4):
-        joints = []
-        for part in range(3):
-            number = 3 * leg + part
-            parent = 0 if part == 0 else number
-            offset = _vector(places[1 + number] - places[parent])
-            joints.append(_joint(own, number, offset))
+    for leg, name in enumerate(own.feet):
         first = 1 + 3 * leg
-        foot = data.geom_xpos[model.geom(own.feet[leg]).id] - places[first + 2]
-        legs.append(
-            LegDescription(
-                (joints[0], joints[1], joints[2]),
-                (bodies[first], bodies[first + 1], bodies[first + 2]),
-                _vector(foot),
-            )
+        origins = (places[0], *places[first : first + 3])
+        hip, thigh, calf = (
+            _joint(own, 3 * leg + part, _vector(origins[part + 1] - origins[part]))
+            for part in range(3)
         )
+        foot = _vector(data.geom_xpos[model.geom(name).id] - places[first + 2])
+        links_of_leg = bodies[first], bodies[first + 1], bodies[first + 2]
+        legs.append(LegDescription((hip, thigh, calf), links_of_leg, foot))
     radius = float(model.geom(own.feet[0]).size[0])
     hip, thigh, calf = legs[0].joints
     length = math.hypot(*calf.offset[::2]) + math.hypot(*legs[0].foot[::2])
@@ -105,7 +99,7 @@ def _joint(own: OwnModel, number: int, offset: Vector) -> JointDescription:
     )
 
 
-def _inertials(model: Any, data: Any, links: dict[int, int]) -> list[Inertial]:
+def _inertials(model: Any, data: Any, links: dict[int, int], places: list[Any]) -> list[Inertial]:
     """Of the trunk and the links, each with all bodies that are fixed to it, in its frame."""
     pieces: list[list[Inertial]] = [[] for _ in links]
     for body in range(1, model.nbody):
@@ -113,21 +107,11 @@ def _inertials(model: Any, data: Any, links: dict[int, int]) -> list[Inertial]:
         mass = float(model.body_mass[body])
         if mass <= 0.0:
             continue
-        turn = data.ximat[body].reshape(3, 3)
-        i = turn @ np.diag(model.body_inertia[body]) @ turn.T
-        moments = (i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2])
-        xx, yy, zz, xy, xz, yz = (float(value) for value in moments)
-        place = _vector(data.xipos[body] - _origin(model, data, link, links))
-        pieces[link].append(Inertial(mass, place, (xx, yy, zz, xy, xz, yz)))
+        xx, yy, zz = _vector(model.body_inertia[body])
+        own = Inertial(mass, (0.0, 0.0, 0.0), (xx, yy, zz, 0.0, 0.0, 0.0))
+        place = _vector(data.xipos[body] - places[link])
+        pieces[link].append(own.turned(data.ximat[body].reshape(3, 3)).moved(place))
     return [combined(part) for part in pieces]
-
-
-def _origin(model: Any, data: Any, link: int, links: dict[int, int]) -> Any:
-    """Where a link's joint is; the trunk's own origin."""
-    if link == 0:
-        return np.zeros(3)
-    body = next(body for body, index in links.items() if index == link)
-    return data.xanchor[int(model.body_jntadr[body])]
 
 
 def _shapes(

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 from cavalcade.fleet.mujoco.engine import load_mujoco
-from cavalcade.fleet.mujoco.own_model import read_own_model
+from cavalcade.fleet.mujoco.own_model import RobotSpec, read_own_model
 from cavalcade.robots.description import JOINTS, LEGS, BodyShape, QuadrupedDescription
 from cavalcade.robots.inertial import Inertial
 
@@ -24,29 +23,8 @@ FOOT_PRIORITY = 2
 BODY_PRIORITY = 1
 """Likewise the rest of a robot against ground and obstacles."""
 
-_SENSORS = tuple(f"cavalcade_touch_{leg}" for leg in LEGS)
+TOUCH_SENSORS = tuple(f"cavalcade_touch_{leg}" for leg in LEGS)
 """Of names that no model of one's own is likely to have."""
-
-
-@dataclass(frozen=True)
-class RobotSpec:
-    """One robot as a specification, and what its things are called.
-
-    Motors are called `motor_` and the joint's number; touch sensors are `sensors`.
-
-    Attributes:
-        spec: A fresh `MjSpec`.
-        root: The free joint.
-        joints: The 12 hinges.
-        feet: The geoms of the four feet.
-        sensors: The touch sensors on them.
-    """
-
-    spec: Any
-    root: str
-    joints: tuple[str, ...]
-    feet: tuple[str, ...]
-    sensors: tuple[str, ...]
 
 
 def robot_spec(
@@ -57,6 +35,8 @@ def robot_spec(
 ) -> RobotSpec:
     """A fresh specification of one robot: from its description, or from its own file.
 
+    Motors are called `motor_` and the joint's number; touch sensors on the feet `TOUCH_SENSORS`.
+
     Args:
         description: Of the robot.
         bits: `contype` and `conaffinity` of its shapes.
@@ -66,22 +46,16 @@ def robot_spec(
     Raises:
         InputError: MuJoCo is missing, or the robot's own file cannot be used.
     """
-    robot = _from_file(description) if description.file else _from_description(description, looks)
-    feet = set(robot.feet)
+    if description.file:
+        robot: RobotSpec = read_own_model(description.file)
+    else:
+        robot = _from_description(description, looks)
     for geom in robot.spec.geoms:
         if geom.contype or geom.conaffinity:
-            _finish(geom, bits, friction, geom.name in feet)
+            _finish(geom, bits, friction, geom.name in robot.feet)
+    _add_motors(robot, description)
+    _add_touch_sensors(robot, description.foot_radius)
     return robot
-
-
-def _from_file(description: QuadrupedDescription) -> RobotSpec:
-    """The robot of the user's model; feet and motors as those of ours."""
-    own = read_own_model(description.file)
-    _add_motors(own.spec, description, own.joints)
-    for leg, name in enumerate(own.feet):
-        foot = own.spec.geom(name)
-        _add_touch_sensor(own.spec, foot.parent, LEGS[leg], foot.pos, description.foot_radius)
-    return RobotSpec(own.spec, own.root, own.joints, own.feet, _SENSORS)
 
 
 def _from_description(description: QuadrupedDescription, looks: bool) -> RobotSpec:
@@ -122,18 +96,14 @@ def _from_description(description: QuadrupedDescription, looks: bool) -> RobotSp
             geom.contype = geom.conaffinity = 0
             geom.group = 2
     joints = tuple(f"{leg}_{joint}" for leg in LEGS for joint in JOINTS)
-    _add_motors(spec, description, joints)
-    for leg, name in enumerate(LEGS):
-        place = description.legs[leg].foot
-        _add_touch_sensor(spec, links[3 + 3 * leg], name, place, description.foot_radius)
-    return RobotSpec(spec, "root", joints, tuple(f"{leg}_foot" for leg in LEGS), _SENSORS)
+    return RobotSpec(spec, "root", joints, tuple(f"{leg}_foot" for leg in LEGS))
 
 
-def _add_motors(spec: Any, description: QuadrupedDescription, joints: tuple[str, ...]) -> None:
-    """One torque motor per joint, in the order of `joints`."""
+def _add_motors(robot: RobotSpec, description: QuadrupedDescription) -> None:
+    """One torque motor per joint, in their order."""
     mujoco = load_mujoco()
-    for number, (name, joint) in enumerate(zip(joints, description.joints, strict=True)):
-        motor = spec.add_actuator(
+    for number, (name, joint) in enumerate(zip(robot.joints, description.joints, strict=True)):
+        motor = robot.spec.add_actuator(
             name=f"motor_{number}",
             target=name,
             trntype=mujoco.mjtTrn.mjTRN_JOINT,
@@ -143,17 +113,17 @@ def _add_motors(spec: Any, description: QuadrupedDescription, joints: tuple[str,
         motor.set_to_motor()
 
 
-def _add_touch_sensor(spec: Any, body: Any, leg: str, place: Any, radius: float) -> None:
-    """A sensor of normal forces on the ball of a foot; its site is a little larger than that."""
+def _add_touch_sensors(robot: RobotSpec, radius: float) -> None:
+    """Sensors of normal forces on the balls of the feet; sites are a little larger than those."""
     mujoco = load_mujoco()
-    name = _SENSORS[LEGS.index(leg)]
-    body.add_site(name=name, pos=place, size=(1.3 * radius, 0.0, 0.0))
-    spec.add_sensor(
-        name=name,
-        type=mujoco.mjtSensor.mjSENS_TOUCH,
-        objtype=mujoco.mjtObj.mjOBJ_SITE,
-        objname=name,
-    )
+    for name, foot in zip(TOUCH_SENSORS, map(robot.spec.geom, robot.feet), strict=True):
+        foot.parent.add_site(name=name, pos=foot.pos, size=(1.3 * radius, 0.0, 0.0))
+        robot.spec.add_sensor(
+            name=name,
+            type=mujoco.mjtSensor.mjSENS_TOUCH,
+            objtype=mujoco.mjtObj.mjOBJ_SITE,
+            objname=name,
+        )
 
 
 def _set_inertial(body: Any, inertial: Inertial) -> None:

@@ -8,9 +8,10 @@ from operator import attrgetter
 import numpy as np
 
 from cavalcade.fleet.mujoco._step import keep_peaks
-from cavalcade.fleet.mujoco.contacts import Contact, ContactRecorder
+from cavalcade.fleet.mujoco.contacts import ContactRecorder
 from cavalcade.fleet.mujoco.simulator import TeamSimulator
 from cavalcade.geometry import Array
+from cavalcade.recording.physics_track import ContactEvent
 
 SAMPLE_PERIOD = 0.02
 """Time between two samples, s."""
@@ -35,7 +36,7 @@ class Samples:
     joint_rates: Array
     torques: Array
     foot_forces: Array
-    contacts: tuple[Contact, ...]
+    contacts: tuple[ContactEvent, ...]
 
 
 class Sampler:
@@ -60,7 +61,7 @@ class Sampler:
         self._rates: list[Array] = []
         self._torques: list[Array] = []
         self._foot_forces: list[Array] = []
-        self._contacts: list[Contact] = []
+        self._contacts: list[ContactEvent] = []
         self._keep()
 
     def step(self) -> bool:
@@ -84,7 +85,7 @@ class Sampler:
         return self._qpos[-1]
 
     @property
-    def contacts(self) -> list[Contact]:
+    def contacts(self) -> list[ContactEvent]:
         """All so far, as of `Samples`; not to be changed."""
         return self._contacts
 
@@ -106,10 +107,7 @@ class Sampler:
         self._torques.append(self._peaks.copy())
         self._foot_forces.append(self._recorder.take_forces())
         self._peaks[:] = 0.0
-        self._keep_contacts()
-
-    def _keep_contacts(self) -> None:
-        """Those that began since the last sample, and those that went on."""
+        # Contacts that began since the last sample, and those that went on.
         begun = self._recorder.contacts[self._known :]
         self._known += len(begun)
         names = {(contact.robot, contact.part, contact.other) for contact in begun}

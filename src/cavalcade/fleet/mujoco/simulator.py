@@ -15,7 +15,8 @@ from cavalcade.fleet.mujoco.engine import load_mujoco
 from cavalcade.fleet.mujoco.ground import PhysicsGround
 from cavalcade.fleet.mujoco.ground_spec import AWAY
 from cavalcade.fleet.mujoco.settings import PhysicsSettings
-from cavalcade.fleet.mujoco.world_spec import build_team, descriptions_of
+from cavalcade.fleet.mujoco.world_spec import build_team
+from cavalcade.fleet.radio import start_poses
 from cavalcade.geometry import Array, transform_points
 from cavalcade.robots.description import QuadrupedDescription
 from cavalcade.robots.model import RobotModel
@@ -48,17 +49,12 @@ class TeamSimulator:
         ground: PhysicsGround | None = None,
         settings: PhysicsSettings | None = None,
     ) -> None:
-        start = np.array(poses, dtype=float)
-        if not len(models) or start.shape != (len(models), 3) or not np.isfinite(start).all():
-            raise InputError(
-                f"expected one finite pose (x, y, yaw) per robot, shape ({len(models)}, 3)",
-                key="poses",
-            )
+        start = start_poses(poses, len(models))
         mujoco = load_mujoco()
         self.ground = ground or PhysicsGround.flat()
         self.settings = settings or PhysicsSettings()
-        self.descriptions = tuple(descriptions_of(models))
-        self.team = build_team(models, self.ground, self.settings)
+        self.descriptions = tuple(map(_description, models))
+        self.team = build_team(self.descriptions, self.ground, self.settings)
         self.model: Any = self.team.model
         self.data: Any = mujoco.MjData(self.model)
         self._advance = mujoco.mj_step
@@ -74,7 +70,10 @@ class TeamSimulator:
         self._given = np.zeros((self.size, 12))
         self._pushes: list[tuple[int, int, Array]] = []
         self._steps = 0
-        self._qpos[self.team.qpos] = standing_states(self.descriptions, start, self.ground)
+        self._qpos[self.team.qpos] = [
+            _standing(robot, pose, self.ground)
+            for robot, pose in zip(self.descriptions, start, strict=True)
+        ]
         mujoco.mj_forward(self.model, self.data)
 
     @property
@@ -187,25 +186,20 @@ class TeamSimulator:
             self._external[self.team.trunks[robot], :3] += force
 
 
-def standing_states(
-    descriptions: Sequence[QuadrupedDescription], poses: Array, ground: PhysicsGround
-) -> Array:
-    """Generalised positions `(N, 19)` of robots that stand level with their feet on the ground.
-
-    A foot stands below its thigh's joint; the trunk is as high over the mean of the four as the
-    description says, or lower where a leg would not reach.
-
-    Args:
-        descriptions: One per robot.
-        poses: `(N, 3)` x, y, yaw in the map frame, m and rad.
-        ground: What they stand on.
-    """
-    return np.array(
-        [_standing(robot, pose, ground) for robot, pose in zip(descriptions, poses, strict=True)]
-    )
+def _description(model: RobotModel) -> QuadrupedDescription:
+    if model.description is None:
+        raise InputError(
+            f"{model.name} has no description of masses and joints for physics", key="model"
+        )
+    return model.description
 
 
 def _standing(robot: QuadrupedDescription, pose: Array, ground: PhysicsGround) -> Array:
+    """Generalised positions `(19,)` of a robot that stands level with its feet on the ground.
+
+    A foot stands below its thigh's joint; the trunk is as high over the mean of the four as the
+    description says, or lower where a leg would not reach. `pose` is x, y, yaw in the map frame.
+    """
     offsets = robot.joint_offsets
     places = transform_points(pose, offsets[:, 0, :2] + offsets[:, 1, :2])
     heights = ground.heights_at(places)

@@ -9,19 +9,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.errors import InputError
 from cavalcade.fleet.mujoco.engine import load_mujoco
 from cavalcade.fleet.mujoco.filtering import robot_bits
 from cavalcade.fleet.mujoco.ground import PhysicsGround
 from cavalcade.fleet.mujoco.ground_spec import add_ground
-from cavalcade.fleet.mujoco.robot_spec import RobotSpec, robot_spec
+from cavalcade.fleet.mujoco.own_model import RobotSpec
+from cavalcade.fleet.mujoco.robot_spec import TOUCH_SENSORS, robot_spec
 from cavalcade.fleet.mujoco.settings import PhysicsSettings
 from cavalcade.geometry import Array
 from cavalcade.robots.description import PARTS, QuadrupedDescription
-from cavalcade.robots.model import RobotModel
 
 GROUND, OBSTACLE = 0, 1
 """What a shape of the world is."""
+
+PREFIX = "robot_{}/"
+"""Of the names of a robot's things."""
 
 
 @dataclass(frozen=True)
@@ -54,42 +56,25 @@ class TeamModel:
     geom_leg: NDArray[np.int64]
 
 
-def descriptions_of(models: Sequence[RobotModel]) -> list[QuadrupedDescription]:
-    """The mechanisms of robots.
-
-    Raises:
-        InputError: A model has none.
-    """
-    found = []
-    for model in models:
-        if model.description is None:
-            raise InputError(
-                f"{model.name} has no description of masses and joints for physics", key="model"
-            )
-        found.append(model.description)
-    return found
-
-
 def build_team(
-    models: Sequence[RobotModel], ground: PhysicsGround, settings: PhysicsSettings
+    descriptions: Sequence[QuadrupedDescription], ground: PhysicsGround, settings: PhysicsSettings
 ) -> TeamModel:
     """Compile the world of a team.
 
     Raises:
-        InputError: MuJoCo is missing, a robot has no description, or settings are for another
-            number of robots.
+        InputError: MuJoCo is missing, or settings are for another number of robots.
     """
     mujoco = load_mujoco()
-    descriptions = descriptions_of(models)
-    friction, scales = settings.sample(len(models))
+    size = len(descriptions)
+    friction, scales = settings.sample(size)
     spec = mujoco.MjSpec()
     _set_options(spec, settings)
     add_ground(spec, ground)
     robots = []
-    for number, bits in enumerate(robot_bits(len(models))):
+    for number, bits in enumerate(robot_bits(size)):
         robot = robot_spec(descriptions[number], bits, float(friction[number]), settings.looks)
         _copy_options(spec, robot.spec)
-        spec.attach(robot.spec, prefix=_prefix(number), frame=spec.worldbody.add_frame())
+        spec.attach(robot.spec, prefix=PREFIX.format(number), frame=spec.worldbody.add_frame())
         robots.append(robot)
     team = _indexed(spec.compile(), robots, len(ground.movable))
     _scale_masses(team, scales)
@@ -115,19 +100,15 @@ def _copy_options(parent: Any, child: Any) -> None:
             setattr(child.option, name, getattr(parent.option, name))
 
 
-def _prefix(robot: int) -> str:
-    return f"robot_{robot}/"
-
-
 def _indexed(model: Any, robots: Sequence[RobotSpec], movable: int) -> TeamModel:
     size = len(robots)
     trunks = np.zeros(size, dtype=np.int64)
     qpos, qvel = np.zeros((size, 19), dtype=np.int64), np.zeros((size, 18), dtype=np.int64)
     motors, touch = np.zeros((size, 12), dtype=np.int64), np.zeros((size, 4), dtype=np.int64)
-    geom_robot = np.full(model.ngeom, -1)
-    geom_part, geom_leg = np.full(model.ngeom, OBSTACLE), np.full(model.ngeom, -1)
+    # Robot, part and leg.
+    kinds = np.tile((-1, OBSTACLE, -1), (model.ngeom, 1))
     for robot, names in enumerate(robots):
-        prefix = _prefix(robot)
+        prefix = PREFIX.format(robot)
         joints = [model.joint(prefix + name) for name in names.joints]
         root = model.joint(prefix + names.root)
         trunks[robot] = root.bodyid[0]
@@ -135,25 +116,21 @@ def _indexed(model: Any, robots: Sequence[RobotSpec], movable: int) -> TeamModel
         qpos[robot] = [*range(start, start + 7), *(int(joint.qposadr[0]) for joint in joints)]
         qvel[robot] = [*range(rate, rate + 6), *(int(joint.dofadr[0]) for joint in joints)]
         motors[robot] = [model.actuator(f"{prefix}motor_{k}").id for k in range(12)]
-        touch[robot] = [model.sensor(prefix + name).adr[0] for name in names.sensors]
-        links = {int(trunks[robot]): (0, -1)}
+        touch[robot] = [model.sensor(prefix + name).adr[0] for name in TOUCH_SENSORS]
+        links = {int(trunks[robot]): (robot, 0, -1)}
         for number, joint in enumerate(joints):
-            links[int(joint.bodyid[0])] = (1 + number % 3, number // 3)
+            links[int(joint.bodyid[0])] = (robot, 1 + number % 3, number // 3)
         for geom in range(model.ngeom):
             # Shapes of bodies that are welded to a link are that link's.
             link = links.get(int(model.body_weldid[model.geom_bodyid[geom]]))
             if link is not None:
-                geom_robot[geom] = robot
-                geom_part[geom], geom_leg[geom] = link
+                kinds[geom] = link
         for leg, name in enumerate(names.feet):
-            geom = model.geom(prefix + name).id
-            geom_part[geom], geom_leg[geom] = PARTS.index("foot"), leg
-    geom_part[model.geom("ground").id] = GROUND
+            kinds[model.geom(prefix + name).id] = robot, PARTS.index("foot"), leg
+    kinds[model.geom("ground").id, 1] = GROUND
     bodies = [model.body(f"obstacle_{number}") for number in range(movable)]
     obstacles = np.array([int(body.mocapid[0]) for body in bodies], dtype=np.int64)
-    return TeamModel(
-        model, trunks, qpos, qvel, motors, touch, obstacles, geom_robot, geom_part, geom_leg
-    )
+    return TeamModel(model, trunks, qpos, qvel, motors, touch, obstacles, *kinds.T.copy())
 
 
 def _scale_masses(team: TeamModel, scales: Array) -> None:

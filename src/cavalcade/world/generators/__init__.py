@@ -1,7 +1,6 @@
 """Seeded worlds of several kinds: `generate("clutter", (14, 10), seed=3)`."""
 
-from cavalcade.world.generators.feasibility import is_connected
-from cavalcade.world.generators.generate import GENERATORS, generate
+from cavalcade.world.generators.generate import GENERATORS, generate, is_connected
 from cavalcade.world.generators.model import GeneratedWorld
 
 __all__ = ["GENERATORS", "GeneratedWorld", "generate", "is_connected"]

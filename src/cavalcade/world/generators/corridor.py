@@ -31,8 +31,7 @@ def corridor(
     """A corridor from left to right; its legs are level and slanting in turn.
 
     Args:
-        size: Width and height of the world, m.
-        rng: Source of all randomness.
+        size, rng: See `Generator`.
         width: Free width of the corridor, m, the same in every leg.
         bends: Number of bends, at least 2.
         angle: Least angle of a bend, degrees, up to 75.

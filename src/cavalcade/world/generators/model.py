@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import inspect
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -34,7 +36,7 @@ class Draw:
 
 
 Generator = Callable[..., Draw]
-"""Takes size, a numpy random generator and the options of its kind, by keyword."""
+"""Takes the world's size, a source of all randomness and, by keyword, its kind's options."""
 
 
 @dataclass(frozen=True)
@@ -64,6 +66,24 @@ class GeneratedWorld:
     def to_map(self) -> OccupancyMap:
         """The world as an occupancy map."""
         return OccupancyMap.empty(self.size, self.resolution).with_shapes(self.shapes)
+
+
+def options_of(generator: Callable[..., object]) -> dict[str, Any]:
+    """The names of a generator's options and their defaults."""
+    parameters = inspect.signature(generator).parameters.values()
+    return {p.name: p.default for p in parameters if p.kind is p.KEYWORD_ONLY}
+
+
+def check_options(
+    kind: str, generators: Mapping[str, Callable[..., object]], options: Iterable[str]
+) -> None:
+    """Refuse an unknown kind and options that it does not have."""
+    if kind not in generators:
+        raise InputError(f"unknown kind {str(kind)[:40]!r}", key="kind", choices=generators)
+    known = options_of(generators[kind])
+    for name in options:
+        if name not in known:
+            raise InputError(f"{kind} has no such option", key=name, choices=known)
 
 
 def number(name: str, value: float, low: float, high: float = math.inf) -> float:

@@ -7,7 +7,6 @@ corner in the map frame), `first_row` and `holes`; see docs/terrain.md.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
@@ -18,9 +17,8 @@ from cavalcade.world._descriptions import as_float, choice, load_mapping, number
 from cavalcade.world._images import PNG_SIGNATURE
 from cavalcade.world.occupancy import checked_origin, checked_resolution
 from cavalcade.world.terrain.meshes import read_mesh
-from cavalcade.world.terrain.pictures import read_picture
 from cavalcade.world.terrain.samples import Samples, to_grid
-from cavalcade.world.terrain.tables import read_archive, read_table, read_triple
+from cavalcade.world.terrain.tables import read_archive, read_picture, read_table, read_triple
 from cavalcade.world.terrain.terrain import RESOLUTION, Terrain, checked_cell
 
 Kind = Literal["picture", "archive", "mesh", "table", "description"]
@@ -87,10 +85,11 @@ def _read(kind: Kind, file: Path, cell: float, said: dict[str, Any]) -> Samples:
         samples = read_picture(file)
         samples = replace(samples, heights=low + (high - low) * samples.heights)
         return _turned(samples, said, "top")
-    for key in ("height",):
-        if key in said:
-            raise MapError("is for pictures; expected scale", key=key)
-    scale = _positive(said, "scale", 1.0)
+    if "height" in said:
+        raise MapError("is for pictures; expected scale", key="height")
+    scale = as_float(said["scale"], "scale") if "scale" in said else 1.0
+    if not 1e-6 <= scale <= 1e6:
+        raise MapError("expected a number from 1e-6 to 1e6", key="scale")
     if kind == "mesh":
         for key in ("resolution", "first_row"):
             if key in said:
@@ -103,9 +102,8 @@ def _read(kind: Kind, file: Path, cell: float, said: dict[str, Any]) -> Samples:
 
 def _terrain(samples: Samples, cell: float, said: dict[str, Any]) -> Terrain:
     if "resolution" in said:
-        samples = replace(
-            samples, step=checked_resolution(as_float(said["resolution"], "resolution"))
-        )
+        step = checked_resolution(as_float(said["resolution"], "resolution"))
+        samples = replace(samples, step=step)
     corner = samples.corner or (0.0, 0.0)
     origin = checked_origin(numbers(said, "origin")) if "origin" in said else (*corner, 0.0)
     holes = choice(said, "holes", ("keep", "fill"), "keep") == "keep"
@@ -115,14 +113,14 @@ def _terrain(samples: Samples, cell: float, said: dict[str, Any]) -> Terrain:
 def _kind_of(file: Path) -> Kind:
     """Told by the content, where that is possible."""
     head = read_head(file, 512)
-    tests: tuple[tuple[Kind, Callable[[], bool]], ...] = (
-        ("picture", lambda: head.startswith(PNG_SIGNATURE)),
-        ("archive", lambda: head.startswith(b"PK\x03\x04")),
-        ("mesh", lambda: head.startswith((b"ply\n", b"ply\r"))),
-        ("mesh", lambda: file.suffix.lower() == ".stl" or head.startswith(b"solid")),
-        ("table", lambda: file.suffix.lower() in (".csv", ".txt")),
-    )
-    return next((kind for kind, holds in tests if holds()), "description")
+    if head.startswith(PNG_SIGNATURE):
+        return "picture"
+    if head.startswith(b"PK\x03\x04"):
+        return "archive"
+    suffix = file.suffix.lower()
+    if head.startswith((b"ply\n", b"ply\r", b"solid")) or suffix == ".stl":
+        return "mesh"
+    return "table" if suffix in (".csv", ".txt") else "description"
 
 
 def _turned(samples: Samples, said: dict[str, Any], usual: str) -> Samples:
@@ -146,13 +144,6 @@ def _range(said: dict[str, Any]) -> tuple[float, float]:
             raise MapError("expected [black, white]: 2 numbers", key="height")
         return as_float(value[0], "height"), as_float(value[1], "height")
     return 0.0, as_float(value, "height")
-
-
-def _positive(said: dict[str, Any], key: str, usual: float) -> float:
-    number = as_float(said[key], key) if key in said else usual
-    if not 1e-6 <= number <= 1e6:
-        raise MapError("expected a number from 1e-6 to 1e6", key=key)
-    return number
 
 
 def _name(said: dict[str, Any], key: str, path: Path) -> Path:

@@ -10,24 +10,17 @@ from numpy.typing import NDArray
 from cavalcade.errors import MapError
 from cavalcade.geometry import Array
 
-_TYPES = {
-    "char": "i1",
-    "int8": "i1",
-    "uchar": "u1",
-    "uint8": "u1",
-    "short": "i2",
-    "int16": "i2",
-    "ushort": "u2",
-    "uint16": "u2",
-    "int": "i4",
-    "int32": "i4",
-    "uint": "u4",
-    "uint32": "u4",
-    "float": "f4",
-    "float32": "f4",
-    "double": "f8",
-    "float64": "f8",
+_NAMES = {
+    "i1": ("char", "int8"),
+    "u1": ("uchar", "uint8"),
+    "i2": ("short", "int16"),
+    "u2": ("ushort", "uint16"),
+    "i4": ("int", "int32"),
+    "u4": ("uint", "uint32"),
+    "f4": ("float", "float32"),
+    "f8": ("double", "float64"),
 }
+_TYPES = {name: code for code, names in _NAMES.items() for name in names}
 _ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 _CORNERS = ("vertex_indices", "vertex_index")
 _MAX_HEADER = 20_000
@@ -88,9 +81,8 @@ def _header(content: bytes) -> tuple[str, list[_Element], int]:
             elements.append(_Element(words[1], int(words[2])))
         elif kind == "property" and elements and len(words) in (3, 5):
             types = (words[1],) if len(words) == 3 else (words[2], words[3])
-            if any(name not in _TYPES for name in types) or (len(words) == 5) != (
-                words[1] == "list"
-            ):
+            is_list = words[1] == "list"
+            if any(name not in _TYPES for name in types) or is_list != (len(words) == 5):
                 raise MapError(f"unknown type in the PLY header: {line.strip()[:40]}")
             elements[-1].properties.append((words[-1], tuple(_TYPES[name] for name in types)))
         elif kind not in ("comment", "obj_info"):
@@ -148,21 +140,19 @@ class _BinaryBody:
     def faces(self, element: _Element) -> list[NDArray[np.int64]]:
         corner = _corner_property(element)
         # Nearly all files hold triangles only: then each face has the same size.
-        start = self.at
         if sum(len(types) == 2 for _, types in element.properties) == 1:
-            names = [n if len(t) == 1 else "corners" for n, t in element.properties]
             fields: list[tuple[str, str] | tuple[str, str, int]] = []
-            for name, types in zip(names, (t for _, t in element.properties), strict=True):
+            for name, types in element.properties:
                 if len(types) == 2:
                     fields += [("many", self.order + types[0]), (name, self.order + types[1], 3)]
                 else:
                     fields.append((name, self.order + types[0]))
             kind = np.dtype(fields)
-            if start + element.count * kind.itemsize <= len(self.body):
-                rows = np.frombuffer(self.body, dtype=kind, count=element.count, offset=start)
+            if self.at + element.count * kind.itemsize <= len(self.body):
+                rows = np.frombuffer(self.body, dtype=kind, count=element.count, offset=self.at)
                 if (rows["many"] == 3).all():
                     self.at += element.count * kind.itemsize
-                    return list(rows["corners"].astype(np.int64))
+                    return list(rows[corner].astype(np.int64))
         return [self._face(element, corner) for _ in range(element.count)]
 
     def skip(self, element: _Element) -> None:
@@ -182,8 +172,6 @@ class _BinaryBody:
         return found
 
     def _fixed(self, element: _Element) -> NDArray[np.void]:
-        if element.has_list:
-            raise ValueError
         kind = np.dtype([(name, self.order + types[0]) for name, types in element.properties])
         rows: NDArray[np.void] = np.frombuffer(
             self.body, dtype=kind, count=element.count, offset=self.at

@@ -1,4 +1,4 @@
-"""Heights as numbers: CSV grids, x, y and z tables, and NPZ archives."""
+"""Heights as grids: PNG pictures, CSV tables, tables of x, y and z, and NPZ archives."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from cavalcade.errors import MapError
-from cavalcade.files import read_bytes
+from cavalcade.files import read_bytes, read_head
 from cavalcade.geometry import Array
+from cavalcade.world._images import decode_png, png_size
 from cavalcade.world.terrain.samples import Samples, check_sample_count
 
 MAX_BYTES = 128_000_000
@@ -21,6 +22,21 @@ _EVEN = 1e-3
 """Distances of samples may differ by this share of themselves."""
 
 _NAMES = ("height", "elevation", "z")
+
+
+def read_picture(path: Path) -> Samples:
+    """Brightness 0 (black) to 1 (white) of a PNG of 8 or 16 bits; nan where it is transparent.
+
+    Raises:
+        MapError: Not such a picture, damaged or too large.
+    """
+    width, height = png_size(read_head(path, 64), path)
+    check_sample_count(height, width)
+    values, alpha = decode_png(read_bytes(path, 16 * width * height + 1_000_000), path)
+    heights = values.astype(np.float64) / np.iinfo(values.dtype).max
+    if alpha is not None:
+        heights[alpha < 128] = np.nan
+    return Samples(heights[::-1])
 
 
 def read_table(path: Path) -> Samples:

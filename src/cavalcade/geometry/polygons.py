@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.geometry import Array
+from cavalcade.geometry.planar import Array
 
 _CHUNK = 2_000_000
 """Point-edge pairs that are treated at once; bounds the memory."""
@@ -62,16 +62,30 @@ def first_crossing(vertices: Array) -> tuple[int, int] | None:
         others = np.arange(i + 2, count - 1 if i == 0 else count)
         if len(others) == 0:
             continue
-        a, b, c, d = start[i], end[i], start[others], end[others]
-        side_c, side_d = _cross(b - a, c - a), _cross(b - a, d - a)
-        side_a, side_b = _cross(d - c, a - c), _cross(d - c, b - c)
-        hit = (np.sign(side_c) * np.sign(side_d) <= 0) & (np.sign(side_a) * np.sign(side_b) <= 0)
-        # Collinear edges pass both tests; they touch only if their bounding boxes do.
-        low, high = np.minimum(c, d), np.maximum(c, d)
-        hit &= np.all((low <= np.maximum(a, b)) & (high >= np.minimum(a, b)), axis=1)
+        hit = edges_touch(start[i], end[i], start[others], end[others])
         if hit.any():
             return (i, int(others[np.argmax(hit)]))
     return None
+
+
+def meet(one: Array, other: Array) -> bool:
+    """Whether two simple polygons `(N, 2)`, `(M, 2)` share a point."""
+    a, b = one[:, None], np.roll(one, -1, axis=0)[:, None]
+    c, d = other[None], np.roll(other, -1, axis=0)[None]
+    if edges_touch(a, b, c, d).any():
+        return True
+    return bool(contains(other, one[:1])[0] or contains(one, other[:1])[0])
+
+
+def edges_touch(a: Array, b: Array, c: Array, d: Array) -> NDArray[np.bool_]:
+    """Whether segments a-b and c-d share a point, `(...)`; ends are `(..., 2)`."""
+    # Segments meet if each straddles the other's line.
+    hit = np.sign(_cross(b - a, c - a)) * np.sign(_cross(b - a, d - a)) <= 0
+    hit &= np.sign(_cross(d - c, a - c)) * np.sign(_cross(d - c, b - c)) <= 0
+    # Those on one line pass both tests; they touch only if their bounding boxes do.
+    low, high = np.minimum(c, d), np.maximum(c, d)
+    near = (low <= np.maximum(a, b)) & (high >= np.minimum(a, b))
+    return np.asarray(hit & near.all(axis=-1))
 
 
 def _cross(u: Array, v: Array) -> Array:

@@ -1,26 +1,65 @@
-"""The kinds of task, a formation, individual goals or commands: what each needs and excludes."""
+"""What must hold between a scenario's sections: rules of its kind of task and of its backend."""
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
 
-from cavalcade.robots import MODELS
+from pydantic import Field, PrivateAttr
+from pydantic_core import PydanticCustomError
+
+from cavalcade.robots import MODELS, RobotModel
 from cavalcade.scenario.commands import METHOD, VARIANT
-from cavalcade.scenario.fields import OneLine, expected
-from cavalcade.scenario.parts import Parts
+from cavalcade.scenario.fields import OneLine, Section, expected, without_nulls
+from cavalcade.scenario.ground import WorldSection
 from cavalcade.scenario.settings import (
     FORMATION_KEYS,
     TEAM_KEYS,
     TEAM_METHODS,
     TEAM_VARIANTS,
     Delay,
+    ExecutionSection,
     Noise,
     PlannerSection,
 )
-from cavalcade.scenario.task import INDIVIDUAL, Kind, kind_of
+from cavalcade.scenario.task import INDIVIDUAL, Kind, RobotSection, TaskSection, kind_of
+
+BACKENDS = ("ideal", "mujoco")
+"""Who can move robots."""
+
+SLOWEST, FASTEST = 2.5, 500.0
+"""How often a planner is asked, Hz: robots stop 0.5 s after their last command, and there are 500
+steps of physics a second."""
 
 
-class Rules(Protocol):
+class Parts(Section):
+    """The sections of a scenario file, before they are looked at together."""
+
+    version: Literal[1]
+    name: Annotated[str, Field(min_length=1, max_length=200)]
+    description: Annotated[str, Field(max_length=2000)] = ""
+    world: WorldSection
+    robots: Annotated[tuple[RobotSection, ...], Field(min_length=1, max_length=256)]
+    task: TaskSection
+    planner: PlannerSection = PlannerSection()
+    execution: ExecutionSection = ExecutionSection()
+
+    _models: tuple[RobotModel, ...] | None = PrivateAttr(default=None)
+
+    @property
+    def models(self) -> tuple[RobotModel, ...]:
+        """The model of each robot."""
+        return self._models or tuple(robot.the_model for robot in self.robots)
+
+    @property
+    def team(self) -> Iterator[tuple[str, RobotSection, RobotModel]]:
+        """Each robot's key in the file, section and model."""
+        for index, (robot, model) in enumerate(zip(self.robots, self.models, strict=True)):
+            yield f"robots[{index}]", robot, model
+
+
+class Rules(ABC):
     """What holds for the scenarios of one kind of task."""
 
     unused_keys: tuple[str, ...]
@@ -28,7 +67,9 @@ class Rules(Protocol):
 
     def planner_defaults(self, planner: dict[str, Any]) -> dict[str, Any]:
         """The `planner` section, with what this kind of task has by default written out."""
+        return planner
 
+    @abstractmethod
     def check(self, scenario: Parts) -> None:
         """Refuse what does not go together with the task.
 
@@ -36,29 +77,24 @@ class Rules(Protocol):
             PydanticCustomError: One line with the key and what was expected.
         """
 
+    @abstractmethod
     def plain_task(self, task: dict[str, Any]) -> dict[str, Any]:
         """The `task` section for a file: its dumped model without what does not apply."""
 
 
 class _FormationRules(Rules):
-    unused_keys: tuple[str, ...] = TEAM_KEYS
-
-    def planner_defaults(self, planner: dict[str, Any]) -> dict[str, Any]:
-        return planner
+    unused_keys = TEAM_KEYS
 
     def check(self, scenario: Parts) -> None:
-        for index, (robot, model) in enumerate(zip(scenario.robots, scenario.models, strict=True)):
+        for key, robot, model in scenario.team:
             if robot.goal is not None:
                 raise expected(
                     "the formation has the goals; expected none here, or task.goals: individual",
-                    key=f"robots[{index}].goal",
+                    key=f"{key}.goal",
                 )
             if model.legs is None:
-                raise expected(
-                    f"a {model.name} has no place in a formation; expected a robot with legs",
-                    key=f"robots[{index}].model",
-                    choices=_legged(),
-                )
+                text = f"a {model.name} has no place in a formation; expected a robot with legs"
+                raise _legless(key, text)
         if scenario.planner.method != "formation":
             raise expected(
                 f"method {scenario.planner.method} is for individual goals; expected formation",
@@ -79,7 +115,7 @@ class _FormationRules(Rules):
 
 
 class _IndividualRules(Rules):
-    unused_keys: tuple[str, ...] = FORMATION_KEYS
+    unused_keys = FORMATION_KEYS
 
     def planner_defaults(self, planner: dict[str, Any]) -> dict[str, Any]:
         published = planner.get("variant") == "published"
@@ -90,23 +126,17 @@ class _IndividualRules(Rules):
             "leaps": True,
             "improve": 0,
         }
-        said = {key: value for key, value in planner.items() if value is not None}
-        return {**defaults, **said}
+        return {**defaults, **without_nulls(planner)}
 
     def check(self, scenario: Parts) -> None:
         planner, execution = scenario.planner, scenario.execution
-        for index, (robot, model) in enumerate(zip(scenario.robots, scenario.models, strict=True)):
+        for key, robot, model in scenario.team:
             if robot.goal is None:
                 raise expected(
                     "missing; with individual goals each robot has one: [x, y, yaw]",
-                    key=f"robots[{index}].goal",
+                    key=f"{key}.goal",
                 )
-            if scenario.world.has_heights and model.legs is None:
-                raise expected(
-                    f"a {model.name} needs level ground; expected a robot with legs on terrain",
-                    key=f"robots[{index}].model",
-                    choices=_legged(),
-                )
+            _check_ground(scenario.world, key, model)
         if planner.method not in TEAM_METHODS:
             raise expected(
                 f"method {planner.method} has no individual goals",
@@ -137,21 +167,16 @@ class _IndividualRules(Rules):
 
 
 class _CommandRules(Rules):
-    unused_keys: tuple[str, ...] = (*FORMATION_KEYS, *TEAM_KEYS)
+    unused_keys = (*FORMATION_KEYS, *TEAM_KEYS)
 
     def planner_defaults(self, planner: dict[str, Any]) -> dict[str, Any]:
         return {"method": METHOD, **planner}
 
     def check(self, scenario: Parts) -> None:
-        for index, (robot, model) in enumerate(zip(scenario.robots, scenario.models, strict=True)):
+        for key, robot, model in scenario.team:
             if robot.goal is not None:
-                raise expected("commands say where it goes", key=f"robots[{index}].goal")
-            if scenario.world.has_heights and model.legs is None:
-                raise expected(
-                    f"a {model.name} needs level ground; expected a robot with legs on terrain",
-                    key=f"robots[{index}].model",
-                    choices=_legged(),
-                )
+                raise expected("commands say where it goes", key=f"{key}.goal")
+            _check_ground(scenario.world, key, model)
         planner = scenario.planner
         for key, said, known in (
             ("method", planner.method, METHOD),
@@ -180,10 +205,7 @@ class _CommandRules(Rules):
             )
 
     def plain_task(self, task: dict[str, Any]) -> dict[str, Any]:
-        said = [
-            OneLine({key: value for key, value in command.items() if value is not None})
-            for command in task["commands"]
-        ]
+        said = [OneLine(without_nulls(command)) for command in task["commands"]]
         return {"commands": said, "duration": task["duration"]}
 
 
@@ -209,7 +231,7 @@ def with_planner_defaults(data: Any) -> Any:
 
 def plain_formation(formation: dict[str, Any]) -> dict[str, Any]:
     """A `formation` section for a file: its dumped model without what does not apply."""
-    said = {key: value for key, value in formation.items() if value is not None}
+    said = without_nulls(formation)
     joints = formation["connections"]
     # Null stands for the shape's own springs: that is a choice, and is written out.
     said["connections"] = joints if joints is None else [OneLine(joint) for joint in joints]
@@ -226,5 +248,49 @@ def _refuse(planner: PlannerSection, keys: tuple[str, ...], why: str) -> None:
             raise expected(why, key=f"planner.{key}")
 
 
-def _legged() -> tuple[str, ...]:
-    return tuple(name for name, model in MODELS.items() if model.legs is not None)
+def _check_ground(world: WorldSection, key: str, model: RobotModel) -> None:
+    if world.has_heights and model.legs is None:
+        text = f"a {model.name} needs level ground; expected a robot with legs on terrain"
+        raise _legless(key, text)
+
+
+def _legless(key: str, text: str) -> PydanticCustomError:
+    legged = (name for name, model in MODELS.items() if model.legs is not None)
+    return expected(text, key=f"{key}.model", choices=legged)
+
+
+def check_backend(scenario: Parts) -> None:
+    """Refuse what the backend cannot do.
+
+    Raises:
+        PydanticCustomError: One line with the key and what was expected.
+    """
+    ideal = scenario.execution.backend != "mujoco"
+    for index, command in enumerate(scenario.task.commands or ()):
+        if ideal and command.leap is not None:
+            raise expected(
+                "ideal robots do not leap when they are told to; expected backend mujoco",
+                key=f"task.commands[{index}].leap",
+            )
+    for index, event in enumerate(scenario.execution.events):
+        key, last = f"execution.events[{index}].push", len(scenario.robots) - 1
+        if ideal and event.push is not None:
+            raise expected("ideal robots cannot be pushed; expected backend mujoco", key=key)
+        if event.push is not None and event.push.robot > last:
+            text = f"there is no robot {event.push.robot}; expected 0 to {last}"
+            raise expected(text, key=f"{key}.robot")
+    if ideal:
+        return
+    for key, robot, model in scenario.team:
+        if model.description is None and (robot.mjcf is None or model.legs is None):
+            raise expected(
+                f"physics has no masses and joints of a {model.name}; expected a robot with them, "
+                "such as with --set 'robots.*.model=go1'",
+                key=f"{key}.model",
+                choices=(name for name, known in MODELS.items() if known.description is not None),
+            )
+    if not SLOWEST <= scenario.execution.rate <= FASTEST:
+        raise expected(
+            f"expected {SLOWEST:g} to {FASTEST:g} in physics: robots stop 0.5 s after a command",
+            key="execution.rate",
+        )

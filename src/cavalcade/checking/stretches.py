@@ -2,10 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
+from numpy.typing import NDArray
 
 from cavalcade.checking.report import Kind, Violation
 from cavalcade.geometry import Array
+
+
+def stretches(beyond: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
+    """Begin and end (exclusive) of every stretch of `beyond` `(T,)` that holds."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], beyond.astype(np.int8), [0]))))
+    for begin, end in zip(edges[::2], edges[1::2], strict=True):
+        yield int(begin), int(end)
 
 
 def excesses(
@@ -27,36 +37,22 @@ def excesses(
         words: What the robot does; `{value:.3f}` and `{limit:.3f}` are those of the worst moment.
         slack: `(K,)` or one for all.
     """
-    return _stretches(kind, robot, time, value, limit, words, value - limit - slack)
+    return beyond_by(value - limit - slack, kind, robot, time, value, limit, words)
 
 
-def shortfalls(
-    kind: Kind,
-    robot: int,
-    time: Array,
-    value: Array,
-    limit: Array | float,
-    words: str,
-    slack: Array | float = 0.0,
-) -> list[Violation]:
-    """Likewise where `value < limit - slack`."""
-    return _stretches(kind, robot, time, value, limit, words, limit - value - slack)
-
-
-def _stretches(
-    kind: Kind,
-    robot: int,
-    time: Array,
-    value: Array,
-    limit: Array | float,
-    words: str,
+def beyond_by(
     excess: Array,
+    kind: Kind,
+    robot: int,
+    time: Array,
+    value: Array,
+    limit: Array | float,
+    words: str,
 ) -> list[Violation]:
-    beyond = np.concatenate(([False], excess > 0.0, [False]))
-    edges = np.flatnonzero(np.diff(beyond.astype(np.int8)))
+    """Likewise where `excess` `(K,)` is positive; where it is largest is the worst moment."""
     limits = np.broadcast_to(limit, value.shape)
     result = []
-    for begin, end in zip(edges[::2], edges[1::2], strict=True):
+    for begin, end in stretches(excess > 0.0):
         worst = begin + int(excess[begin:end].argmax())
         reached, wanted = float(value[worst]), float(limits[worst])
         text = f"robot {robot} {words.format(value=reached, limit=wanted)}"

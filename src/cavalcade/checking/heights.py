@@ -11,7 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cavalcade.errors import InputError, RecordingError
 from cavalcade.geometry import Array, inverse_transform_points
+from cavalcade.scenario import Scenario, build_world
 
 SMOOTH, STEEP, LEVEL = 0.2, 0.15, 0.4
 """Radii in m of the smoothed height, of the fit that judges slopes, and of that to the smoothed
@@ -30,6 +32,7 @@ _MARGIN = 1.5
 """Around the places asked for, m: further than any of the above reaches."""
 
 Origin = tuple[float, float, float]
+Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,15 +104,37 @@ class Ground:
         """The kindest traversability `(...)` next to places `(..., 2)`."""
         cells = np.rint(self._cells(places)).astype(np.int64)
         rows, cols = self.best.shape
-        best: Array = self.best[
-            np.clip(cells[..., 1], 0, rows - 1), np.clip(cells[..., 0], 0, cols - 1)
-        ]
-        return best
+        return self.best[cells[..., 1].clip(0, rows - 1), cells[..., 0].clip(0, cols - 1)]
 
     def _cells(self, places: Array) -> Array:
         """Places in cells from the centre of cell [0, 0], x and y."""
         local = inverse_transform_points(self.origin, places.reshape(-1, 2))
         return local.reshape(places.shape) / self.cell - 0.5
+
+
+def read_heights(scenario: Scenario) -> Heights | None:
+    """The raw heights of a scenario's ground; None where it is level.
+
+    Of the world that the scenario makes only the heights are used, and where it has none:
+    smoothing, slopes, pits and traversability are the checker's own.
+
+    Raises:
+        RecordingError: They cannot be made.
+    """
+    if not scenario.world.has_heights:
+        return None
+    try:
+        terrain = build_world(scenario).terrain
+    except InputError as error:
+        raise RecordingError(str(error)) from error
+    if terrain is None:
+        return None
+    from scipy.ndimage import binary_erosion
+
+    # The world tells holes with the margin that feet keep from them; here that is taken off.
+    margin = disc(HOLE / terrain.resolution)
+    holes = binary_erosion(terrain.traversability <= 0.0, margin, border_value=1)
+    return Heights(terrain.height, terrain.resolution, terrain.origin, holes)
 
 
 def ground_around(heights: Heights, places: Array) -> Ground:
@@ -173,50 +198,45 @@ def _pits(height: Array, cell: float) -> NDArray[np.bool_]:
         return np.zeros(height.shape, dtype=bool)
     width = 2 * round(PIT_WIDTH / cell / 2.0) + 1
     rim = minimum_filter(maximum_filter(height, width, mode="nearest"), width, mode="nearest")
-    pits: NDArray[np.bool_] = rim - height >= PIT_DEPTH
-    return pits
+    return rim - height >= PIT_DEPTH
 
 
 def disc(radius: float) -> NDArray[np.bool_]:
     """The cells within `radius` cells of the middle one."""
     reach = int(radius + 1e-9)
     y, x = np.mgrid[-reach : reach + 1, -reach : reach + 1]
-    within: NDArray[np.bool_] = x * x + y * y <= radius * radius + 1e-9
-    return within
+    return x * x + y * y <= radius * radius + 1e-9
 
 
 def _mean(field: Array, radius: float) -> Array:
-    from scipy.signal import oaconvolve
-
     kernel = disc(radius).astype(float)
-    edge = kernel.shape[0] // 2
-    wide = np.pad(field - field.mean(), edge, mode="edge")
-    mean: Array = oaconvolve(wide, kernel / kernel.sum(), mode="valid")
-    return mean + field.mean()
+    return _convolved(field, kernel / kernel.sum()) + field.mean()
 
 
 def _slopes(field: Array, radius: float, cell: float) -> tuple[Array, Array]:
     """Slopes along x and y of the planes that fit the discs around each cell best."""
-    from scipy.signal import oaconvolve
-
     within = disc(radius)
     edge = within.shape[0] // 2
     if edge == 0:
         return np.zeros_like(field), np.zeros_like(field)
     steps = np.arange(-edge, edge + 1) * within * cell
     kernel = steps / (steps * steps).sum()
-    wide = np.pad(field - field.mean(), edge, mode="edge")
     # Convolution turns the kernel round.
-    x: Array = oaconvolve(wide, -kernel, mode="valid")
-    y: Array = oaconvolve(wide, -kernel.T, mode="valid")
-    return x, y
+    return _convolved(field, -kernel), _convolved(field, -kernel.T)
+
+
+def _convolved(field: Array, kernel: Array) -> Array:
+    """What differs from the field's mean, continued beyond its edges, times the kernel."""
+    from scipy.signal import oaconvolve
+
+    wide = np.pad(field - field.mean(), kernel.shape[0] // 2, mode="edge")
+    return oaconvolve(wide, kernel, mode="valid")
 
 
 def _around(
     shape: tuple[int, ...], cells: Array
-) -> tuple[
-    NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], Array, Array
-]:
+) -> tuple[Indices, Indices, Indices, Indices, Array, Array]:
+    """Row, column, next column, next row and fractions along x and y of the four cells around."""
     rows, cols = shape
     u = np.clip(cells[..., 0], 0.0, cols - 1.0)
     v = np.clip(cells[..., 1], 0.0, rows - 1.0)
@@ -229,5 +249,4 @@ def _bilinear(field: Array, cells: Array) -> Array:
     row, col, right, above, s, t = _around(field.shape, cells)
     low = field[row, col] * (1.0 - s) + field[row, right] * s
     high = field[above, col] * (1.0 - s) + field[above, right] * s
-    value: Array = low * (1.0 - t) + high * t
-    return value
+    return low * (1.0 - t) + high * t
