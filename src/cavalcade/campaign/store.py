@@ -10,12 +10,11 @@ from pathlib import Path
 from typing import Any, Self
 
 from cavalcade.campaign.definition import FILE, Definition, difference, read_definition_file
-from cavalcade.campaign.folder import locked, make_folders, remove_empty, unlock
 from cavalcade.campaign.trial import Line, failure_line
 from cavalcade.errors import OutputError
-from cavalcade.files import write_file
+from cavalcade.files import make_folders, remove_folders, write_file
 
-LINES, CORRUPT = "trials.jsonl", "trials.corrupt.jsonl"
+LINES, CORRUPT, LOCK = "trials.jsonl", "trials.corrupt.jsonl", ".campaign.lock"
 _OF_THE_DEFINITION = ("trial", "suite", "scenario", "variant", "disturbance", "seed")
 
 
@@ -71,7 +70,7 @@ class Store:
             self._size = os.fstat(self._file).st_size
         except BaseException as error:
             self.__exit__()
-            remove_empty(made)
+            remove_folders(made)
             if isinstance(error, OSError):
                 raise self._failed(error) from None
             raise
@@ -135,7 +134,8 @@ class Store:
     def __exit__(self, *error: object) -> None:
         """Unlock the folder."""
         if self._lock >= 0:
-            unlock(self.folder)
+            with contextlib.suppress(OSError):
+                (self.folder / LOCK).unlink()  # before its handle is closed
         for handle in (self._file, self._lock):
             if handle >= 0:
                 os.close(handle)
@@ -218,3 +218,31 @@ def _check_empty(folder: Path, resume: bool) -> None:
     if any(not entry.name.startswith(".") for entry in folder.iterdir()):
         what = "holds no campaign to go on with" if resume else "the folder is not empty"
         raise OutputError(f"{folder}: {what}; name another one")
+
+
+def locked(folder: Path) -> int:
+    """A handle that keeps other campaigns out of a folder for as long as it is open.
+
+    Raises:
+        OutputError: Another campaign has it.
+        OSError: The folder cannot be written.
+    """
+    file = folder / LOCK
+    while True:
+        handle = os.open(file, os.O_RDWR | os.O_CREAT, 0o644)
+        try:
+            import fcntl
+
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except ImportError:  # not on every system
+            return handle
+        except OSError as error:
+            os.close(handle)
+            if isinstance(error, BlockingIOError):
+                raise OutputError(f"{folder}: another campaign is at work in this folder") from None
+            raise
+        # Whoever had the lock takes the file away when done, perhaps after it was opened here.
+        with contextlib.suppress(FileNotFoundError):
+            if file.stat().st_ino == os.fstat(handle).st_ino:
+                return handle
+        os.close(handle)
