@@ -78,7 +78,7 @@ class Scene:
             Thing(
                 f"world.obstacles[{k}]" if k < fixed else f"event at {span.start:g} s",
                 span,
-                shape_from_mapping(span.obstacle.words),
+                shape_from_mapping(span.obstacle.to_dict()),
             )
             for k, span in enumerate(world.spans)
         ]
