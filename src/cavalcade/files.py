@@ -1,9 +1,9 @@
-"""Reading files that may be anything, and writing files that are there whole or not at all."""
+"""Reading files that may be anything; writing files and making folders, whole or not at all."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -82,6 +82,33 @@ def write_file(path: str | Path, content: bytes | str, durable: bool = False) ->
         if durable:
             stream.flush()
             os.fsync(stream.fileno())
+
+
+def make_folders(folder: Path) -> list[Path]:
+    """Make a folder; gives those that were not there, outermost first.
+
+    Raises:
+        OutputError: It cannot be made, or is a file.
+    """
+    made = []
+    try:
+        for one in reversed([folder, *folder.parents]):
+            if not one.exists():
+                one.mkdir()
+                made.append(one)
+        if not folder.is_dir():
+            raise OutputError(f"{folder}: expected a folder, this is a file")
+    except OSError as error:
+        remove_folders(made)
+        raise OutputError(f"{folder}: cannot be written: {_reason(error)}") from None
+    return made
+
+
+def remove_folders(made: Sequence[Path]) -> None:
+    """Take folders away again as far as they are empty; `made` as `make_folders` gave it."""
+    with suppress(OSError):  # someone else may have put something in one by now
+        for folder in reversed(made):
+            folder.rmdir()
 
 
 def _reason(error: OSError | ValueError) -> str:

@@ -13,7 +13,7 @@ import pytest
 
 from cavalcade.campaign.definition import define_campaign
 from cavalcade.campaign.engines.local import LocalEngine
-from cavalcade.campaign.planned import arrays_of, judged_plan, measured_plan
+from cavalcade.campaign.planned import judged_plan, measured_plan
 from cavalcade.campaign.repeat import repeat_trial
 from cavalcade.campaign.runner import run_campaign
 from cavalcade.campaign.suite import parse_suite
@@ -24,6 +24,7 @@ from cavalcade.checking import check
 from cavalcade.checking.plans import read_plan
 from cavalcade.coordination.result import TeamPlan
 from cavalcade.jobs import JobResult, plan
+from cavalcade.recording.plan_file import plan_arrays
 from cavalcade.scenario import Scenario, build_world, parse_scenario, resolve_scenario
 
 SUITE = """\
@@ -65,7 +66,7 @@ def test_the_checker_sees_what_a_plan_file_would_hold(tmp_path: Path) -> None:
     line, ran = run_trial_into(trial, tmp_path / "a")
     assert isinstance(ran, JobResult)
     written = read_plan(tmp_path / "a" / "plan.npz")
-    in_memory = arrays_of(ran)
+    in_memory = plan_arrays(ran.trajectories, ran.footholds)
     assert sorted(written) == sorted(in_memory)
     for name, array in in_memory.items():
         assert array.tobytes() == written[name].tobytes()

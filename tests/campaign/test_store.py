@@ -180,7 +180,7 @@ def test_a_trial_that_stands_twice_counts_once(tiny_plan: Definition, half: Path
 
 def test_two_campaigns_do_not_meet_in_one_folder(tiny_plan: Definition, half: Path) -> None:
     code = (
-        "import sys; from cavalcade.campaign.folder import locked; from pathlib import Path; "
+        "import sys; from cavalcade.campaign.store import locked; from pathlib import Path; "
         f"h = locked(Path({str(half)!r})); print('locked', flush=True); sys.stdin.read()"
     )
     other = subprocess.Popen(

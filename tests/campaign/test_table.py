@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cavalcade.campaign.table import COLUMNS, columns_of, rows_of, write_table
+from cavalcade.campaign.table import COLUMNS, columns_and_rows, write_table
 from cavalcade.errors import OutputError
 
 
@@ -62,7 +62,7 @@ def test_what_is_written_reads_back_equal(tmp_path):
     lines = [line(3), crashed(1), line(2, detail='it\'s "so"; 100 %\u2028é')]
     path = write_table(tmp_path, lines)
     rows, kinds = read(path)
-    assert rows == rows_of(lines)
+    assert rows == columns_and_rows(lines)[1]
     assert kinds == dict(COLUMNS)
     assert [row["seed"] for row in rows] == [1, 2, 3]
     assert rows[2]["sim_time_s"] == 31.25 + 3 / 3.0
@@ -82,7 +82,7 @@ def test_the_first_columns_are_the_contracts():
 
 
 def test_the_campaigns_word_stands_over_the_summarys():
-    (row,) = rows_of([line(4)])
+    (row,) = columns_and_rows([line(4)])[1]
     assert row["seed"] == 4
     assert row["success"] is True
 
@@ -115,7 +115,7 @@ def test_keys_that_nobody_knew_come_after_the_others():
     odd["measured"]["zest"] = True
     more = copy.deepcopy(line(1))
     more["summary"]["zeal"] = 1.5
-    columns = columns_of([odd, more])
+    columns = columns_and_rows([odd, more])[0]
     assert list(columns)[len(COLUMNS) :] == [
         "energy.parts_j",
         "energy.total_j",
@@ -154,7 +154,7 @@ def test_no_paths_process_ids_or_hosts():
     odd = line(detail="FileNotFoundError: /home/me/run.yaml, pid 77")
     odd["violations"] = ["1.0 s: /tmp/x/y.mcap is short"]
     odd["summary"] = {**odd["summary"], "pid": 77, "host": "box", "folder": "/x/y"}
-    (row,) = rows_of([odd])
+    (row,) = columns_and_rows([odd])[1]
     assert not {"pid", "host", "folder"} & set(row)
     assert "/" not in repr(row["detail"]) + repr(row["violations"])
     assert "77" not in row["detail"]
@@ -171,7 +171,7 @@ def test_odd_keys_and_texts_do_not_spoil_the_table(tmp_path):
 
 
 def test_of_two_lines_of_a_trial_the_last_counts():
-    (row,) = rows_of([crashed(), line()])
+    (row,) = columns_and_rows([crashed(), line()])[1]
     assert row["outcome"] == "arrived"
 
 
@@ -200,7 +200,7 @@ def test_a_thousand_trials_with_many_robots(tmp_path):
     for each in lines:
         each["summary"]["path_length_m"] = rng.random(16).round(6).tolist()
     rows, _ = read(write_table(tmp_path, lines))
-    assert rows == rows_of(lines)
+    assert rows == columns_and_rows(lines)[1]
 
 
 json_values = st.recursive(

@@ -68,7 +68,7 @@ def test_places_states_and_types(write: Callable[[Any], Path], problem: Data) ->
     assert scenario.starts[0] == (-1.0, 2.5, 0.0)
     assert scenario.goals[0] == (2.0, 2.5, 1.5)
     assert scenario.goals[3] == (2.9, 4.0, 0.0)
-    assert scenario.world.obstacles[0].words == {
+    assert scenario.world.obstacles[0].to_dict() == {
         "box": {"center": [0.5, 2.5], "size": [0.5, 1.0], "yaw": 0.0}
     }
     assert (scenario.planner.method, scenario.world.resolution) == ("auto", 0.025)

@@ -16,6 +16,7 @@ Contact with what stands, with the border and with another robot always could. O
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,8 +25,7 @@ from cavalcade.campaign.escape import Scene, Thing
 from cavalcade.campaign.verdict import CONTACT
 from cavalcade.checking.report import Report, Violation
 from cavalcade.recording.frames import Recording
-from cavalcade.scenario import Scenario, World
-from cavalcade.world import shape_from_mapping
+from cavalcade.scenario import Event, Scenario, World
 
 WARNING = 3.0
 """s"""
@@ -77,16 +77,16 @@ def audit(
     contacts = [violation for violation in report.violations if violation.kind in CONTACT]
     if not contacts:
         return []
-    court = _Court(scenario, world, recording)
+    scene, events = Scene(scenario, world, recording), scenario.execution.events
     found: list[Collision] = []
     excused: dict[tuple[int, str], Collision] = {}
     for contact in contacts:
         key = contact.robots[0], contact.obstacle
         before = excused.get(key)
-        if before is not None and court.goes_on(before.violation, contact):
+        if before is not None and _goes_on(scene, before.violation, contact):
             collision = Collision(contact, False, before.why)
         else:
-            collision = Collision(contact, *court.verdict(contact))
+            collision = Collision(contact, *_verdict(scene, events, contact))
         if contact.kind == "robot-obstacle" and not collision.avoidable:
             excused[key] = collision
         else:
@@ -95,87 +95,71 @@ def audit(
     return found
 
 
-class _Court:
-    """All that a verdict needs to know of a run."""
+def _verdict(scene: Scene, events: Sequence[Event], contact: Violation) -> tuple[bool, str]:
+    """Whether it could have been avoided, and why."""
+    if contact.kind != "robot-obstacle":
+        return True, contact.kind
+    robot = contact.robots[0]
+    thing = _thing(scene, contact)
+    if thing is None:
+        return True, contact.obstacle
+    lost = _lost_since(events, robot, contact.time)
+    if lost is not None:
+        # What stands may not be rolled into, by a robot that has lost its orders either.
+        if _changed(thing, lost, contact.time):
+            return False, "a lost robot was hit"
+        return True, "a lost robot ran into what stood"
+    start = thing.span.start
+    if start > 0.0 and _sudden(scene, robot, thing, contact.time):
+        return False, "it appeared within the braking distance"
+    if not any(thing.span.velocity_at(contact.time - 1e-6)):
+        return True, "it stood"
+    begin = max(contact.time - WARNING, start, 0.0)
+    end = min(max(thing.span.time[-1], contact.time), contact.time + AFTERWARDS)
+    way = scene.escape(robot, begin, end)
+    return (True, way) if way else (False, "no way out of the path of a moving obstacle")
 
-    def __init__(self, scenario: Scenario, world: World, recording: Recording) -> None:
-        self._time = recording.time
-        self._poses = recording.poses
-        self._models = scenario.models
-        fixed = len(world.shapes)
-        self._things = [
-            Thing(
-                f"world.obstacles[{k}]" if k < fixed else f"event at {span.start:g} s",
-                span,
-                shape_from_mapping(span.obstacle.words),
-            )
-            for k, span in enumerate(world.spans)
-        ]
-        self._events = scenario.execution.events
-        self._scene = Scene(world.base, self._things, scenario.models, recording)
 
-    def verdict(self, contact: Violation) -> tuple[bool, str]:
-        """Whether it could have been avoided, and why."""
-        if contact.kind != "robot-obstacle":
-            return True, contact.kind
-        robot = contact.robots[0]
-        thing = self._thing(contact)
-        if thing is None:
-            return True, contact.obstacle
-        lost = self._lost_since(robot, contact.time)
-        if lost is not None:
-            # What stands may not be rolled into, by a robot that has lost its orders either.
-            if _changed(thing, lost, contact.time):
-                return False, "a lost robot was hit"
-            return True, "a lost robot ran into what stood"
-        start = thing.span.start
-        if start > 0.0 and self._sudden(robot, thing, contact.time):
-            return False, "it appeared within the braking distance"
-        if not any(thing.span.velocity_at(contact.time - 1e-6)):
-            return True, "it stood"
-        begin = max(contact.time - WARNING, start, 0.0)
-        end = min(max(thing.span.time[-1], contact.time), contact.time + AFTERWARDS)
-        way = self._scene.escape(robot, begin, end)
-        return (True, way) if way else (False, "no way out of the path of a moving obstacle")
+def _goes_on(scene: Scene, before: Violation, now: Violation) -> bool:
+    """Whether two contacts of a robot with the same obstacle are one, but for short gaps."""
+    thing = _thing(scene, now)
+    if thing is None:
+        return False
+    inside = (scene.time > before.time) & (scene.time < now.time)
+    times = np.concatenate(([before.time], scene.time[inside], [now.time]))
+    touching = [True, *scene.touching(now.robots[0], thing, inside, TOGETHER), True]
+    return bool(np.diff(times[touching]).max() < APART)
 
-    def goes_on(self, before: Violation, now: Violation) -> bool:
-        """Whether two contacts of a robot with the same obstacle are one, but for short gaps."""
-        thing = self._thing(now)
-        if thing is None:
-            return False
-        robot = now.robots[0]
-        inside = (self._time > before.time) & (self._time < now.time)
-        times = np.concatenate(([before.time], self._time[inside], [now.time]))
-        touching = [True, *self._scene.touching(robot, thing, inside, TOGETHER), True]
-        return bool(np.diff(times[touching]).max() < APART)
 
-    def _thing(self, contact: Violation) -> Thing | None:
-        return next((thing for thing in self._things if thing.name == contact.obstacle), None)
+def _thing(scene: Scene, contact: Violation) -> Thing | None:
+    return next((thing for thing in scene.things if thing.name == contact.obstacle), None)
 
-    def _lost_since(self, robot: int, time: float) -> float | None:
-        """When it was lost, if it still is."""
-        lost = None
-        for event in self._events:
-            if event.at <= time and robot in (event.lose, event.rejoin):
-                lost = event.at if event.lose == robot else None
-        return lost
 
-    def _sudden(self, robot: int, thing: Thing, contact: float) -> bool:
-        """Whether the obstacle appeared too near on its way for the robot to stop, and was hit."""
-        k = self._scene.cycle(thing.span.start)
-        before = max(k - 1, 0)
-        moved = self._poses[k, robot, :2] - self._poses[before, robot, :2]
-        velocity = moved / max(self._time[k] - self._time[before], 1e-9)
-        braking = float(np.hypot(*velocity)) / self._models[robot].max_acceleration
-        stop = LATENCY + braking
-        if contact > self._time[k] + stop + GRACE:
-            return False
-        passed = np.arange(0.0, stop + _STEP, _STEP).clip(max=stop)
-        slowing = (passed - LATENCY).clip(min=0.0)
-        share = passed - slowing**2 / (2.0 * max(braking, 1e-9))
-        poses = np.tile(self._poses[k, robot], (len(passed), 1))
-        poses[:, :2] += share[:, None] * velocity
-        return not self._scene.apart(robot, poses, self._time[k] + passed, thing)
+def _lost_since(events: Sequence[Event], robot: int, time: float) -> float | None:
+    """When it was lost, if it still is."""
+    lost = None
+    for event in events:
+        if event.at <= time and robot in (event.lose, event.rejoin):
+            lost = event.at if event.lose == robot else None
+    return lost
+
+
+def _sudden(scene: Scene, robot: int, thing: Thing, contact: float) -> bool:
+    """Whether the obstacle appeared too near on its way for the robot to stop, and was hit."""
+    k = scene.cycle(thing.span.start)
+    before = max(k - 1, 0)
+    moved = scene.poses[k, robot, :2] - scene.poses[before, robot, :2]
+    velocity = moved / max(scene.time[k] - scene.time[before], 1e-9)
+    braking = float(np.hypot(*velocity)) / scene.models[robot].max_acceleration
+    stop = LATENCY + braking
+    if contact > scene.time[k] + stop + GRACE:
+        return False
+    passed = np.arange(0.0, stop + _STEP, _STEP).clip(max=stop)
+    slowing = (passed - LATENCY).clip(min=0.0)
+    share = passed - slowing**2 / (2.0 * max(braking, 1e-9))
+    poses = np.tile(scene.poses[k, robot], (len(passed), 1))
+    poses[:, :2] += share[:, None] * velocity
+    return not scene.apart(robot, poses, scene.time[k] + passed, thing)
 
 
 def _changed(thing: Thing, since: float, until: float) -> bool:

@@ -111,7 +111,7 @@ def define_campaign(
     from cavalcade import __version__
 
     found = _changed(load_suite(suite), seed, seeds)
-    found, rest = _with_variant(*_with_backend(found, overrides))
+    found, rest = _with_overrides(found, overrides)
     folder = DataFolder.find(data)
     for index, group in enumerate(found.worlds):
         if group.seeds is None and group.sampler.limit(folder) is None:
@@ -204,46 +204,32 @@ def difference(definition: Definition, other: Mapping[str, Any]) -> str | None:
 
 
 def _changed(suite: Suite, seed: int | None, seeds: int | None) -> Suite:
-    for key, value, least, most in (
-        ("--seed", seed, 0, 2**63 - 1),
-        ("--seeds", seeds, 1, MOST_SEEDS),
-    ):
+    bounds = (("--seed", seed, 0, 2**63 - 1), ("--seeds", seeds, 1, MOST_SEEDS))
+    for key, value, least, most in bounds:
         if value is not None and not least <= value <= most:
-            raise InputError(
-                f"expected a whole number from {least} to {most}, got {value}", key=key
-            )
+            text = f"expected a whole number from {least} to {most}, got {value}"
+            raise InputError(text, key=key)
     if seeds is not None:
         suite = replace(suite, worlds=tuple(replace(group, seeds=seeds) for group in suite.worlds))
     return suite if seed is None else replace(suite, seed=seed)
 
 
-def _with_backend(suite: Suite, overrides: Sequence[str]) -> tuple[Suite, tuple[str, ...]]:
-    """The suite with the backend that the overrides name, and the other ones."""
-    rest = []
-    for text in overrides:
-        key, _, value = str(text).partition("=")
-        if key.strip() == _BACKEND and value.strip() in BACKENDS:
-            suite = replace(suite, backend="mujoco" if value.strip() == "mujoco" else "ideal")
-        else:
-            rest.append(str(text))
-    return suite, tuple(rest)
-
-
-def _with_variant(suite: Suite, overrides: Sequence[str]) -> tuple[Suite, tuple[str, ...]]:
-    """The suite with the variant and the method that the overrides name, and the other ones.
+def _with_overrides(suite: Suite, overrides: Sequence[str]) -> tuple[Suite, tuple[str, ...]]:
+    """The suite with the backend, variant and method that overrides name, and the other ones.
 
     A method is named so only for individual goals; it is left to scenarios otherwise.
     """
     said: dict[str, Any] = {}
     rest = []
     methods = any(group.sampler.individual_goals for group in suite.worlds)
-    for text in overrides:
-        key, separator, value = str(text).partition("=")
-        word = key.strip()
-        if separator and (word == _VARIANT or (word == _METHOD and methods)):
-            said[word] = parse_yaml(value, key=f"--set {word}")
+    for text in map(str, overrides):
+        key, separator, value = (part.strip() for part in text.partition("="))
+        if key == _BACKEND and value in BACKENDS:
+            suite = replace(suite, backend="mujoco" if value == "mujoco" else "ideal")
+        elif separator and (key == _VARIANT or (key == _METHOD and methods)):
+            said[key] = parse_yaml(value, key=f"--set {key}")
         else:
-            rest.append(str(text))
+            rest.append(text)
     if not said:
         return suite, tuple(rest)
     method, variant = said.get(_METHOD), said.get(_VARIANT)

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from cavalcade.geometry import Array, transform_points
 from cavalcade.recording.frames import Recording
 from cavalcade.robots import RobotModel
-from cavalcade.scenario import ObstacleSpan
-from cavalcade.world import Box, OccupancyMap, Shape
+from cavalcade.scenario import ObstacleSpan, Scenario, World
+from cavalcade.world import Box, Shape, shape_from_mapping
 from cavalcade.world.shapes import distance_to_shapes
 
 REACTION = 0.25
@@ -43,10 +43,6 @@ class Thing:
     span: ObstacleSpan
     shape: Shape
 
-    def apart(self, points: Array, times: Array, room: float = TOUCH) -> bool:
-        """Whether footprints `(T, P, 2)` keep `room` m off it wherever it is at each time."""
-        return bool((self.gaps(points, times) >= room).all())
-
     def gaps(self, points: Array, times: Array) -> Array:
         """Distance `(T,)` in m of footprints `(T, P, 2)`; inf while it is not there."""
         gaps = np.full(len(times), np.inf)
@@ -59,35 +55,48 @@ class Thing:
 
 
 class Scene:
-    """What stood and moved where in a run."""
+    """What stood and moved where in a run.
 
-    def __init__(
-        self,
-        base: OccupancyMap,
-        things: Sequence[Thing],
-        models: Sequence[RobotModel],
-        recording: Recording,
-    ) -> None:
-        self._base = base
-        self._things = things
-        self._models = models
-        self._time = recording.time
-        self._poses = recording.poses
+    Attributes:
+        things: The obstacles.
+        models: Of the robots.
+        time: `(T,)` of the cycles, s.
+        poses: `(T, N, 3)` true ones, m and rad.
+
+    Args:
+        scenario: The resolved one that was run.
+        world: Its world.
+        recording: What happened.
+    """
+
+    def __init__(self, scenario: Scenario, world: World, recording: Recording) -> None:
+        self._base = world.base
+        self.models = scenario.models
+        self.time, self.poses = recording.time, recording.poses
+        fixed = len(world.shapes)
+        self.things = [
+            Thing(
+                f"world.obstacles[{k}]" if k < fixed else f"event at {span.start:g} s",
+                span,
+                shape_from_mapping(span.obstacle.to_dict()),
+            )
+            for k, span in enumerate(world.spans)
+        ]
 
     def cycle(self, time: float) -> int:
         """The first cycle that is not before `time` s."""
-        last = len(self._time) - 1
-        return min(int(np.searchsorted(self._time, time - 1e-6)), last)
+        return min(int(np.searchsorted(self.time, time - 1e-6)), len(self.time) - 1)
 
     def escape(self, robot: int, begin: float, end: float) -> str:
         """How the robot could have got out of the way; empty if it could not."""
-        model = self._models[robot]
-        pose = self._poses[self.cycle(begin), robot]
+        model = self.models[robot]
+        pose = self.poses[self.cycle(begin), robot]
         times = np.arange(begin, end + _STEP, _STEP)
         reach = model.max_speed_x * (end - begin) + model.length
+        here = self._points(robot, pose[None])
         near = [
-            (thing, self._room(robot, pose, times[:1], thing))
-            for thing in self._things
+            (thing, _room(float(thing.gaps(here, times[:1])[0])))
+            for thing in self.things
             if not thing.span.fixed or thing.shape.distance(pose[None, :2])[0] <= reach
         ]
         if self._free(robot, np.tile(pose, (len(times), 1)), times, near):
@@ -108,27 +117,22 @@ class Scene:
 
     def apart(self, robot: int, poses: Array, times: Array, thing: Thing) -> bool:
         """Whether the robot would keep off it at these poses `(T, 3)` and times `(T,)`."""
-        return thing.apart(self._points(robot, poses), times)
+        return bool((thing.gaps(self._points(robot, poses), times) >= TOUCH).all())
 
     def touching(
         self, robot: int, thing: Thing, cycles: NDArray[np.bool_], gap: float
     ) -> list[bool]:
         """Whether the robot was within `gap` m of it, for each of the cycles chosen `(F,)`."""
-        footprint = _outline(self._models[robot])
+        footprint = _outline(self.models[robot])
         return [
             # The points miss a corner between them by half of their spacing at most.
             bool(thing.gaps(transform_points(pose, footprint)[None], time)[0] <= gap + _FINE / 2.0)
-            for pose, time in zip(self._poses[cycles, robot], self._time[cycles, None], strict=True)
+            for pose, time in zip(self.poses[cycles, robot], self.time[cycles, None], strict=True)
         ]
 
     def _points(self, robot: int, poses: Array) -> Array:
-        footprint = footprint_points(self._models[robot])
+        footprint = _footprint(self.models[robot])
         return np.stack([transform_points(pose, footprint) for pose in poses])
-
-    def _room(self, robot: int, pose: Array, time: Array, thing: Thing) -> float:
-        """How far to keep off it, m: no farther than the robot is at first, yet off it."""
-        first = float(thing.gaps(self._points(robot, pose[None]), time)[0])
-        return max(min(TOUCH, first - _SMALL), _SMALL)
 
     def _free(
         self, robot: int, poses: Array, times: Array, things: Sequence[tuple[Thing, float]]
@@ -140,19 +144,20 @@ class Scene:
         points = self._points(robot, poses)
         if not self._on_free_ground(points.reshape(-1, 2)):
             return False
-        if not all(thing.apart(points, times, room) for thing, room in things):
+        if any((thing.gaps(points, times) < room).any() for thing, room in things):
             return False
         room = TOUCH
         for k, moment in enumerate(times):
-            now = self._poses[self.cycle(moment)]
             others = [
-                body_at(now[other], model)
-                for other, model in enumerate(self._models)
+                Box((float(x), float(y)), (model.length, model.width), float(yaw))
+                for other, ((x, y, yaw), model) in enumerate(
+                    zip(self.poses[self.cycle(moment)], self.models, strict=True)
+                )
                 if other != robot
             ]
             gap = float(distance_to_shapes(others, points[k]).min())
             if k == 0:
-                room = max(min(TOUCH, gap - _SMALL), _SMALL)
+                room = _room(gap)
             if gap < room:
                 return False
         return True
@@ -166,12 +171,12 @@ class Scene:
         return not bool(self._base.occupied[rows, cols].any())
 
 
-def body_at(pose: Array, model: RobotModel) -> Box:
-    """A robot's footprint at a pose (x, y, yaw)."""
-    return Box((float(pose[0]), float(pose[1])), (model.length, model.width), float(pose[2]))
+def _room(first: float) -> float:
+    """How far to keep off a thing, m: no farther than the robot is at first, yet off it."""
+    return max(min(TOUCH, first - _SMALL), _SMALL)
 
 
-def footprint_points(model: RobotModel) -> Array:
+def _footprint(model: RobotModel) -> Array:
     """Points `(P, 2)` all over the footprint in the body frame, its outline included."""
     sides = []
     for length in (model.length, model.width):
@@ -184,7 +189,7 @@ def _outline(model: RobotModel) -> Array:
     """The same, with its outline much finer."""
     half = np.array([model.length, model.width]) / 2.0
     sides = [np.linspace(-h, h, int(np.ceil(2.0 * h / _FINE)) + 1) for h in half]
-    parts = [footprint_points(model)]
+    parts = [_footprint(model)]
     for sign in (-1.0, 1.0):
         parts.append(np.column_stack((sides[0], np.full(len(sides[0]), sign * half[1]))))
         parts.append(np.column_stack((np.full(len(sides[1]), sign * half[0]), sides[1])))

@@ -3,10 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 from cavalcade.campaign.samplers.sampler import EXPECTED, SOLVED
 from cavalcade.campaign.verdict import COLLISION, INVALID, Verdict, count_contacts, lines_of
@@ -14,6 +10,7 @@ from cavalcade.checking import judge_plan
 from cavalcade.coordination import TeamProblem, plan_team, problem_of
 from cavalcade.jobs import JobResult
 from cavalcade.jobs.planning import settings_of
+from cavalcade.recording.plan_file import plan_arrays
 from cavalcade.scenario import Scenario, World
 
 _ALONE = "cbs"
@@ -29,7 +26,8 @@ def judged_plan(result: JobResult, expected: str = SOLVED) -> Verdict:
     """
     # Also of a plan whose own summary finds contact, all that the coordinator claims is judged.
     claimed = {**result.summary, "success": result.plan is not None and result.plan.solved}
-    report = judge_plan(result.scenario, arrays_of(result), claimed)
+    arrays = plan_arrays(result.trajectories, result.footholds)
+    report = judge_plan(result.scenario, arrays, claimed)
     contacts = count_contacts(report)
     outcome = result.reason
     if contacts:
@@ -45,22 +43,6 @@ def judged_plan(result: JobResult, expected: str = SOLVED) -> Verdict:
         avoidable=contacts,
         violations=lines_of(report),
     )
-
-
-def arrays_of(result: JobResult) -> dict[str, NDArray[Any]]:
-    """What `plan.npz` would hold."""
-    arrays: dict[str, NDArray[Any]] = {}
-    for k, (path, feet) in enumerate(zip(result.trajectories, result.footholds, strict=True)):
-        if path is not None:
-            arrays |= {
-                f"t_{k}": np.asarray(path.time, dtype=float),
-                f"position_{k}": np.asarray(path.position, dtype=float),
-                f"velocity_{k}": np.asarray(path.velocity, dtype=float),
-                f"yaw_{k}": np.asarray(path.yaw, dtype=float),
-                f"phase_{k}": np.asarray(path.phase, dtype=np.int8),
-                f"footholds_{k}": np.asarray(feet, dtype=float).reshape(-1, 6),
-            }
-    return arrays
 
 
 def measured_plan(result: JobResult) -> dict[str, float | None]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -75,21 +76,15 @@ def repeat_trial(
 
 
 def _line_of(file: Path, trial_id: str) -> Line | None:
-    try:
-        with file.open(encoding="utf-8", errors="replace") as stream:
-            for text in stream:
-                if trial_id in text:
-                    line = _parsed(text)
-                    if line is not None and line.get("trial") == trial_id:
-                        return line
-    except OSError:
-        pass
+    """The campaign's line of a trial; None where there is none that can be read."""
+    with suppress(OSError), file.open(encoding="utf-8", errors="replace") as stream:
+        for text in stream:
+            with suppress(ValueError):
+                line = json.loads(text) if trial_id in text else None
+                if (
+                    isinstance(line, dict)
+                    and line.get("trial") == trial_id
+                    and isinstance(line.get("summary"), dict)
+                ):
+                    return line
     return None
-
-
-def _parsed(text: str) -> Line | None:
-    try:
-        line = json.loads(text)
-    except ValueError:
-        return None
-    return line if isinstance(line, dict) and isinstance(line.get("summary"), dict) else None

@@ -116,10 +116,7 @@ def run_campaign(
 def _compiles(reporter: CampaignReporter, formations: bool, plans: bool) -> bool:
     """Whether the first trial has to compile the numerical kernels; says if that takes a while.
 
-    Args:
-        reporter: Says it.
-        formations: There are trials of formations.
-        plans: There are trials with individual goals, whose kernels are prepared for.
+    Those of trials with individual goals, if there are such `plans`, are prepared for.
     """
     from cavalcade.jobs.reporter import kernels_are_cached
 

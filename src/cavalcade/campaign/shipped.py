@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import warnings
 from pathlib import Path
 
 from cavalcade.campaign.suite import Suite, parse_suite, with_current_names
 from cavalcade.errors import ScenarioError
+from cavalcade.scenario.messages import did_you_mean
 from cavalcade.scenario.shipped import read_text
 from cavalcade.yaml_text import parse_yaml
 
@@ -54,7 +54,6 @@ def find_suite(name_or_path: str | Path) -> Path:
             return Path(name)
     except OSError:  # such as a name that is too long
         pass
-    near = difflib.get_close_matches(name[:80], names, n=1)
-    hint = f"; did you mean {near[0]}?" if near else ""
+    hint = did_you_mean(name, names)
     shown = name if name.isprintable() and 0 < len(name) <= 200 else ascii(name)[:60]
     raise ScenarioError(f"no such file or shipped suite{hint}", file=shown, choices=names)

@@ -5,17 +5,16 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Self
 
 from cavalcade.campaign.definition import FILE, Definition, difference, read_definition_file
-from cavalcade.campaign.folder import locked, make_folders, remove_empty, unlock
 from cavalcade.campaign.trial import Line, failure_line
 from cavalcade.errors import OutputError
-from cavalcade.files import write_file
+from cavalcade.files import make_folders, remove_folders, write_file
 
-LINES, CORRUPT = "trials.jsonl", "trials.corrupt.jsonl"
+LINES, CORRUPT, LOCK = "trials.jsonl", "trials.corrupt.jsonl", ".campaign.lock"
 _OF_THE_DEFINITION = ("trial", "suite", "scenario", "variant", "disturbance", "seed")
 
 
@@ -70,8 +69,8 @@ class Store:
             self._file = os.open(self.folder / LINES, flags, 0o644)
             self._size = os.fstat(self._file).st_size
         except BaseException as error:
-            self._close()
-            remove_empty(made)
+            self.__exit__()
+            remove_folders(made)
             if isinstance(error, OSError):
                 raise self._failed(error) from None
             raise
@@ -101,7 +100,10 @@ class Store:
                 written += os.write(self._file, data[written:])
             os.fsync(self._file)
         except OSError as error:
-            self._take_back()
+            # Leave nothing of it. Where this fails too, the torn line is mended when the campaign
+            # goes on.
+            with contextlib.suppress(OSError):
+                os.ftruncate(self._file, self._size)
             raise self._failed(error) from None
         self._size += len(data)
         self._done.add(str(line["trial"]))
@@ -131,7 +133,13 @@ class Store:
 
     def __exit__(self, *error: object) -> None:
         """Unlock the folder."""
-        self._close()
+        if self._lock >= 0:
+            with contextlib.suppress(OSError):
+                (self.folder / LOCK).unlink()  # before its handle is closed
+        for handle in (self._file, self._lock):
+            if handle >= 0:
+                os.close(handle)
+        self._file = self._lock = -1
 
     def _mend(self, warn: Callable[[str], None]) -> None:
         """Read what is there; take out what is no line of this campaign."""
@@ -141,22 +149,21 @@ class Store:
         kept: list[bytes] = []
         corrupt: list[bytes] = []
         warnings: list[str] = []
-        for number, raw in enumerate(_raw_lines(file), 1):
-            trial = self._trial_of(raw)
-            if trial is not None and trial not in self._done:
-                self._done.add(trial)
-                kept.append(raw)
-            elif trial is not None:
-                corrupt.append(raw)
-                warnings.append(f"{file}: line {number}: {trial} stands there twice")
-            elif not raw.endswith(b"\n"):
-                warnings.append(f"{file}: line {number}: torn; its trial is repeated")
-            else:
-                corrupt.append(raw)
-                warnings.append(
-                    f"{file}: line {number}: not a trial of this campaign; moved to {CORRUPT}, "
-                    "its trial is repeated"
-                )
+        with file.open("rb") as stream:
+            for number, raw in enumerate(stream, 1):
+                trial = self._trial_of(raw)
+                if trial is not None and trial not in self._done:
+                    self._done.add(trial)
+                    kept.append(raw)
+                    continue
+                fault = f"not a trial of this campaign; moved to {CORRUPT}, its trial is repeated"
+                if trial is not None:
+                    fault = f"{trial} stands there twice"
+                elif not raw.endswith(b"\n"):
+                    fault = "torn; its trial is repeated"
+                if raw.endswith(b"\n"):
+                    corrupt.append(raw)
+                warnings.append(f"{file}: line {number}: {fault}")
         if not warnings:
             return
         if corrupt:
@@ -188,31 +195,12 @@ class Store:
         same = whole and all(line[key] == model[key] for key in _OF_THE_DEFINITION)
         return trial if same else None
 
-    def _take_back(self) -> None:
-        """Leave nothing of a line that could not be written whole."""
-        # Where this fails too, the torn line is mended when the campaign goes on.
-        with contextlib.suppress(OSError):
-            os.ftruncate(self._file, self._size)
-
     def _failed(self, error: OSError, what: str = "written") -> OutputError:
         place = Path(error.filename) if error.filename else self.folder / LINES
         text = f"{place}: cannot be {what}: {error.strerror or error}"
         if self._done:
             text += f"; the {len(self._done)} trials so far are kept, go on with --resume"
         return OutputError(text)
-
-    def _close(self) -> None:
-        if self._lock >= 0:
-            unlock(self.folder)
-        for handle in (self._file, self._lock):
-            if handle >= 0:
-                os.close(handle)
-        self._file = self._lock = -1
-
-
-def _raw_lines(file: Path) -> Iterable[bytes]:
-    with file.open("rb") as stream:
-        yield from stream
 
 
 def _encoded(text: str) -> bytes:
@@ -230,3 +218,31 @@ def _check_empty(folder: Path, resume: bool) -> None:
     if any(not entry.name.startswith(".") for entry in folder.iterdir()):
         what = "holds no campaign to go on with" if resume else "the folder is not empty"
         raise OutputError(f"{folder}: {what}; name another one")
+
+
+def locked(folder: Path) -> int:
+    """A handle that keeps other campaigns out of a folder for as long as it is open.
+
+    Raises:
+        OutputError: Another campaign has it.
+        OSError: The folder cannot be written.
+    """
+    file = folder / LOCK
+    while True:
+        handle = os.open(file, os.O_RDWR | os.O_CREAT, 0o644)
+        try:
+            import fcntl
+
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except ImportError:  # not on every system
+            return handle
+        except OSError as error:
+            os.close(handle)
+            if isinstance(error, BlockingIOError):
+                raise OutputError(f"{folder}: another campaign is at work in this folder") from None
+            raise
+        # Whoever had the lock takes the file away when done, perhaps after it was opened here.
+        with contextlib.suppress(FileNotFoundError):
+            if file.stat().st_ino == os.fstat(handle).st_ino:
+                return handle
+        os.close(handle)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, get_args
 
-from pydantic import BaseModel, Field, Strict, ValidationError, field_validator, model_validator
+from pydantic import AfterValidator, BaseModel, Field, Strict, ValidationError, model_validator
 
 from cavalcade.campaign.methods import check_variant, choices, default
 from cavalcade.campaign.samplers import DataFolder, Sampler, SamplerSection
@@ -24,7 +24,16 @@ Name = Annotated[str, Field(pattern=rf"^[A-Za-z0-9][A-Za-z0-9_-]{{0,{LONGEST_NAM
 Backend = Literal["ideal", "mujoco"]
 """Who moves robots."""
 
-Variants = Annotated[tuple[str, ...], Field(min_length=1)]
+
+def _each_once(variants: tuple[str, ...]) -> tuple[str, ...]:
+    """The variants by their current names."""
+    variants = tuple(current_value("planner.variant", name) for name in variants)
+    if len(set(variants)) < len(variants):
+        raise expected("a variant stands here twice")
+    return variants
+
+
+Variants = Annotated[tuple[str, ...], Field(min_length=1), AfterValidator(_each_once)]
 """Of formation planners, or methods for individual goals; see `methods`."""
 
 UNDISTURBED = "none"
@@ -59,11 +68,6 @@ class _Head(Section):
     disturbances: dict[Name, Disturbance] = Field(default_factory=dict)
     worlds: Annotated[tuple[dict[str, Any], ...], Field(min_length=1)]
 
-    @field_validator("variants")
-    @classmethod
-    def _once(cls, variants: tuple[str, ...] | None) -> tuple[str, ...] | None:
-        return _each_once(variants)
-
     @model_validator(mode="after")
     def _groups(self) -> Self:
         names = [group.get("name") for group in self.worlds]
@@ -78,11 +82,6 @@ class _GroupHead(Section):
     seeds: Annotated[int, Strict(), Field(gt=0, le=MOST_SEEDS)] | None = None
     variants: Variants | None = None
 
-    @field_validator("variants")
-    @classmethod
-    def _once(cls, variants: tuple[str, ...] | None) -> tuple[str, ...] | None:
-        return _each_once(variants)
-
 
 def _missing_physics() -> str | None:
     from cavalcade.fleet.mujoco.engine import load_mujoco
@@ -92,15 +91,6 @@ def _missing_physics() -> str | None:
     except InputError as error:
         return str(error)
     return None
-
-
-def _each_once(variants: tuple[str, ...] | None) -> tuple[str, ...] | None:
-    if variants is None:
-        return None
-    variants = tuple(current_value("planner.variant", name) for name in variants)
-    if len(set(variants)) < len(variants):
-        raise expected("a variant stands here twice")
-    return variants
 
 
 @dataclass(frozen=True)
@@ -225,21 +215,30 @@ def parse_suite(data: Mapping[str, Any], file: str | Path | None = None) -> Suit
     Raises:
         ScenarioError: It does not fit the schema.
     """
-    head: _Head = _validated(_Head, with_current_names(data), file, "")
+    base = Path.cwd() if file is None else Path(file).resolve().parent
+    try:
+        return _parsed(with_current_names(data), base)
+    except ScenarioError as error:
+        raise error.at(file=file, key=error.key) from None
+
+
+def _parsed(data: Mapping[str, Any], base: Path) -> Suite:
+    """The suite; errors do not name its file. File names in it are relative to `base`."""
+    head: _Head = _validated(_Head, data, base, "")
     references = {
         current_value("planner.variant", name): current_value("planner.variant", other)
         for name, other in head.references.items()
     }
     groups = tuple(
-        _group(group, head.variants, file, f"worlds[{index}]")
+        _group(group, head.variants, base, f"worlds[{index}]")
         for index, group in enumerate(head.worlds)
     )
     every = [*(head.variants or ()), *(name for group in groups for name in group.variants)]
     variants = tuple(dict.fromkeys(every))
     for index, name in enumerate(head.variants or ()):
         if all(name not in choices(group.sampler.individual_goals) for group in groups):
-            _check_variant(name, groups[0].sampler.individual_goals, file, f"variants[{index}]")
-    _check_references(references, variants, file)
+            check_variant(name, groups[0].sampler.individual_goals, f"variants[{index}]")
+    _check_references(references, variants)
     return Suite(
         suite=head.suite,
         about=head.about,
@@ -253,52 +252,36 @@ def parse_suite(data: Mapping[str, Any], file: str | Path | None = None) -> Suit
     )
 
 
-def _check_variant(name: str, individual_goals: bool, file: str | Path | None, key: str) -> None:
-    try:
-        check_variant(name, individual_goals, key)
-    except ScenarioError as error:
-        raise error.at(file=file, key=key) from None
-
-
-def _check_references(
-    references: Mapping[str, str], variants: tuple[str, ...], file: str | Path | None
-) -> None:
+def _check_references(references: Mapping[str, str], variants: tuple[str, ...]) -> None:
     for variant, reference in references.items():
         key = f"references.{variant}"
         for name in (variant, reference):
             if name not in variants:
                 text = f"{short(name)} is none of the suite's variants ({', '.join(variants)})"
-                raise ScenarioError(text, file=file, key=key)
+                raise ScenarioError(text, key=key)
         if variant == reference:
-            raise ScenarioError("a variant cannot be its own reference", file=file, key=key)
+            raise ScenarioError("a variant cannot be its own reference", key=key)
 
 
 def _group(
-    given: dict[str, Any],
-    variants: tuple[str, ...] | None,
-    file: str | Path | None,
-    place: str,
+    given: dict[str, Any], variants: tuple[str, ...] | None, base: Path, place: str
 ) -> Group:
-    head_keys = tuple(_GroupHead.model_fields)
-    head: _GroupHead = _validated(
-        _GroupHead, {key: given[key] for key in head_keys if key in given}, file, place
-    )
+    rest = dict(given)
+    of_head = {key: rest.pop(key) for key in _GroupHead.model_fields if key in rest}
+    head: _GroupHead = _validated(_GroupHead, of_head, base, place)
     kinds = sampler_kinds()
     kind = given.get("sampler")
-    if "sampler" not in given:
-        raise ScenarioError("missing", file=file, key=f"{place}.sampler", choices=kinds)
     if not isinstance(kind, str) or kind not in kinds:
-        hint = did_you_mean(str(kind), kinds)
-        raise ScenarioError(
-            f"unknown value {short(kind)}{hint}", file=file, key=f"{place}.sampler", choices=kinds
-        )
-    rest = {key: value for key, value in given.items() if key not in head_keys}
-    sampler: Any = _validated(kinds[kind], rest, file, place)
+        text = f"unknown value {short(kind)}{did_you_mean(str(kind), kinds)}"
+        if "sampler" not in given:
+            text = "missing"
+        raise ScenarioError(text, key=f"{place}.sampler", choices=kinds)
+    sampler: Any = _validated(kinds[kind], rest, base, place)
     individual_goals = bool(sampler.individual_goals)
     for where, names in ((f"{place}.variants", head.variants), ("variants", variants)):
         if names is not None:
             for index, name in enumerate(names):
-                _check_variant(name, individual_goals, file, f"{where}[{index}]")
+                check_variant(name, individual_goals, f"{where}[{index}]")
             return Group(head.name, head.seeds, sampler, names)
     return Group(head.name, head.seeds, sampler, default(individual_goals))
 
@@ -310,11 +293,8 @@ def sampler_kinds() -> dict[str, type[BaseModel]]:
     return {str(get_args(kind.model_fields["sampler"].annotation)[0]): kind for kind in members}
 
 
-def _validated(
-    model: type[BaseModel], data: Mapping[str, Any], file: str | Path | None, place: str
-) -> Any:
+def _validated(model: type[BaseModel], data: Mapping[str, Any], base: Path, place: str) -> Any:
     """The section, or an error that says where in the file and what was expected."""
-    base = Path.cwd() if file is None else Path(file).resolve().parent
     try:
         return model.model_validate(dict(data), context={"base": base})
     except ValidationError as error:
@@ -322,4 +302,4 @@ def _validated(
     except InputError as error:
         found = ScenarioError(str(error))
     key = ".".join(part for part in (place, found.key) if part)
-    raise found.at(file=file, key=key or None)
+    raise found.at(key=key or None)

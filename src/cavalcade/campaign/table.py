@@ -59,12 +59,8 @@ Where a key of the summary has the name of a column in front (`seed`, `variant`,
 """
 
 
-def columns_of(lines: Iterable[Mapping[str, Any]]) -> dict[str, str]:
-    """`COLUMNS`, and after them, by name, whatever else the lines' summaries and measures hold."""
-    return _columns(map(_flat, lines))
-
-
 def _columns(flats: Iterable[Mapping[str, Any]]) -> dict[str, str]:
+    """`COLUMNS`, and after them, by name, whatever else the lines' summaries and measures hold."""
     found: dict[str, str] = {}
     for flat in flats:
         for name, value in flat.items():
@@ -80,17 +76,14 @@ def _columns(flats: Iterable[Mapping[str, Any]]) -> dict[str, str]:
     return columns
 
 
-def rows_of(lines: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """One flat row per trial, ordered by scenario, seed, disturbance and variant.
+def columns_and_rows(
+    lines: Sequence[Mapping[str, Any]],
+) -> tuple[dict[str, str], list[dict[str, Any]]]:
+    """Columns with their types; a flat row per trial, by scenario, seed, disturbance and variant.
 
     Of several lines of one trial the last counts. Numbers that are not finite become null. Paths
     in texts are cut to their last part; process ids, hosts and folders are left out.
     """
-    return _table(lines)[1]
-
-
-def _table(lines: Sequence[Mapping[str, Any]]) -> tuple[dict[str, str], list[dict[str, Any]]]:
-    """Columns and rows."""
     latest = {str(line.get("trial")): line for line in lines}
     flats = [_flat(line) for line in latest.values()]
     columns = _columns(flats)
@@ -114,7 +107,7 @@ def write_table(folder: str | Path, lines: Sequence[Mapping[str, Any]]) -> Path:
     import duckdb
 
     path = Path(folder) / TABLE
-    columns, rows = _table(lines)
+    columns, rows = columns_and_rows(lines)
     try:
         with tempfile.TemporaryDirectory(dir=folder, prefix=".table-") as place:
             source, target = Path(place) / "rows.json", Path(place) / TABLE

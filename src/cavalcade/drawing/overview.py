@@ -112,7 +112,7 @@ def _draw_events(axes: Axes, events: Sequence[Event]) -> None:
         change = event.add or event.remove or event.move
         if change is None:
             continue
-        shape = shape_from_mapping(change.words)
+        shape = shape_from_mapping(change.to_dict())
         verb = "goes" if event.remove is not None else "moves" if event.move else "comes"
         notes.setdefault(shape, []).append(f"{verb} at {event.at:g} s")
         if event.move is not None:

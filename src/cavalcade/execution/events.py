@@ -143,7 +143,7 @@ class _Obstacles:
         self.motion_changed = False
         self._world = world
         self._moving: list[Any] = []
-        self._shapes = [shape_from_mapping(span.obstacle.words) for span in self.spans]
+        self._shapes = [shape_from_mapping(span.obstacle.to_dict()) for span in self.spans]
         # The first map shows the world's own obstacles; what events bring is still to be drawn.
         self._drawn: list[tuple[float, float] | None] = [
             place if span.start == 0.0 else None
@@ -211,13 +211,13 @@ class _Obstacles:
         """Fixed ones are rasterised once; the others are added to that map as they stand."""
         fixed = [span for span in self._world.spans if span.fixed]
         return self._world.base.with_shapes(
-            [shape_from_mapping(span.obstacle.words) for span in fixed]
+            [shape_from_mapping(span.obstacle.to_dict()) for span in fixed]
         )
 
 
 def _track(span: ObstacleSpan) -> ObstacleTrack:
     return ObstacleTrack(
-        shape=span.obstacle.words,
+        shape=span.obstacle.to_dict(),
         start=span.start,
         end=span.end,
         time=np.array(span.time),

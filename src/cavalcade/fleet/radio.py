@@ -198,10 +198,8 @@ def start_poses(poses: ArrayLike, robots: int) -> Array:
         InputError: Another number, or a pose that is not finite.
     """
     start = np.array(poses, dtype=float)
-    if start.shape != (robots, 3) or not robots:
+    if start.shape != (robots, 3) or not robots or not np.isfinite(start).all():
         raise InputError(
-            f"expected one pose (x, y, yaw) per robot, shape ({robots}, 3)", key="poses"
+            f"expected one finite pose (x, y, yaw) per robot, shape ({robots}, 3)", key="poses"
         )
-    if not np.isfinite(start).all():
-        raise InputError("expected finite poses", key="poses")
     return start

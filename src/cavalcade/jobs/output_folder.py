@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from cavalcade.errors import OutputError
+from cavalcade.files import make_folders, remove_folders
 from cavalcade.recording import mcap_writer, plan_file
 from cavalcade.scenario import Scenario, dump_scenario
 
@@ -38,18 +39,15 @@ class OutputFolder:
 
     def __init__(self, path: str | Path, force: bool = False) -> None:
         self.path = Path(path)
-        self._made: list[Path] = []
+        self._made = make_folders(self.path)
         try:
-            if self.path.exists() and not self.path.is_dir():
-                raise OutputError(f"{self.path}: expected a folder, this is a file")
-            if not force and self.path.is_dir() and _holds_something(self.path):
+            if not force and _holds_something(self.path):
                 raise OutputError(
                     f"{self.path}: the folder is not empty; name another one or use --force"
                 )
-            self._make_folders()
             self.stage = Path(tempfile.mkdtemp(dir=self.path, prefix=_STAGE))
         except OSError as error:
-            self._remove_folders()
+            remove_folders(self._made)
             raise OutputError(f"{self.path}: cannot be written: {_reason(error)}") from None
 
     def __enter__(self) -> Self:
@@ -57,7 +55,7 @@ class OutputFolder:
 
     def __exit__(self, *_: object) -> None:
         shutil.rmtree(self.stage, ignore_errors=True)
-        self._remove_folders()
+        remove_folders(self._made)
 
     def commit(self, scenario: Scenario, summary: Mapping[str, Any]) -> tuple[Path, ...]:
         """Put everything in place; the summary comes last, so that its being there says whole.
@@ -102,20 +100,6 @@ class OutputFolder:
                 (self.path / name).unlink(missing_ok=True)
         for picture in (self.path / FIGURES).glob("*.png"):
             picture.unlink()
-
-    def _make_folders(self) -> None:
-        for folder in reversed([self.path, *self.path.parents]):
-            if not folder.exists():
-                folder.mkdir()
-                self._made.append(folder)
-
-    def _remove_folders(self) -> None:
-        for folder in reversed(self._made):
-            try:
-                folder.rmdir()
-            except OSError:  # someone else has put something in it by now
-                break
-        self._made.clear()
 
 
 def _holds_something(folder: Path) -> bool:

@@ -11,9 +11,11 @@ import zipfile
 from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.lib.npyio import NpzFile
+from numpy.typing import NDArray
 
 from cavalcade.errors import RecordingError
 from cavalcade.files import replacing
@@ -32,10 +34,7 @@ def write_plan(
     trajectories: Sequence[Trajectory | None],
     footholds: Sequence[Array],
 ) -> Path:
-    """Write trajectories and footholds of robots 0, 1, ...
-
-    Per robot k: `t_k (T,)` s, `position_k (T, 3)` m, `velocity_k (T, 3)` m/s, `yaw_k (T,)` rad,
-    `phase_k (T,)` and `footholds_k (M, 6)`; a robot without a trajectory has none of them.
+    """Write trajectories and footholds of robots 0, 1, ..., see `plan_arrays`.
 
     Args:
         path: The new file; one that is there is replaced.
@@ -53,21 +52,33 @@ def write_plan(
         replacing(target) as temporary,
         zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED, compresslevel=6) as archive,
     ):
-        for robot, (trajectory, feet) in enumerate(zip(trajectories, footholds, strict=True)):
-            if trajectory is None:
-                continue
-            motion = [getattr(trajectory, field.name) for field in fields(Trajectory)]
-            arrays = (*motion, np.reshape(feet, (-1, 6)))
-            for key, values in zip(_KEYS, arrays, strict=True):
-                array = np.ascontiguousarray(values, np.int8 if key == "phase" else np.float64)
-                entry = zipfile.ZipInfo(f"{key}_{robot}.npy", _DATE)
-                entry.compress_type = zipfile.ZIP_DEFLATED
-                entry.create_system = _UNIX
-                entry.external_attr = 0o644 << 16
-                content = io.BytesIO()
-                np.lib.format.write_array(content, array, allow_pickle=False)
-                archive.writestr(entry, content.getvalue())
+        for name, array in plan_arrays(trajectories, footholds).items():
+            entry = zipfile.ZipInfo(f"{name}.npy", _DATE)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.create_system = _UNIX
+            entry.external_attr = 0o644 << 16
+            content = io.BytesIO()
+            np.lib.format.write_array(content, array, allow_pickle=False)
+            archive.writestr(entry, content.getvalue())
     return target
+
+
+def plan_arrays(
+    trajectories: Sequence[Trajectory | None], footholds: Sequence[Array]
+) -> dict[str, NDArray[Any]]:
+    """The arrays of a plan file by name; arguments as of `write_plan`.
+
+    Per robot k: `t_k (T,)` s, `position_k (T, 3)` m, `velocity_k (T, 3)` m/s, `yaw_k (T,)` rad,
+    `phase_k (T,)` and `footholds_k (M, 6)`; a robot without a trajectory has none of them.
+    """
+    arrays = {}
+    for robot, (trajectory, feet) in enumerate(zip(trajectories, footholds, strict=True)):
+        if trajectory is not None:
+            motion = [getattr(trajectory, field.name) for field in fields(Trajectory)]
+            for key, values in zip(_KEYS, (*motion, np.reshape(feet, (-1, 6))), strict=True):
+                kind = np.int8 if key == "phase" else np.float64
+                arrays[f"{key}_{robot}"] = np.ascontiguousarray(values, kind)
+    return arrays
 
 
 def read_plan(path: str | Path) -> tuple[dict[int, Trajectory], dict[int, Array]]:

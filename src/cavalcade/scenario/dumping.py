@@ -64,7 +64,7 @@ def _plain(scenario: Scenario, folder: Path) -> dict[str, Any]:
     data = scenario.model_dump(mode="json", exclude={"world", "robots"})
     world = scenario.world.model_dump(mode="json", exclude_none=True)
     if scenario.world.generate is not None:
-        world["generate"] = scenario.world.generate.words
+        world["generate"] = scenario.world.generate.to_dict()
     world["obstacles"] = [OneLine(obstacle) for obstacle in world["obstacles"]]
     robots = [
         OneLine(robot.model_dump(mode="json", exclude_none=True)) for robot in scenario.robots

@@ -116,8 +116,7 @@ class GenerateSource(Section):
         found = {name: getattr(self, name) for name in self._known}
         return {name: value for name, value in found.items() if value is not None}
 
-    @property
-    def words(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """What a scenario file says of it."""
         said = self.model_dump(mode="json", exclude_none=True)
         return {k: v for k, v in said.items() if not (self.is_terrain and k in _ONLY_OBSTACLES)}

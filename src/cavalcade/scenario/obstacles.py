@@ -46,8 +46,7 @@ class Obstacle(Choice):
     circle: Circle | None = None
     polygon: Polygon | None = None
 
-    @property
-    def words(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """The shape as a scenario file writes it, e.g. `{"circle": {"center": [x, y], …}}`."""
         return {self.kind: self.value.model_dump(mode="json")}
 

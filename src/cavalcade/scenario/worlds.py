@@ -172,7 +172,7 @@ def _generated(
 
 def _shape(scenario: Scenario, obstacle: Obstacle, key: str) -> Shape:
     try:
-        return shape_from_mapping(obstacle.words)
+        return shape_from_mapping(obstacle.to_dict())
     except InputError as error:
         raise _at(scenario, key, error) from None
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 
 from cavalcade.campaign.engines.protocol import Ended, Engine
@@ -42,6 +41,7 @@ def make_engine(name: str, workers: int | None) -> Engine:
         from cavalcade.campaign.engines.ray import RayEngine
 
         return RayEngine(workers)
-    near = difflib.get_close_matches(name[:40], ENGINES, n=1)
-    hint = f"; did you mean {near[0]}?" if near else ""
-    raise InputError(f"unknown engine {ascii(name)[:40]}{hint}", key="--engine", choices=ENGINES)
+    from cavalcade.scenario.messages import did_you_mean
+
+    text = f"unknown engine {ascii(name)[:40]}{did_you_mean(name, ENGINES)}"
+    raise InputError(text, key="--engine", choices=ENGINES)

@@ -91,7 +91,7 @@ class RayEngine:
     def submit(self, key: str, work: Work, arguments: tuple[Any, ...], limit: float) -> None:
         """Have `work(*arguments)` carried out; see `Engine.submit`."""
         seat = next(seat for seat in self._seats if seat.ready)
-        seat.answer = seat.actor.run_trial.remote(work, arguments)
+        seat.answer = seat.actor.carry_out.remote(work, arguments)
         seat.key, seat.deadline = key, clock.monotonic() + limit
 
     def collect(self, timeout: float) -> list[Ended]:

@@ -204,11 +204,7 @@ def _counted(
 ) -> list[tuple[int, Cell]]:
     """Cells with the number of their bin, which is 0 if there are no bins.
 
-    Args:
-        table: The trials.
-        where: Which of them count, as an SQL expression.
-        bins: Lowest and highest level of each bin.
-        over_scenarios: Count the trials of all scenarios together.
+    Arguments as of `cells_of`; bins are given by their lowest and highest levels.
     """
     scenario = f"'{ALL}'" if over_scenarios else "min(scenario)"
     keys = [*([] if over_scenarios else ["scenario_at"]), "disturbance_at", "variant_at"]

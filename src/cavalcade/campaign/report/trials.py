@@ -9,8 +9,7 @@ from typing import Any, Self
 
 from cavalcade.campaign.methods import METHOD_VARIANTS
 from cavalcade.campaign.samplers import EXPECTED, SOLVED
-
-NO_DISTURBANCE = "none"
+from cavalcade.campaign.suite import UNDISTURBED
 
 _FAILURE = "NOT success AND (feasible OR unsolvable OR avoidable > 0)"
 """The trial failed where it need not have, or touched what it need not have."""
@@ -105,7 +104,7 @@ class Order:
         return cls(
             _arranged([str(getattr(group, "name", "")) for group in groups], set(scenarios)),
             _arranged(getattr(suite, "variants", None) or ("cavalcade",), set(variants)),
-            _arranged(getattr(suite, "disturbances", None) or (NO_DISTURBANCE,), set(disturbances)),
+            _arranged(getattr(suite, "disturbances", None) or (UNDISTURBED,), set(disturbances)),
             dict(getattr(suite, "references", None) or {}),
         )
 

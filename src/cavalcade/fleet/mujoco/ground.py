@@ -56,7 +56,7 @@ class PhysicsGround:
         """
         cell = world.map.resolution
         groups = [
-            (span, blocks_of_shape(shape_from_mapping(span.obstacle.words), cell))
+            (span, blocks_of_shape(shape_from_mapping(span.obstacle.to_dict()), cell))
             for span in world.spans
         ]
         blocks = [block for span, group in groups if span.fixed for block in group]
