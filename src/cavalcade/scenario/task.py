@@ -62,7 +62,7 @@ class RobotSection(Section):
     goal: Pose | None = None
     mjcf: File | None = None
 
-    _model: RobotModel = PrivateAttr()
+    _read: RobotModel | None = PrivateAttr(default=None)
 
     @field_validator("model")
     @classmethod
@@ -73,9 +73,11 @@ class RobotSection(Section):
 
     @model_validator(mode="after")
     def _known(self) -> Self:
-        read = load_model if is_model_file(self.model) else robot_model
         try:
-            self._model = read(self.model)
+            if is_model_file(self.model):
+                self._read = load_model(self.model)
+            else:
+                robot_model(self.model)
         except InputError as error:
             text = ": ".join(part for part in (error.file, error.key, error.message) if part)
             raise expected(text, key="model", choices=error.choices) from None
@@ -83,8 +85,10 @@ class RobotSection(Section):
 
     @property
     def the_model(self) -> RobotModel:
-        """The model itself, as it was when this was read."""
-        return self._model
+        """The model itself; one of a file as it was when this was read."""
+        if not is_model_file(self.model):
+            return robot_model(self.model)
+        return self._read or load_model(self.model)
 
 
 class ConnectionSection(Section):
