@@ -111,12 +111,10 @@ def order_of_eight() -> Callable[[], object]:
 
 def figures(folder: Path) -> Callable[[], object]:
     """The figures of a run through the arena."""
-    from cavalcade.drawing.formation import make_figures
+    from cavalcade.drawing.figures import make_figures
 
     done = cv.run("square-clutter")
-    return lambda: make_figures(
-        done.scenario, done.world, done.recording, done.summary, folder / "figures"
-    )
+    return lambda: make_figures(done.scenario, done.world, done.recording, folder / "figures")
 
 
 def main() -> int:

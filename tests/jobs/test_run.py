@@ -84,6 +84,22 @@ def test_sinks_get_every_frame(go: Callable[..., Any]) -> None:
     assert np.array_equal(seen[7].commands, result.recording.commands[7])
 
 
+def test_classes_may_make_fleet_and_planner(
+    make_scenario: Callable[..., Scenario], straight: Any
+) -> None:
+    class Robots(IdealFleet):
+        def __init__(self, scenario: Scenario) -> None:
+            super().__init__(scenario.models, scenario.starts)
+
+    class Straight(type(straight(make_scenario(), None))):  # type: ignore[misc]
+        def __init__(self, scenario: Scenario, world: Any) -> None:
+            made = straight(scenario, world)
+            super().__init__(made.slots, scenario.task.goals)
+
+    result = run(make_scenario(), planner=Straight, fleet=Robots, figures=False, replay=False)
+    assert result.reason == "arrived"
+
+
 def test_fleet_and_planner_may_be_made_or_given(
     make_scenario: Callable[..., Scenario], straight: Any
 ) -> None:

@@ -76,7 +76,7 @@ _WORDS = "the field's terms; the old spelling is still taken"
 INTENDED: tuple[Change, ...] = (
     RenamedKey("*scenario.yaml", _STRAY, _ERROR, _WORDS),
     ChangedText("*", "^cavalcade-no-standoffs$", "cavalcade-no-recovery", _WORDS),
-    ChangedText("*", "^no way to the goal for ", "no path to the goal for ", _WORDS),
+    ChangedText("*", "no way to the goal for ", "no path to the goal for ", _WORDS),
     ChangedText("*", "^stand-off of ", "deadlock of ", _WORDS),
     *(RenamedKey("*/summary.json", "", key, _EVERY_KEY) for key in _PLAN_KEYS),
     ChangedOrder("run/summary.json", "margin_m and delay_s stand where those of plans do"),

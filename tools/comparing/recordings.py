@@ -35,6 +35,8 @@ def recording_differences(
     if old.read_bytes() == new.read_bytes():
         return
     before, after = _read(old), _read(new)
+    for messages in _texts(before):
+        messages[:] = [(time, _reworded(name, data, changes)) for time, data in messages]
     names = list(before.topics)
     before.topics, after.topics = apply_changes(
         name, before.topics, after.topics, changes, flat=True
@@ -61,6 +63,23 @@ def recording_differences(
             if one != other:
                 yield f"order of messages, number {index}", str(one), str(other)
                 return
+
+
+def _texts(recording: _Recording) -> Iterator[list[tuple[int, bytes]]]:
+    """The messages of each topic of texts."""
+    for topic, kind in recording.topics.items():
+        if kind == "std_msgs/msg/String":
+            yield recording.messages.get(topic, [])
+
+
+def _reworded(name: str, data: bytes, changes: Sequence[Change]) -> bytes:
+    """A text in CDR - four bytes, its length, itself and a zero - as it would be said today."""
+    said = data[8:].rstrip(b"\0").decode("utf-8")
+    text, _ = apply_changes(name, said, "", changes)
+    if text == said:
+        return data
+    body = text.encode("utf-8") + b"\0"
+    return data[:4] + len(body).to_bytes(4, "little") + body
 
 
 def _first(

@@ -143,8 +143,8 @@ def run(
         reporter.timeout = resolved.execution.timeout
         task = task_of(resolved, world, reporter, planner)
         robots = task.make_fleet() if fleet is None else fleet
-        if not isinstance(robots, Fleet):
-            robots = robots(resolved)
+        if isinstance(robots, type) or not isinstance(robots, Fleet):
+            robots = robots(resolved)  # a class that makes fleets has all their attributes, too
         policy = task.make_policy(robots)
         done = carry_out(
             resolved,

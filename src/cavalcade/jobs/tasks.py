@@ -87,9 +87,10 @@ class Task:
         """
         if self._policy is None:
             return self.own_policy(fleet)
-        if isinstance(self._policy, Policy):
-            return self._policy
-        return self._policy(self.scenario, self.world)
+        # A class that makes policies has all their attributes, too.
+        if isinstance(self._policy, type) or not isinstance(self._policy, Policy):
+            return self._policy(self.scenario, self.world)
+        return self._policy
 
     def own_policy(self, fleet: Fleet) -> Policy:
         """The policy that the task has by itself."""
