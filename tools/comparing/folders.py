@@ -27,9 +27,11 @@ TIMES = frozenset(
         "real_time_factor",
         "versions",
         "single_time_ratio",
+        "fingerprint",
     )
 )
-"""Keys of what differs between two runs of the same source."""
+"""Keys of what differs between two runs of the same source; and a campaign's fingerprint, a hash of
+its definition that stands beside it and is compared itself."""
 
 MASK = "<differs from run to run>"
 SAID = ".said.json"
