@@ -13,7 +13,42 @@ from cavalcade.geometry import Array
 
 Shape = tuple[float, float, bool]
 
+SLOW = (
+    "campaign/report/test_report.py",
+    "campaign/samplers/test_feasibility.py",
+    "campaign/samplers/test_individual_goals.py",
+    "campaign/samplers/test_samplers.py",
+    "campaign/test_",
+    "checking/physics/",
+    "cli/test_campaigns.py",
+    "cli/test_end_to_end.py",
+    "coordination/test_narrow.py",
+    "coordination/test_plan_team.py",
+    "coordination/test_repeatable.py",
+    "eikonal/test_real_maps.py",
+    "fleet/mujoco/",
+    "formation/test_safety_filter.py",
+    "jobs/physics/",
+    "jobs/plans/",
+    "jobs/test_disturbed.py",
+    "jobs/test_stuck_",
+    "kinodynamic/",
+    "lattice/test_space_time_search.py",
+    "locomotion/test_control.py",
+    "locomotion/test_leap.py",
+    "test_examples.py",
+)
+"""Beginnings of files whose tests take seconds; `make test-fast` leaves them out."""
+
 _SHARED_DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark what is slow."""
+    here = Path(__file__).resolve().parent
+    for item in items:
+        if item.path.relative_to(here).as_posix().startswith(SLOW):
+            item.add_marker(pytest.mark.slow)
 
 
 @pytest.fixture(scope="session")
