@@ -79,6 +79,7 @@ INTENDED: tuple[Change, ...] = (
     ChangedText("*", "no way to the goal for ", "no path to the goal for ", _WORDS),
     ChangedText("*", "^stand-off of ", "deadlock of ", _WORDS),
     *(RenamedKey("*/summary.json", "", key, _EVERY_KEY) for key in _PLAN_KEYS),
+    ChangedText("*.said.json", "", "cavalcade: warning: .* is called .* now", _WORDS),
     RenamedKey("*campaign.json", "suite.worlds.*.draw", "suite.worlds.*.sampler", _WORDS),
     ChangedValue("*campaign.json", "suite.worlds.*.sampler", "hopeless", "infeasible", _WORDS),
     ChangedOrder("run/summary.json", "margin_m and delay_s stand where those of plans do"),
