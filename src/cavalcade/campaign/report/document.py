@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from cavalcade.campaign.report import charts, tables
 from cavalcade.campaign.report.canvas import MOST_ROWS, Artist, Figure
 from cavalcade.campaign.report.cells import Cell, cells_of, curves_of, in_order
+from cavalcade.campaign.report.comparison_tables import comparison_tables
 from cavalcade.campaign.report.comparisons import Comparison, Factor, compare, references_of
 from cavalcade.campaign.report.curve_chart import FEW_CURVES, draw_curves
 from cavalcade.campaign.report.tables import Table, cell_names, table_of
@@ -205,7 +206,7 @@ def _comparisons(table: TrialTable, factor: Factor, artist: Artist) -> list[dict
             "factor": factor,
             "first": code(firsts[0]) if single else "its reference",
             "figures": figures,
-            "tables": tables.comparison_tables(found, factor, setting if len(settings) > 1 else ""),
+            "tables": comparison_tables(found, factor, setting if len(settings) > 1 else ""),
         }
     ]
 
