@@ -122,7 +122,7 @@ def _compiles(reporter: CampaignReporter, formations: bool, plans: bool) -> bool
 
     first = formations and not kernels_are_cached()
     long = "about 20 s" if first else ""
-    if plans and not kernels_are_cached("coordination", "_conflicts.find_conflicts"):
+    if plans and not kernels_are_cached("coordination", "conflicts.find_conflicts"):
         long = "a few minutes"
     if long:
         reporter.say(f"compiling the numerical kernels, once after installation ({long}) ...")

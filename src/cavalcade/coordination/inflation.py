@@ -25,12 +25,7 @@ def plan_inflated(
     """The plan for bodies that are inflated by `settings.margin`, or by less where that has none.
 
     Where start, goal or ground leave a robot no space for it, its margin is halved, then given up;
-    where the search finds nothing, those of all robots are.
-
-    Args:
-        problem: The team's, with bodies as they are.
-        settings: Budget and margin.
-        plan: A single search.
+    where the search finds nothing, those of all robots are. `plan` is a single search.
     """
     margins = [settings.margin] * len(problem.models)
     budget = Budget(settings.iterations, settings.seconds)
@@ -54,7 +49,8 @@ def plan_inflated(
                 margins=tuple(margins),
             )
         for k in tight:
-            margins[k] = _smaller(margins[k], settings.margin)
+            half = 0.5 * margins[k]
+            margins[k] = half if half >= _SMALLEST * settings.margin else 0.0
 
 
 def inflated(model: RobotModel, margin: float) -> RobotModel:
@@ -62,8 +58,3 @@ def inflated(model: RobotModel, margin: float) -> RobotModel:
     if not margin:
         return model
     return replace(model, length=model.length + 2.0 * margin, width=model.width + 2.0 * margin)
-
-
-def _smaller(margin: float, first: float) -> float:
-    half = 0.5 * margin
-    return half if half >= _SMALLEST * first else 0.0

@@ -12,26 +12,27 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from cavalcade.coordination._conflicts import first_conflict
 from cavalcade.coordination.budget import Budget
+from cavalcade.coordination.conflicts import first_conflict
 from cavalcade.coordination.problem import PlanSettings
+from cavalcade.coordination.result import RobotPath
 from cavalcade.coordination.robot_planner import (
     EFFORT,
     FlatPlanner,
     RobotPlanner,
     Span,
     others_among,
+    planned_by_trees,
 )
-from cavalcade.coordination.solution import RobotPath
 from cavalcade.eikonal import surface_distance
 from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import STEP, WALK, Trajectory
 from cavalcade.kinodynamic.obstruction import obstruction
 from cavalcade.kinodynamic.parameters import make_body, make_space
-from cavalcade.kinodynamic.planner import BodyPlan, plan_body
+from cavalcade.kinodynamic.planner import BodyPlan
 from cavalcade.kinodynamic.settings import BodySettings
 from cavalcade.lattice.ground import Ground
-from cavalcade.lattice.motion_limits import footprint
+from cavalcade.lattice.motion_limits import footprint, metre_cost, motion_limits
 from cavalcade.lattice.planner import TRACK_STEP, SpaceTimePlanner
 from cavalcade.robots import RobotModel
 
@@ -114,8 +115,8 @@ class TerrainPlanner(RobotPlanner):
         self, robot: int, spans: Sequence[Span], budget: Budget, delay: float
     ) -> RobotPath | None:
         """The cheapest of the trees' trajectories and waits that meets nobody."""
-        model, lattice = self.problem.models[robot], self._walking(robot).lattice
-        metre_cost = lattice.metre_cost_for(lattice.limits(model).speed)
+        model = self.problem.models[robot]
+        of_metre = metre_cost(motion_limits(model).speed)
         others = others_among(self.problem, spans)
         pool = self.trees.setdefault(robot, [])
         best: RobotPath | None = None
@@ -131,7 +132,7 @@ class TerrainPlanner(RobotPlanner):
                 if not number and pool[number].reason == "infeasible":
                     break
                 continue
-            path = RobotPath(trajectory, trajectory.duration + metre_cost * trajectory.length)
+            path = RobotPath(trajectory, trajectory.duration + of_metre * trajectory.length)
             for wait in _WAITS:
                 late = delay + wait
                 if best is not None and path.cost + late >= best.cost:
@@ -174,17 +175,7 @@ class TerrainPlanner(RobotPlanner):
             seconds=budget.left,
             discs=discs,
         )
-        problem = self.problem
-        answer = plan_body(
-            problem.ground,
-            problem.models[robot],
-            problem.starts[robot],
-            problem.goals[robot],
-            settings,
-            seed,
-        )
-        budget.spend(answer.iterations)
-        return answer
+        return planned_by_trees(self.problem, robot, settings, seed, budget)
 
 
 def _cheapest(paths: Sequence[RobotPath | None]) -> RobotPath | None:

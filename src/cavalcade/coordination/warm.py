@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from cavalcade import lattice
-from cavalcade.coordination._conflicts import find_conflicts, first_conflict
 from cavalcade.coordination._joint import search_joint
 from cavalcade.coordination.budget import Budget
-from cavalcade.coordination.conflicts import conflicts_of
+from cavalcade.coordination.conflicts import conflicts_of, find_conflicts, first_conflict
 from cavalcade.coordination.feasibility import infeasible
 from cavalcade.coordination.joint import solve_joint
 from cavalcade.coordination.problem import PlanSettings, TeamProblem

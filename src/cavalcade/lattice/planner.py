@@ -18,6 +18,7 @@ from cavalcade.lattice.ground import Ground, make_ground, read_only
 from cavalcade.lattice.motion_limits import (
     MotionLimits,
     footprint,
+    metre_cost,
     motion_limits,
     primitives_of,
 )
@@ -92,6 +93,11 @@ class TimedPath:
         """Summed over the moves, forwards and backwards, m."""
         return float(np.abs(self.moves[:, LENGTH]).sum())
 
+    @property
+    def cost(self) -> float:
+        """What the search minimises: seconds and the cost of the metres."""
+        return self.duration + metre_cost(self.limits.speed) * self.length
+
     def track(self) -> Array:
         """Poses `(K, 3)` every `TRACK_STEP` s, the last at or after the end."""
         count = math.ceil(self.duration / TRACK_STEP - 1e-9) + 1
@@ -104,20 +110,15 @@ class SpaceTimePlanner:
 
     Args:
         ground: Even, or to be walked on wherever it is not solid.
-        metre_cost: Of a metre; that of a second is 1. None: two seconds at the robot's speed.
         weight: Of the heuristic: larger ones find paths sooner, smaller ones better paths.
     """
 
-    def __init__(
-        self, ground: Ground, metre_cost: float | None = None, weight: float = 1.5
-    ) -> None:
+    def __init__(self, ground: Ground, weight: float = 1.5) -> None:
         self.ground = ground
-        self.metre_cost = metre_cost
         self.weight = weight
         self.grid = grid_of(ground)
         self._open = not ground.solid.any()
         self._to_go: dict[tuple[int, int, float, float | None], CostToGo] = {}
-        self._kinds: dict[tuple[RobotModel, int], tuple[MotionLimits, Array]] = {}
 
     def plan(
         self,
@@ -150,14 +151,14 @@ class SpaceTimePlanner:
         # (Where nothing stands the two are alike, and a search that found nothing runs again.)
         most = most if path is None else min(most, max(_SECOND_LOOK, expansions))
         other, spent, more = self._search(model, scene, start, goal, admissible, most)
-        if path is not None and (other is None or self.cost(other) >= self.cost(path)):
+        if path is not None and (other is None or other.cost >= path.cost):
             other = path
         return other, spent and other is None, expansions + more
 
     def scene(self, model: RobotModel, others: Others, margins: Margins) -> Scene:
         """A robot among others, as kernels take it."""
-        limits = self.limits(model)
-        return Scene(self.grid, others, limits, margins, self.metre_cost_for(limits.speed))
+        limits = motion_limits(model)
+        return Scene(self.grid, others, limits, margins, metre_cost(limits.speed))
 
     def _search(
         self,
@@ -168,7 +169,7 @@ class SpaceTimePlanner:
         to_go: CostToGo,
         most: int,
     ) -> tuple[TimedPath | None, bool, int]:
-        limits, primitives = self._kind(model, scene.margins.finer)
+        primitives = primitives_of(model, scene.margins.finer)
         finer = 0.5**scene.margins.finer
         settings = SearchSettings(_BIN_SIZE * finer, _BIN_TIME * finer, self.weight, most)
         status, moves, expansions = search(scene, start, goal, primitives, to_go, settings)
@@ -176,24 +177,12 @@ class SpaceTimePlanner:
             return None, status == SPENT, expansions
         if expansions > 1:
             moves = shorten(scene, start, moves, _PASSES)
-        return TimedPath(start, moves, limits, model), False, expansions
+        return TimedPath(start, moves, scene.limits, model), False, expansions
 
     def shortened(self, path: TimedPath, others: Others, margins: Margins) -> TimedPath:
         """The path with parts of it replaced by cheaper moves that keep clear of the others."""
         scene = self.scene(path.model, others, margins)
         return replace(path, moves=shorten(scene, path.start, path.moves, _PASSES))
-
-    def cost(self, path: TimedPath) -> float:
-        """What the search minimises: seconds and the cost of the metres."""
-        return path.duration + self.metre_cost_for(path.limits.speed) * path.length
-
-    def metre_cost_for(self, speed: float) -> float:
-        """What a metre costs a robot of this speed (m/s), in s."""
-        return 2.0 / speed if self.metre_cost is None else self.metre_cost
-
-    def limits(self, model: RobotModel) -> MotionLimits:
-        """The model as kernels take it."""
-        return self._kind(model, 0)[0]
 
     def reachable(self, model: RobotModel, start: Array, goal: Array) -> bool:
         """Whether a disc as wide as the body gets from the start to the goal."""
@@ -238,12 +227,6 @@ class SpaceTimePlanner:
             times = arrival_times(speed, [(row, col)], cell * factor)
             self._to_go[key] = CostToGo(np.ascontiguousarray(times), cell * factor)
         return self._to_go[key]
-
-    def _kind(self, model: RobotModel, finer: int) -> tuple[MotionLimits, Array]:
-        key = (model, finer)
-        if key not in self._kinds:
-            self._kinds[key] = (motion_limits(model), primitives_of(model, finer))
-        return self._kinds[key]
 
 
 def trajectory_of(path: TimedPath, ground: Ground | None = None) -> Trajectory:
