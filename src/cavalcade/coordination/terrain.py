@@ -28,7 +28,7 @@ from cavalcade.eikonal import surface_distance
 from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import STEP, WALK, Trajectory
 from cavalcade.kinodynamic.obstruction import obstruction
-from cavalcade.kinodynamic.parameters import make_body, make_space
+from cavalcade.kinodynamic.parameters import LEAST_TRAVERSABILITY, make_body, make_space
 from cavalcade.kinodynamic.planner import BodyPlan
 from cavalcade.kinodynamic.settings import BodySettings
 from cavalcade.lattice.ground import Ground
@@ -49,8 +49,6 @@ _MARGIN, _LOOK = 0.05, 0.025
 
 _WAITS = tuple(0.5 * k for k in range(13)) + tuple(7.0 + k for k in range(14))
 """How long to wait at the start, s."""
-
-_LEAST_TRAVERSABILITY = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,7 +191,7 @@ def walkable(ground: Ground, model: RobotModel) -> Ground:
         return ground
     legs = model.legs
     above = ground.smooth + legs.h_nom - ground.height
-    bad = ground.traversability < _LEAST_TRAVERSABILITY
+    bad = ground.traversability < LEAST_TRAVERSABILITY
     bad |= above > legs.h_max - 0.01
     bad |= above < legs.h_min + legs.trunk_height / 2.0 + 0.02
     solid = np.ascontiguousarray(ground.solid | bad)

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from cavalcade.geometry import Array
 from cavalcade.kinodynamic._tree import Tree, nearest
 from cavalcade.kinodynamic._tree_extension import PLACES, REACHED, TRAPPED, extend
-from cavalcade.kinodynamic._validity import may_turn
+from cavalcade.kinodynamic._validity import may_turn, rest_at
 from cavalcade.kinodynamic.parameters import copy_to
 from cavalcade.kinodynamic.random import between, normal, uniform
-from cavalcade.lattice.surface import surface
+from cavalcade.lattice.ground import surface
 
 SOLVED, SPENT, FULL = 0, 1, 2
 """How a search ends: the trees meet; all iterations are spent; a tree has no room for nodes."""
@@ -106,9 +106,7 @@ def _sample_nearby(space, rng, tree, out):
     ahead = between(rng, 0.15, 0.8)
     if tree.backwards:
         ahead = -ahead
-    out[0], out[1] = own[0] + ahead * math.cos(angle), own[1] + ahead * math.sin(angle)
-    out[2] = surface(space.ground, out[0], out[1])[0] + space.body.h_nom
-    out[3], out[4], out[5] = 0.0, 0.0, 0.0
+    rest_at(space, own[0] + ahead * math.cos(angle), own[1] + ahead * math.sin(angle), out)
     return near
 
 

@@ -18,10 +18,10 @@ from cavalcade.kinodynamic._connect import (
     walk_state,
 )
 from cavalcade.kinodynamic._primitives import edge_heading, edge_length, edge_yaw, path_length
-from cavalcade.kinodynamic._validity import may_turn, stands_still
+from cavalcade.kinodynamic._validity import may_turn, rest_at, stands_still
 from cavalcade.kinodynamic.parameters import CONNECT, END, KIND, OK, SIZE, START, TIME, copy_to
 from cavalcade.kinodynamic.random import uniform
-from cavalcade.lattice.surface import surface
+from cavalcade.lattice.ground import surface
 
 _LONGER = 1.003
 """A path without a stop may be this much longer than one with it."""
@@ -67,14 +67,6 @@ def _valid_walk(space, s0, s1, arrival, departure, edge, scratch):
 
 
 @njit(cache=True)
-def _rest_at(space, x, y, out):
-    """Write the state of rest at a place, at nominal height."""
-    out[0], out[1] = x, y
-    out[2] = surface(space.ground, x, y)[0] + space.body.h_nom
-    out[3], out[4], out[5] = 0.0, 0.0, 0.0
-
-
-@njit(cache=True)
 def pull_string(space, points, yaw):
     """Walks from rest to rest along straight lines between points of a path.
 
@@ -90,7 +82,7 @@ def pull_string(space, points, yaw):
     edges = np.empty((last, SIZE))
     edge, scratch = np.empty(SIZE), np.empty(6)
     begin, end = np.empty(6), np.empty(6)
-    _rest_at(space, points[0, 0], points[0, 1], begin)
+    rest_at(space, points[0, 0], points[0, 1], begin)
     at, kept = 0, 0
     while at < last:
         # The walk reaches `good` and not `bad`; steps grow until there is one that it does not.
@@ -98,7 +90,7 @@ def pull_string(space, points, yaw):
         arrival = _arrival(edges, kept, yaw)
         while bad - good > 1 and good < last:
             to = min(at + step, last) if bad > last else (good + bad) // 2
-            _rest_at(space, points[to, 0], points[to, 1], end)
+            rest_at(space, points[to, 0], points[to, 1], end)
             departure = _departure(edges, last, yaw) if to == last else math.nan
             if _valid_walk(space, begin, end, arrival, departure, edge, scratch):
                 good = to
@@ -189,7 +181,7 @@ def _place(space, edge, part, out):
     """A state on a CONNECT: at rest if it leads from rest to rest along a line, else as it is."""
     walk_state(space, edge, part * edge[TIME], out)
     if stands_still(edge[START : START + 6]) and stands_still(edge[END : END + 6]):
-        _rest_at(space, out[0], out[1], out)
+        rest_at(space, out[0], out[1], out)
 
 
 @njit(cache=True)

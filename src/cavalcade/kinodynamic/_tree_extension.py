@@ -13,9 +13,9 @@ from cavalcade.kinodynamic._connect import walk_state
 from cavalcade.kinodynamic._leap_over_barrier import Line, find_barrier, leap_over
 from cavalcade.kinodynamic._leap_random import random_leap
 from cavalcade.kinodynamic._tree import add_node, connect, make_walk_from
-from cavalcade.kinodynamic._validity import stands_still
+from cavalcade.kinodynamic._validity import rest_at, stands_still
 from cavalcade.kinodynamic.parameters import END, GROUND, MOTION, OK, SIZE, START, TIME, copy_to
-from cavalcade.lattice.surface import surface
+from cavalcade.lattice.ground import surface
 
 TRAPPED, ADVANCED, REACHED = 0, 1, 2
 
@@ -97,8 +97,7 @@ def _advance(space, tree, node, state, until, work):
         walk_state(space, edge, edge[TIME] - until if tree.backwards else until, stop)
         if math.hypot(stop[0] - own[0], stop[1] - own[1]) < _LEAST_LENGTH:
             return -1
-        stop[2] = surface(space.ground, stop[0], stop[1])[0] + space.body.h_nom
-        stop[3], stop[4], stop[5] = 0.0, 0.0, 0.0
+        rest_at(space, stop[0], stop[1], stop)
         allowed = make_walk_from(space, tree, own, stop, edge)
         return add_node(tree, node, edge) if allowed else -1
     until *= _BACK_UP
