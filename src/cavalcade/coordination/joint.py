@@ -19,11 +19,11 @@ from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.conflicts import conflicts_of
 from cavalcade.coordination.problem import TeamProblem
 from cavalcade.coordination.result import Paths, RobotPath, total_cost
-from cavalcade.coordination.robot_planner import TeamSearch, spans_of
+from cavalcade.coordination.robot_planner import Span, TeamSearch, others_among, spans_of
 from cavalcade.geometry import Array
 from cavalcade.lattice.collision import Margins
 from cavalcade.lattice.motion_limits import metre_cost, motion_limits, team_limits
-from cavalcade.lattice.planner import MARGINS, NOBODY, SpaceTimePlanner, TimedPath, others_of
+from cavalcade.lattice.planner import MARGINS, NOBODY, SpaceTimePlanner, TimedPath
 from cavalcade.lattice.primitives import DURATION
 
 _ATTEMPT = 200
@@ -51,12 +51,7 @@ def solve_joint(
 ) -> Paths | None:
     """Paths without conflicts, or None if the budget was spent first.
 
-    Args:
-        problem: The team's.
-        lattice: Whose ground, limits and costs are used.
-        budget: Of the call.
-        rng: Seeds the trees.
-        polish: Shorten the paths afterwards; the paper's planner does not.
+    They are shortened afterwards if `polish` says so; the paper's planner does not.
     """
     state = rng.integers(0, 2**63, size=1, dtype=np.int64).astype(np.uint64)
     limits = [motion_limits(model) for model in problem.models]
@@ -124,13 +119,8 @@ def _polished(
     for _ in range(_ROUNDS):
         before = sum(path.cost for path in paths)
         for k, path in enumerate(paths):
-            rest = [j for j in range(len(paths)) if j != k]
-            others = others_of(
-                [paths[j].track() for j in rest],
-                [problem.models[j] for j in rest],
-                [(i, 0.0, np.inf) for i in range(len(rest))],
-            )
-            paths[k] = lattice.shortened(path, others, margins)
+            rest = [Span(j, other.track()) for j, other in enumerate(paths) if j != k]
+            paths[k] = lattice.shortened(path, others_among(problem, rest), margins)
         if sum(path.cost for path in paths) > before - 1e-6:
             break
     return paths

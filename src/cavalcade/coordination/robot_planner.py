@@ -70,11 +70,7 @@ class RobotPlanner(ABC):
     ) -> RobotPath | None:
         """The cheapest path found that avoids all spans; None if there is none.
 
-        Args:
-            robot: Which one.
-            spans: What to avoid.
-            budget: What is used is taken from it.
-            effort: Iterations at most.
+        At most `effort` iterations are used and taken from the budget.
         """
 
     def delayed(

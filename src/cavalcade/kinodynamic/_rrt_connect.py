@@ -51,13 +51,10 @@ class Sampler(NamedTuple):
 
 @njit(cache=True)
 def sample_state(space, sampler, tree, other, out):
-    """Sample a state `(6,)` at nominal height for a tree.
+    """Sample a state `(6,)` at nominal height for a tree; returns the nearest node of it.
 
     The places are uniform on the map but for those beside the guide and, for a tree that the other
     one has left behind, those just ahead of its nodes.
-
-    Returns:
-        The nearest node of the tree.
     """
     ground, body, rng, guide = space.ground, space.body, sampler.rng, sampler.guide
     stuck = 4 * tree.used[0] < other.used[0]
@@ -112,11 +109,7 @@ def _sample_nearby(space, rng, tree, out):
 
 @njit(cache=True)
 def search(space, trees, sampler, begin, end):
-    """Grow both trees until they meet.
-
-    Args:
-        trees: That of the start and that of the goal.
-        begin, end: Numbers of the first iteration and of the one after the last.
+    """Grow both trees until they meet, from iteration `begin` to the one before `end`.
 
     Returns:
         `SOLVED`, `SPENT` or `FULL`; the number of the next iteration; and the nodes of both trees

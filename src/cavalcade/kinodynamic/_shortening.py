@@ -68,15 +68,10 @@ def _valid_walk(space, s0, s1, arrival, departure, edge, scratch):
 
 @njit(cache=True)
 def pull_string(space, points, yaw):
-    """Walks from rest to rest along straight lines between points of a path.
+    """Walks from rest to rest along straight lines between points `(K, 2)` of a path.
 
-    Each is as long as it can be found by doubling and halving.
-
-    Args:
-        points: `(K, 2)` x, y from the start to the goal.
-
-    Returns:
-        `(M, SIZE)`, empty if two neighbouring points cannot be joined so.
+    Each is as long as it can be found by doubling and halving. There are none if two neighbouring
+    points cannot be joined so.
     """
     last = points.shape[0] - 1
     edges = np.empty((last, SIZE))
@@ -139,11 +134,7 @@ def shorten(space, edges, yaw):
 
 @njit(cache=True)
 def shortcut(space, rng, edges, yaw):
-    """Try a CONNECT between two random places of a path.
-
-    Returns:
-        The path, changed if that made it shorter, and whether it did.
-    """
+    """The path with a CONNECT between two random places if that is shorter; and whether it is."""
     count = edges.shape[0]
     i, j = int(uniform(rng) * count), int(uniform(rng) * count)
     a, b = uniform(rng), uniform(rng)
@@ -202,15 +193,10 @@ def _part(space, edge, state, first, part):
 
 @njit(cache=True)
 def round_corners(space, edges, yaw):
-    """Walk through places of rest between two CONNECTs where that is hardly any longer, in place.
-
-    Returns:
-        How many are gone.
-    """
+    """Walk through places of rest between CONNECTs where that is hardly any longer, in place."""
     v_nom = space.body.v_nom
     scratch, state = np.empty(6), np.empty(6)
     first, last = np.empty(SIZE), np.empty(SIZE)
-    gone = 0
     for i in range(edges.shape[0] - 1):
         if edges[i, KIND] != CONNECT or edges[i + 1, KIND] != CONNECT:
             continue
@@ -242,6 +228,4 @@ def round_corners(space, edges, yaw):
             if new <= _LONGER * old:
                 copy_to(edges[i], first)
                 copy_to(edges[i + 1], last)
-                gone += 1
                 break
-    return gone

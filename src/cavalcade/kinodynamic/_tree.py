@@ -52,12 +52,9 @@ def make_tree(size: int, backwards: bool, state: Array, yaw: float) -> Tree:
 
 def enlarged(tree: Tree) -> Tree:
     """The same tree with twice the places."""
-    states, yaws, edges = (
-        np.concatenate([array, np.empty_like(array)])
-        for array in (tree.states, tree.yaws, tree.edges)
-    )
-    parents = np.concatenate([tree.parents, np.empty_like(tree.parents)])
-    return Tree(tree.backwards, states, yaws, parents, edges, tree.used)
+    arrays = {name: getattr(tree, name) for name in ("states", "yaws", "parents", "edges")}
+    larger = {name: np.concatenate([each, np.empty_like(each)]) for name, each in arrays.items()}
+    return tree._replace(**larger)
 
 
 @njit(cache=True)

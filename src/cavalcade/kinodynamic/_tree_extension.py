@@ -61,11 +61,7 @@ def make_work():
 
 @njit(cache=True)
 def extend(space, tree, node, state, rng):
-    """Extend a tree from a node towards a state.
-
-    Returns:
-        `TRAPPED`, `ADVANCED` or `REACHED`, and the last node added.
-    """
+    """Extend a tree from a node: `TRAPPED`, `ADVANCED` or `REACHED`, and the last node added."""
     work = make_work()
     status = TRAPPED
     for _ in range(_BARRIERS):
@@ -117,11 +113,7 @@ def truncate(space, edge, backwards, until, scratch):
 
 @njit(cache=True)
 def _cross(space, tree, node, state, until, rng, work):
-    """Add a leap over what stops a walk from a node to a state, and the walk to it.
-
-    Returns:
-        The node behind the leap, or -1.
-    """
+    """Add a leap over what stops a walk to a state, and the walk to it: the node behind, or -1."""
     own, leap = tree.states[node], work.leap
     dx, dy = state[0] - own[0], state[1] - own[1]
     away = math.hypot(dx, dy)
@@ -155,12 +147,9 @@ def _cross(space, tree, node, state, until, rng, work):
 
 @njit(cache=True)
 def _link(space, tree, node, target, line, work):
-    """Walk from a node to where a leap begins (backwards: from where it ends to the node).
+    """Walk from a node to where a leap begins (backwards: from where it ends): its node, or -1.
 
     With a run-up at walking speed where there is room, else at once, else from rest.
-
-    Returns:
-        The node at the leap, or -1.
     """
     own, mid = tree.states[node], np.empty(6)
     back = _RUN_UP if tree.backwards else -_RUN_UP

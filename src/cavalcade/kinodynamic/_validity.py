@@ -178,13 +178,7 @@ def carried(space, x, y, z, cos, sin, phase):
 
 @njit(cache=True)
 def state_problem(space, state, cos, sin, phase):
-    """What is wrong with a state: `OK`, `SOLID`, `GROUND` or `MOTION`.
-
-    Args:
-        state: `(6,)`.
-        cos, sin: Of the yaw.
-        phase: `WALK`, `TAKE_OFF`, `FLIGHT` or `LANDING`.
-    """
+    """What is wrong with a state in a phase: `OK`, `SOLID`, `GROUND` or `MOTION`."""
     x, y, vx, vy = state[0], state[1], state[3], state[4]
     if vx * vx + vy * vy > space.body.v_max * space.body.v_max * (1.0 + 1e-9):
         return MOTION

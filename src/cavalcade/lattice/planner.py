@@ -141,15 +141,28 @@ class SpaceTimePlanner:
             The path or None; whether that is because `most` was spent; expansions.
         """
         scene = self.scene(model, others, margins)
+        primitives, finer = primitives_of(model, margins.finer), 0.5**margins.finer
+
+        def searched(to_go: CostToGo, most: int) -> tuple[TimedPath | None, bool, int]:
+            settings = SearchSettings(_BIN_SIZE * finer, _BIN_TIME * finer, self.weight, most)
+            status, moves, expansions = search(scene, start, goal, primitives, to_go, settings)
+            if status != FOUND:
+                return None, status == SPENT, expansions
+            if expansions > 1:
+                moves = shorten(scene, start, moves, _PASSES)
+            return TimedPath(start, moves, scene.limits, model), False, expansions
+
         likely = self._likely_cost_to_go(start, goal, model)
-        path, spent, expansions = self._search(model, scene, start, goal, likely, most)
+        path, spent, expansions = searched(likely, most)
         admissible = self.cost_to_go(goal, model)
-        if likely is admissible or (path is not None and not _long(path, admissible)):
+        # Whether it is much longer than it has to be; where nothing stands, it is not.
+        least = 1.25 * _at(admissible, start) + 0.5 if admissible.lengths.size else math.inf
+        if likely is admissible or (path is not None and path.length <= least):
             return path, spent, expansions
         # What the likely cost-to-go thinks little of may be the shorter path, or the only one.
         # (Where nothing stands the two are alike, and a search that found nothing runs again.)
         most = most if path is None else min(most, max(_SECOND_LOOK, expansions))
-        other, spent, more = self._search(model, scene, start, goal, admissible, most)
+        other, spent, more = searched(admissible, most)
         if path is not None and (other is None or other.cost >= path.cost):
             other = path
         return other, spent and other is None, expansions + more
@@ -159,25 +172,6 @@ class SpaceTimePlanner:
         limits = motion_limits(model)
         return Scene(self.grid, others, limits, margins, metre_cost(limits.speed))
 
-    def _search(
-        self,
-        model: RobotModel,
-        scene: Scene,
-        start: Array,
-        goal: Array,
-        to_go: CostToGo,
-        most: int,
-    ) -> tuple[TimedPath | None, bool, int]:
-        primitives = primitives_of(model, scene.margins.finer)
-        finer = 0.5**scene.margins.finer
-        settings = SearchSettings(_BIN_SIZE * finer, _BIN_TIME * finer, self.weight, most)
-        status, moves, expansions = search(scene, start, goal, primitives, to_go, settings)
-        if status != FOUND:
-            return None, status == SPENT, expansions
-        if expansions > 1:
-            moves = shorten(scene, start, moves, _PASSES)
-        return TimedPath(start, moves, scene.limits, model), False, expansions
-
     def shortened(self, path: TimedPath, others: Others, margins: Margins) -> TimedPath:
         """The path with parts of it replaced by cheaper moves that keep clear of the others."""
         scene = self.scene(path.model, others, margins)
@@ -185,8 +179,7 @@ class SpaceTimePlanner:
 
     def reachable(self, model: RobotModel, start: Array, goal: Array) -> bool:
         """Whether a disc as wide as the body gets from the start to the goal."""
-        to_go = self.cost_to_go(goal, model)
-        return not to_go.lengths.shape[0] or bool(np.isfinite(_at(to_go, start)))
+        return math.isfinite(_at(self.cost_to_go(goal, model), start))
 
     def cost_to_go(self, goal: Array, model: RobotModel) -> CostToGo:
         """Lengths of the shortest paths to the goal on a coarser grid, m.
@@ -204,9 +197,7 @@ class SpaceTimePlanner:
         half = model.width / 2.0
         turning = half if model.round else math.hypot(model.length, model.width) / 2.0
         to_go = self._lengths(goal, half, turning)
-        if to_go.lengths.shape[0] and not np.isfinite(_at(to_go, start)):
-            return self.cost_to_go(goal, model)
-        return to_go
+        return to_go if math.isfinite(_at(to_go, start)) else self.cost_to_go(goal, model)
 
     def _lengths(self, goal: Array, least: float, turning: float | None) -> CostToGo:
         """Over ground with a clearance of `least` m, cheap where it is more than `turning` m."""
@@ -305,16 +296,11 @@ def warm_up() -> None:
     trajectory_of(first if second is None else second, ground)
 
 
-def _long(path: TimedPath, to_go: CostToGo) -> bool:
-    """Whether a path is much longer than the cost-to-go has it."""
-    if not to_go.lengths.shape[0]:
-        return False
-    return path.length > 1.25 * float(_at(to_go, path.start)) + 0.5
-
-
-def _at(to_go: CostToGo, pose: Sequence[float] | Array) -> float:
+def _at(to_go: CostToGo, pose: Array) -> float:
     """The length to go from a pose's cell, m."""
     rows, cols = to_go.lengths.shape
+    if not rows:
+        return 0.0
     row, col = min(int(pose[1] / to_go.cell), rows - 1), min(int(pose[0] / to_go.cell), cols - 1)
     return float(to_go.lengths[row, col])
 
