@@ -50,7 +50,7 @@ class TeamScene(NamedTuple):
 
 @njit(cache=True)
 def word_between(team, k, a, b):
-    """The cheapest word `(M, 6)` of robot `k` from rest at `a` to rest at `b`; whether one is free."""
+    """The cheapest word `(M, 6)` of robot `k` from rest at `a` to rest at `b`; whether any."""
     limits = member(team.team, k)
     scene = Scene(team.grid, team.nobody, limits, team.margins, team.metre_cost)
     words = no_words()

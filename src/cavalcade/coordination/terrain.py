@@ -181,12 +181,7 @@ def _cheapest(paths: Sequence[RobotPath | None]) -> RobotPath | None:
 
 
 def walkable(ground: Ground, model: RobotModel) -> Ground:
-    """The ground with everything solid that a foot may not stand on or the belly would touch.
-
-    Args:
-        ground: Any.
-        model: A robot with legs.
-    """
+    """The ground with everything solid that a foot may not stand on or the belly would touch."""
     if ground.flat or model.legs is None:
         return ground
     legs = model.legs

@@ -27,9 +27,7 @@ _STARTS = ((0.6, 1.5, 0.0), (3.4, 1.5, np.pi))
 def warm_up(joint: bool, terrain: bool) -> None:
     """Use every kernel once on problems of a moment, unless this process has done so already.
 
-    Args:
-        joint: Those of the product space, too.
-        terrain: Those of uneven ground, too.
+    Those of the product space (`joint`) and of uneven ground (`terrain`) only if asked for.
     """
     problem = TeamProblem.on_map(
         OccupancyMap.empty((4.0, 3.0)), ("spirit", "spirit"), _STARTS, _STARTS[::-1]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -52,8 +52,10 @@ def make_tree(size: int, backwards: bool, state: Array, yaw: float) -> Tree:
 
 def enlarged(tree: Tree) -> Tree:
     """The same tree with twice the places."""
-    arrays = {name: getattr(tree, name) for name in ("states", "yaws", "parents", "edges")}
-    larger = {name: np.concatenate([each, np.empty_like(each)]) for name, each in arrays.items()}
+    larger: dict[str, Any] = {}
+    for name in ("states", "yaws", "parents", "edges"):
+        array = getattr(tree, name)
+        larger[name] = np.concatenate([array, np.empty_like(array)])
     return tree._replace(**larger)
 
 

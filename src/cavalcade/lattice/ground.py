@@ -43,12 +43,7 @@ class Ground(NamedTuple):
 
 
 def make_ground(map: OccupancyMap, terrain: Terrain | None = None) -> Ground:
-    """The ground of a world.
-
-    Args:
-        map: What is solid.
-        terrain: Heights on the same grid; None for flat ground.
-    """
+    """The ground of a world: what is solid, and heights on the same grid unless it is flat."""
     solid = np.ascontiguousarray(map.occupied)
     clearance = np.ascontiguousarray(surface_distance(solid, map.resolution))
     if terrain is None:
@@ -83,11 +78,8 @@ def read_only(ground: Ground) -> Ground:
 def corner(rows, cols, scale, x, y):
     """The cell whose centre is the lower left one around a point, and the point's place between.
 
-    Args:
-        scale: Cells per m.
-
-    Returns:
-        Row and column, unsigned, and the shares 0 to 1 along x and y. Beyond the edge, the edge.
+    Row and column, unsigned, and the shares 0 to 1 along x and y; beyond the edge, the edge. There
+    are `scale` cells per m.
     """
     u = min(max(x * scale - 0.5, 0.0), cols - 1.0)
     v = min(max(y * scale - 0.5, 0.0), rows - 1.0)

@@ -134,12 +134,7 @@ def footprint_of(limits: MotionLimits) -> Footprint:
 
 @cache
 def primitives_of(model: RobotModel, finer: int = 0) -> Array:
-    """The moves `(P, 8)` that a search in space and time tries from every state.
-
-    Args:
-        model: Of the robot.
-        finer: How often to halve the steps.
-    """
+    """The moves `(P, 8)` that a search tries from every state, with steps halved `finer` times."""
     limits = motion_limits(model)
     speed, radius = limits.speed, limits.radius
     scale = 0.5**finer

@@ -269,12 +269,9 @@ def stacked(tracks: Sequence[Array]) -> Array:
 
 
 def others_of(tracks: list[Array], models: list[RobotModel], spans: list[Any]) -> Others:
-    """Tracks of different lengths as one array, each standing at its last pose for good.
+    """Robots on tracks `(K_j, 3)` every `TRACK_STEP` s, each standing at its last pose for good.
 
-    Args:
-        tracks: `(K_j, 3)` poses every `TRACK_STEP` s.
-        models: Of the robots on them.
-        spans: (track, from, to) in s.
+    `spans` are which track, and from when to when in s.
     """
     if not tracks or not spans:
         return NOBODY
