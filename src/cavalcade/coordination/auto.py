@@ -29,7 +29,7 @@ def solve_auto(search: TeamSearch) -> Solution:
     conflicts = conflicts_of([path.track for path in alone], problem.models, 1)
     if not conflicts:
         return Solution(alone, True, "")
-    coupled = {robot for conflict in conflicts for robot in (conflict.i, conflict.j)}
+    coupled = sorted({robot for conflict in conflicts for robot in (conflict.i, conflict.j)})
     paths = mended_orders(search, len(alone) + 2, EFFORT // 4)
     if paths is None and len(coupled) <= _FEW:
         part = replace(search, budget=budget.share(_SHARE))
@@ -39,7 +39,7 @@ def solve_auto(search: TeamSearch) -> Solution:
             return replace(searched, paths=improved(search, searched.paths))
         if problem.ground.flat:
             part = replace(search, budget=budget.share(_SHARE))
-            merged = solve_merged(part)
+            merged = solve_merged(part, coupled)
             budget.spend(part.budget.used)
             if merged is not None:
                 return Solution(improved(search, merged), True, "joint")
@@ -53,7 +53,7 @@ def solve_auto(search: TeamSearch) -> Solution:
     searched = conflict_search(search, alone)
     if searched.solved:
         return replace(searched, paths=improved(search, searched.paths))
-    merged = solve_merged(search) if problem.ground.flat else None
+    merged = solve_merged(search, coupled) if problem.ground.flat else None
     return searched if merged is None else Solution(merged, True, "joint")
 
 

@@ -6,6 +6,8 @@ each robot's path is shortened in space and time among those of the others.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from cavalcade.coordination._joint import (
@@ -16,7 +18,6 @@ from cavalcade.coordination._joint import (
     word_between,
 )
 from cavalcade.coordination.budget import Budget
-from cavalcade.coordination.conflicts import conflicts_of
 from cavalcade.coordination.problem import TeamProblem
 from cavalcade.coordination.result import Paths, RobotPath, total_cost
 from cavalcade.coordination.robot_planner import Span, TeamSearch, others_among, spans_of
@@ -126,11 +127,9 @@ def _polished(
     return paths
 
 
-def solve_merged(search: TeamSearch) -> Paths | None:
-    """Robots whose own paths conflict planned as one, the others one by one past them."""
+def solve_merged(search: TeamSearch, group: Sequence[int]) -> Paths | None:
+    """The robots of a group planned as one, the others one by one past them."""
     planner, alone = search.planner, search.alone
-    conflicts = conflicts_of([path.track for path in alone], planner.problem.models, 1)
-    group = sorted({robot for conflict in conflicts for robot in (conflict.i, conflict.j)})
     part = planner.problem.part(group)
     together = solve_joint(part, search.lattice, search.budget, search.rng)
     if together is None:

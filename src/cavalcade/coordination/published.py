@@ -62,14 +62,12 @@ class PublishedPlanner(RobotPlanner):
         return RobotPath(answer.trajectory, answer.trajectory.length)
 
     def _discs(self, robot: int, span: Span) -> Array:
-        track = span.track[::_SPACING]
-        keep = np.ones(len(track), dtype=bool)
+        places = span.track[::_SPACING, :2]
         if len(span.track) > 1 and span.end == np.inf:
             legs = self.problem.models[robot].legs
             speed = 0.5 if legs is None else legs.v_nom
-            away = np.hypot(*(track[:, :2] - self.problem.starts[robot][:2]).T)
-            there = np.arange(len(track)) * _SPACING * TRACK_STEP
-            keep = np.abs(there - away / speed) <= _WINDOW
-            track, keep = np.concatenate([track, span.track[-1:]]), np.append(keep, True)
-        rows = track[keep, :2]
-        return np.column_stack([rows, np.full(len(rows), DISTANCE)])
+            away = np.hypot(*(places - self.problem.starts[robot][:2]).T)
+            there = np.arange(len(places)) * _SPACING * TRACK_STEP
+            soon = np.abs(there - away / speed) <= _WINDOW
+            places = np.concatenate([places[soon], span.track[-1:, :2]])
+        return np.column_stack([places, np.full(len(places), DISTANCE)])

@@ -19,12 +19,7 @@ from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import Trajectory
 from cavalcade.kinodynamic._primitives import path_length
 from cavalcade.kinodynamic._rrt_connect import FULL, SOLVED, Sampler, search, solution
-from cavalcade.kinodynamic._shortening import (
-    pull_string,
-    round_corners,
-    shortcut,
-    shorten,
-)
+from cavalcade.kinodynamic._shortening import pull_string, round_corners, shortcut, shorten
 from cavalcade.kinodynamic._trajectory_sampling import sample_path
 from cavalcade.kinodynamic._tree import Tree, enlarged, make_tree
 from cavalcade.kinodynamic._tree_extension import PLACES, walk_ahead
@@ -66,7 +61,6 @@ class BodyPlan:
         iterations: Spent in all, on the first plan and on better ones.
         history: `(K, 2)` iterations and length in m: of the first plan as it was found, after
             shortening, and of each better one.
-        tree_sizes: Nodes of the tree from the start and of that from the goal.
         planning_time: Wall time, s.
     """
 
@@ -75,7 +69,6 @@ class BodyPlan:
     detail: str
     iterations: int
     history: Array
-    tree_sizes: tuple[int, int]
     planning_time: float
 
     @property
@@ -144,7 +137,6 @@ class _Problem:
         self.guide = np.zeros((0, 2))
         self.iterations = 0
         self.history: list[tuple[int, float]] = []
-        self.sizes = (0, 0)
 
     def solve(self) -> BodyPlan:
         for name, pose in (("start", self.start), ("goal", self.goal)):
@@ -162,7 +154,9 @@ class _Problem:
                 return self._answer("infeasible", why)
             return self._answer("budget", "none was found within the budget")
         self._note(edges)
-        edges = self._shortened(edges, _SHORTCUTS)
+        if len(edges) > 1:
+            edges = self._shortened(edges)
+            self._note(edges)
         if self.settings.improve:
             edges = self._improved(edges)
         return self._answer("solved", "", self._trajectory(edges))
@@ -214,7 +208,6 @@ class _Problem:
             if not published:
                 self.guide = guide
             edges, trees = self._search(trees, look, self.settings.iterations, math.inf)
-        self.sizes = (int(trees[0].used[0]), int(trees[1].used[0]))
         return edges, ""
 
     def _search(
@@ -235,18 +228,14 @@ class _Problem:
                 trees = (enlarged(trees[0]), enlarged(trees[1]))
         return None, trees
 
-    def _shortened(self, edges: Array, shortcuts: int) -> Array:
-        if len(edges) < 2:
-            return edges
+    def _shortened(self, edges: Array) -> Array:
         edges = shorten(self.space, edges, self.yaw)
         if self.space.body.published:
-            self._note(edges)
             return edges
-        for _ in range(min(shortcuts, _TRIES_EACH * (len(edges) - 1))):
+        for _ in range(min(_SHORTCUTS, _TRIES_EACH * (len(edges) - 1))):
             edges, _ = shortcut(self.space, self.rng, edges, self.yaw)
         edges = shorten(self.space, edges, self.yaw)
         round_corners(self.space, edges, self.yaw)
-        self._note(edges)
         return edges
 
     def _improved(self, edges: Array) -> Array:
@@ -270,9 +259,7 @@ class _Problem:
             other, _ = self._search(self._roots(), 2, 2 + rest, best)
             if other is None:
                 continue
-            history = list(self.history)
-            other = self._shortened(other, _SHORTCUTS)
-            self.history = history
+            other = self._shortened(other)
             if self._length(other) < best - 1e-6:
                 edges, best = other, self._length(other)
                 self._note(edges)
@@ -292,4 +279,4 @@ class _Problem:
     def _answer(self, reason: str, detail: str, trajectory: Trajectory | None = None) -> BodyPlan:
         history = np.array(self.history, dtype=float).reshape(-1, 2)
         time = clock.perf_counter() - self.began
-        return BodyPlan(trajectory, reason, detail, self.iterations, history, self.sizes, time)
+        return BodyPlan(trajectory, reason, detail, self.iterations, history, time)
