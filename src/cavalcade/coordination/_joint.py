@@ -202,26 +202,19 @@ def search_joint(team, starts, goals, rng, most):
 @njit(cache=True)
 def _path(nodes, parents, first, last):
     """From the root of the first tree over the two nodes to the root of the second tree."""
-    ahead = 0
-    node = first
-    while node >= 0:
+    ahead, behind = 0, 0
+    path = np.empty((2 * nodes.shape[1], nodes.shape[2], 3))
+    # The first tree's part is written from the middle back, the second one's from there on.
+    middle = nodes.shape[1]
+    while first >= 0:
         ahead += 1
-        node = parents[0, node]
-    behind = 0
-    node = last
-    while node >= 0:
+        path[middle - ahead] = nodes[0, first]
+        first = parents[0, first]
+    while last >= 0:
+        path[middle + behind] = nodes[1, last]
         behind += 1
-        node = parents[1, node]
-    path = np.empty((ahead + behind, nodes.shape[2], 3))
-    node = first
-    for k in range(ahead - 1, -1, -1):
-        path[k] = nodes[0, node]
-        node = parents[0, node]
-    node = last
-    for k in range(behind):
-        path[ahead + k] = nodes[1, node]
-        node = parents[1, node]
-    return path
+        last = parents[1, last]
+    return path[middle - ahead : middle + behind].copy()
 
 
 @njit(cache=True)

@@ -12,7 +12,6 @@ from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.cbs import conflict_search
 from cavalcade.coordination.conflicts import conflicts_of
 from cavalcade.coordination.feasibility import infeasible
-from cavalcade.coordination.inflation import plan_inflated
 from cavalcade.coordination.joint import solve_joint
 from cavalcade.coordination.prioritised import improved, solve_sequential
 from cavalcade.coordination.problem import PlanSettings, TeamProblem
@@ -23,8 +22,15 @@ from cavalcade.coordination.terrain import TerrainPlanner, walkable
 from cavalcade.coordination.warm import warm_up
 from cavalcade.errors import InputError
 from cavalcade.lattice.planner import SpaceTimePlanner
+from cavalcade.robots import RobotModel
 
 METHODS = ("auto", "sequential", "joint", "cbs")
+
+_SMALLEST = 0.2
+"""A margin less than this part of what was asked for is none."""
+
+_SHARE = 0.5
+"""Part of what is left of the budget for a search with margins, of which there may be another."""
 
 
 def plan_team(
@@ -56,10 +62,49 @@ def plan_team(
         raise InputError("expected at least one robot", key="robots")
     settings = settings or PlanSettings()
 
-    def plan(problem: TeamProblem, settings: PlanSettings) -> TeamPlan:
+    if not settings.margin:
         return _Call(problem, method, settings, seed).answer()
+    return _plan_inflated(problem, method, settings, seed)
 
-    return plan_inflated(problem, settings, plan) if settings.margin else plan(problem, settings)
+
+def _plan_inflated(
+    problem: TeamProblem, method: str, settings: PlanSettings, seed: int
+) -> TeamPlan:
+    """The plan for bodies that are inflated by `settings.margin`, or by less where that has none.
+
+    Robots do not go exactly where they are sent. Where start, goal or ground leave a robot no space
+    for its margin, that is halved, then given up; where the search finds nothing, those of all are.
+    """
+    margins = [settings.margin] * len(problem.models)
+    budget = Budget(settings.iterations, settings.seconds)
+    searching = 0.0
+    while True:
+        inflating = any(margins)
+        share = budget.share(_SHARE if inflating else 1.0)
+        larger = replace(problem, models=tuple(map(inflated, problem.models, margins)))
+        within = replace(settings, iterations=share.iterations, seconds=share.seconds, margin=0.0)
+        answer = _Call(larger, method, within, seed).answer()
+        budget.spend(answer.iterations)
+        searching += answer.planning_time
+        refused = answer.reason == "infeasible"
+        tight = [k for k in answer.involved if margins[k]] if refused else range(len(margins))
+        if answer.solved or not inflating or not tight:
+            return replace(
+                answer,
+                iterations=budget.used,
+                planning_time=searching,
+                margins=tuple(margins),
+            )
+        for k in tight:
+            half = 0.5 * margins[k]
+            margins[k] = half if half >= _SMALLEST * settings.margin else 0.0
+
+
+def inflated(model: RobotModel, margin: float) -> RobotModel:
+    """The robot with a footprint that is `margin` m wider on all sides."""
+    if not margin:
+        return model
+    return replace(model, length=model.length + 2.0 * margin, width=model.width + 2.0 * margin)
 
 
 class _Call:

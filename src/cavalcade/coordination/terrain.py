@@ -42,8 +42,6 @@ _POOL = 12
 _LATER = 3000
 """Iterations for each of them but the first."""
 
-_NO_DISCS = np.zeros((0, 3))
-
 _MARGIN, _LOOK = 0.05, 0.025
 """How far to keep off others, m, and how often to look, s."""
 
@@ -123,8 +121,14 @@ class TerrainPlanner(RobotPlanner):
             if number == len(pool):
                 if budget.spent or best is not None:
                     break
-                discs = self._keep_off(robot, spans, met) if number else _NO_DISCS
-                pool.append(self._new_tree(robot, number, discs, budget))
+                settings = BodySettings(
+                    iterations=budget.most(_LATER if number else BodySettings.iterations),
+                    leaps=self.settings.leaps,
+                    seconds=budget.left,
+                    discs=self._keep_off(robot, spans, met) if number else np.zeros((0, 3)),
+                )
+                seed = (self.seed * 1_000_003 + robot) * 1_000 + number
+                pool.append(planned_by_trees(self.problem, robot, settings, seed, budget))
             trajectory = pool[number].trajectory
             if trajectory is None:
                 if not number and pool[number].reason == "infeasible":
@@ -164,16 +168,6 @@ class TerrainPlanner(RobotPlanner):
                 if free > model.width:
                     discs.append((x, y, min(model.length + 0.05, free)))
         return np.array(discs).reshape(-1, 3)
-
-    def _new_tree(self, robot: int, number: int, discs: Array, budget: Budget) -> BodyPlan:
-        seed = (self.seed * 1_000_003 + robot) * 1_000 + number
-        settings = BodySettings(
-            iterations=budget.most(BodySettings.iterations if number == 0 else _LATER),
-            leaps=self.settings.leaps,
-            seconds=budget.left,
-            discs=discs,
-        )
-        return planned_by_trees(self.problem, robot, settings, seed, budget)
 
 
 def _cheapest(paths: Sequence[RobotPath | None]) -> RobotPath | None:

@@ -17,7 +17,7 @@ from cavalcade.kinodynamic.parameters import LEAST_TRAVERSABILITY, StateSpace
 from cavalcade.lattice.ground import Ground, bilinear, surface
 
 Pose = tuple[float, float, float]
-Cells = NDArray[np.int64]
+Mask = NDArray[np.bool_]
 
 _ROW = (0, 0, 1, -1, 1, 1, -1, -1)
 _COL = (1, -1, 0, 0, 1, -1, 1, -1)
@@ -52,14 +52,14 @@ def obstruction(space: StateSpace, pose: Pose) -> str:
     return ""
 
 
-def roomy_path(space: StateSpace, start: Pose, goal: Pose) -> Array:
-    """Points `(K, 2)` x, y from start to goal between which a robot may turn anywhere; or none."""
+def roomy_path(space: StateSpace, start: Pose, goal: Pose) -> Array | None:
+    """Points `(K, 2)` x, y from start to goal between which a robot may turn anywhere, if any."""
     ground, body, discs = space
     reach = math.hypot(body.half_length, body.half_width) + body.margin
     passable = _room(ground, discs) >= reach + 2.0 * HALF_DIAGONAL * ground.cell
     if not ground.flat:
         passable &= ground.traversability >= LEAST_TRAVERSABILITY
-    return _points(ground, grid_path(passable, *_ends(ground, start, goal)), start, goal)
+    return _path(ground, passable, start, goal)
 
 
 def find_path(space: StateSpace, start: Pose, goal: Pose) -> tuple[str, Array]:
@@ -71,7 +71,6 @@ def find_path(space: StateSpace, start: Pose, goal: Pose) -> tuple[str, Array]:
     """
     ground, body, discs = space
     cell = ground.cell
-    ends = _ends(ground, start, goal)
     room = _room(ground, discs)
     footing = np.ones(ground.solid.shape, dtype=bool)
     if not ground.flat:
@@ -83,23 +82,20 @@ def find_path(space: StateSpace, start: Pose, goal: Pose) -> tuple[str, Array]:
     narrow = body.half_width
     for needed in (math.hypot(body.half_length, body.half_width), 1.2 * narrow, narrow):
         slack = 0.0 if needed == narrow else 2.0 * HALF_DIAGONAL * cell
-        path = grid_path((room >= needed + slack - 1e-9) & footing, *ends)
-        if len(path):
-            return "", _points(ground, path, start, goal)
-    if len(grid_path(room >= narrow - 1e-9, *ends)) == 0:
+        path = _path(ground, (room >= needed + slack - 1e-9) & footing, start, goal)
+        if path is not None:
+            return "", path
+    if _path(ground, room >= narrow - 1e-9, start, goal) is None:
         return "no way between the obstacles is wide enough", np.zeros((0, 2))
     return "no way over the ground: holes or steep ground are in between", np.zeros((0, 2))
 
 
-def _ends(ground: Ground, start: Pose, goal: Pose) -> tuple[tuple[int, int], tuple[int, int]]:
-    cell = ground.cell
-    return (int(start[1] / cell), int(start[0] / cell)), (int(goal[1] / cell), int(goal[0] / cell))
-
-
-def _points(ground: Ground, path: Cells, start: Pose, goal: Pose) -> Array:
-    """The cells' centres, with the start and the goal themselves as ends."""
+def _path(ground: Ground, passable: Mask, start: Pose, goal: Pose) -> Array | None:
+    """Centres of a path's cells, with start and goal themselves as ends; empty within a cell."""
+    ends = ((int(pose[1] / ground.cell), int(pose[0] / ground.cell)) for pose in (start, goal))
+    path = grid_path(passable, *ends)
     if len(path) < 2:
-        return np.zeros((0, 2))
+        return np.zeros((0, 2)) if len(path) else None
     points: Array = (path[:, ::-1].astype(np.float64) + 0.5) * ground.cell
     points[0], points[-1] = start[:2], goal[:2]
     return points
@@ -118,7 +114,7 @@ def _room(ground: Ground, discs: Array) -> Array:
     return room
 
 
-def _walkable(ground: Ground) -> NDArray[np.bool_]:
+def _walkable(ground: Ground) -> Mask:
     """Cells somewhere in which the ground may be traversable."""
     best = np.pad(ground.traversability, 1, mode="edge")
     rows, cols = ground.traversability.shape

@@ -193,8 +193,9 @@ class _Problem:
         if edges is None and not published:
             # Where the grid shows a path with room to turn everywhere, its string is pulled.
             points = roomy_path(self.space, self.start, self.goal)
-            pulled = pull_string(self.space, points, self.yaw) if len(points) else points
-            edges = pulled if len(pulled) else None
+            if points is not None and len(points):
+                pulled: Array = pull_string(self.space, points, self.yaw)
+                edges = pulled if len(pulled) else None
         look = min(_FIRST_LOOK, self.settings.iterations)
         if edges is None:
             if not published:
