@@ -66,9 +66,7 @@ def find_conflicts(tracks, dt, shapes, margin, speed, step, most):
 
     Args:
         tracks: `(N, K, 3)` poses every `dt` s, linear in between.
-        dt: Time between two poses, s.
         shapes: `(N, 3)` half length, half width (m), whether round.
-        margin: Distance of two bodies that are in conflict, m.
         speed: Of the fastest point of any body, m/s: no two approach by more than twice that.
         step: Time between looks where two are near, s.
         most: Conflicts at most, of each pair.
@@ -116,14 +114,8 @@ def find_conflicts(tracks, dt, shapes, margin, speed, step, most):
 def first_conflict(others, footprint, track, delay, margin, step):
     """The first time at which a robot on a track is nearer than `margin` to others; -1 if never.
 
-    Args:
-        others: `cavalcade.lattice.collision.Others`.
-        footprint: Of the robot.
-        track: `(K, 3)` poses as far apart in time as the others', begun after `delay` s at the
-            first pose.
-        delay: Time that the robot stands first, s.
-        margin: Distance to keep, m.
-        step: Time between looks, s.
+    Its poses `(K, 3)` are as far apart in time as the others', begun after `delay` s at the first
+    one; looks are `step` s apart.
     """
     if others.spans.shape[0] == 0:
         return -1.0
