@@ -35,7 +35,8 @@ from cavalcade.kinodynamic.obstruction import obstruction
 from cavalcade.kinodynamic.parameters import SIZE, StateSpace, make_body, make_space
 from cavalcade.kinodynamic.planner import plan_body
 from cavalcade.kinodynamic.settings import BodySettings
-from cavalcade.lattice.ground import Ground, make_ground, surface
+from cavalcade.lattice.ground import Ground, make_ground
+from cavalcade.lattice.surface import surface
 from cavalcade.robots import robot_model
 from cavalcade.world import OccupancyMap, generate, rasterise
 from cavalcade.world.terrain import generate_terrain

@@ -35,7 +35,7 @@ from cavalcade.kinodynamic.parameters import (
     make_body,
     make_space,
 )
-from cavalcade.lattice.ground import surface
+from cavalcade.lattice.surface import surface
 
 G = 9.81
 

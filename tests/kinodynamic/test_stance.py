@@ -19,7 +19,7 @@ from cavalcade.kinodynamic._connect import (
 )
 from cavalcade.kinodynamic._tree_extension import truncate
 from cavalcade.kinodynamic.parameters import OK, SIZE, TIME, make_body, make_space
-from cavalcade.lattice.ground import bilinear, surface
+from cavalcade.lattice.surface import bilinear, surface
 from cavalcade.robots import robot_model
 
 BODY = make_body(robot_model("spirit"))

@@ -21,7 +21,7 @@ from cavalcade.kinodynamic._validity import (
 from cavalcade.kinodynamic.obstruction import grid_path
 from cavalcade.kinodynamic.parameters import GROUND, OK, SOLID, make_body, make_space
 from cavalcade.kinodynamic.random import normal, uniform
-from cavalcade.lattice.ground import bilinear, surface
+from cavalcade.lattice.surface import bilinear, surface
 from cavalcade.robots import robot_model
 
 SPIRIT = robot_model("spirit")

@@ -15,9 +15,10 @@ from cavalcade.coordination.robot_planner import spans_of
 from cavalcade.coordination.terrain import TerrainPlanner
 from cavalcade.kinodynamic import warming
 from cavalcade.lattice.collision import place_free
-from cavalcade.lattice.ground import read_only, surface_along
+from cavalcade.lattice.ground import read_only
 from cavalcade.lattice.motion_limits import footprint
 from cavalcade.lattice.planner import NOBODY, SpaceTimePlanner
+from cavalcade.lattice.surface import surface_along
 from cavalcade.robots import robot_model
 from cavalcade.world import OccupancyMap
 

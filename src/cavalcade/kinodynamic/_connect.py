@@ -31,7 +31,7 @@ from cavalcade.kinodynamic.parameters import (
     TIME,
     copy_to,
 )
-from cavalcade.lattice.ground import surface
+from cavalcade.lattice.surface import surface
 
 _SHORTEST = 1e-3
 """Least duration, s."""

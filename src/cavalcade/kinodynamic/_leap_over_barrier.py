@@ -28,7 +28,7 @@ from cavalcade.kinodynamic.parameters import (
     TIME,
 )
 from cavalcade.kinodynamic.random import between, uniform
-from cavalcade.lattice.ground import bilinear, surface
+from cavalcade.lattice.surface import bilinear, surface
 
 SHORTEST, LONGEST = 0.12, 0.25
 """Durations of a stance before or after a flight, s."""

@@ -36,7 +36,7 @@ from cavalcade.kinodynamic.parameters import (
     copy_to,
 )
 from cavalcade.kinodynamic.random import between, uniform
-from cavalcade.lattice.ground import surface
+from cavalcade.lattice.surface import surface
 
 _REFINEMENTS = 10
 """How often the forces of a stance are corrected."""

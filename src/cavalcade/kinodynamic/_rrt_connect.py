@@ -15,7 +15,7 @@ from cavalcade.kinodynamic._tree_extension import PLACES, REACHED, TRAPPED, exte
 from cavalcade.kinodynamic._validity import may_turn, rest_at
 from cavalcade.kinodynamic.parameters import copy_to
 from cavalcade.kinodynamic.random import between, normal, uniform
-from cavalcade.lattice.ground import surface
+from cavalcade.lattice.surface import surface
 
 SOLVED, SPENT, FULL = 0, 1, 2
 """How a search ends: the trees meet; all iterations are spent; a tree has no room for nodes."""

@@ -21,7 +21,7 @@ from cavalcade.kinodynamic._primitives import edge_heading, edge_length, edge_ya
 from cavalcade.kinodynamic._validity import may_turn, rest_at, stands_still
 from cavalcade.kinodynamic.parameters import CONNECT, END, KIND, OK, SIZE, START, TIME, copy_to
 from cavalcade.kinodynamic.random import uniform
-from cavalcade.lattice.ground import surface
+from cavalcade.lattice.surface import surface
 
 _LONGER = 1.003
 """A path without a stop may be this much longer than one with it."""

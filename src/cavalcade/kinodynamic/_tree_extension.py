@@ -15,7 +15,7 @@ from cavalcade.kinodynamic._leap_random import random_leap
 from cavalcade.kinodynamic._tree import add_node, connect, make_walk_from
 from cavalcade.kinodynamic._validity import rest_at, stands_still
 from cavalcade.kinodynamic.parameters import END, GROUND, MOTION, OK, SIZE, START, TIME, copy_to
-from cavalcade.lattice.ground import surface
+from cavalcade.lattice.surface import surface
 
 TRAPPED, ADVANCED, REACHED = 0, 1, 2
 

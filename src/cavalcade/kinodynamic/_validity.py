@@ -14,7 +14,7 @@ from cavalcade.geometry.boxes import Footprint
 from cavalcade.geometry.trajectory import FLIGHT, TAKE_OFF, WALK
 from cavalcade.kinodynamic.parameters import GROUND, LEAST_TRAVERSABILITY, MOTION, OK, SOLID
 from cavalcade.lattice.collision import Grid, pose_free
-from cavalcade.lattice.ground import blend, corner, surface
+from cavalcade.lattice.surface import blend, corner, surface
 
 STILL = 1e-6
 """Below this speed a body stands, m/s."""

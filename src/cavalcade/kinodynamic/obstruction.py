@@ -14,7 +14,8 @@ from cavalcade.geometry.constants import GRAVITY
 from cavalcade.geometry.trajectory import WALK
 from cavalcade.kinodynamic._validity import HALF_DIAGONAL, carried, solid_free
 from cavalcade.kinodynamic.parameters import LEAST_TRAVERSABILITY, StateSpace
-from cavalcade.lattice.ground import Ground, bilinear, surface
+from cavalcade.lattice.ground import Ground
+from cavalcade.lattice.surface import bilinear, surface
 
 Pose = tuple[float, float, float]
 Mask = NDArray[np.bool_]

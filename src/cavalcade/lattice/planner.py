@@ -14,7 +14,7 @@ from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import STEP, WALK, Trajectory
 from cavalcade.lattice._search import FOUND, SPENT, CostToGo, SearchSettings, search
 from cavalcade.lattice.collision import Margins, Others, Scene, grid_of
-from cavalcade.lattice.ground import Ground, make_ground, read_only, surface_along
+from cavalcade.lattice.ground import Ground, make_ground, read_only
 from cavalcade.lattice.motion_limits import (
     MotionLimits,
     footprint,
@@ -33,6 +33,7 @@ from cavalcade.lattice.primitives import (
     trapezoid,
 )
 from cavalcade.lattice.shortening import shorten
+from cavalcade.lattice.surface import surface_along
 from cavalcade.robots import RobotModel, robot_model
 from cavalcade.world import OccupancyMap
 
