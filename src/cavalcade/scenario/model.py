@@ -17,7 +17,7 @@ from cavalcade.errors import ScenarioError
 from cavalcade.robots import RobotModel
 from cavalcade.scenario.events import Event
 from cavalcade.scenario.fields import expected
-from cavalcade.scenario.rules import BACKENDS, RULES, Parts, check_backend, with_planner_defaults
+from cavalcade.scenario.rules import BACKENDS, CHECKS, Parts, check_backend, with_planner_defaults
 from cavalcade.scenario.task import check_formation
 
 
@@ -41,7 +41,7 @@ class Scenario(Parts):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        RULES[self.task.kind].check(self)
+        CHECKS[self.task.kind](self)
         check_backend(self)
         if self.task.formation is not None:
             self._check_formations()

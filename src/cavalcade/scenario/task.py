@@ -33,7 +33,6 @@ from cavalcade.scenario.fields import (
     expected,
 )
 
-SHAPES = ("square", "line", "column", "wedge", "triangle", "circle", "custom")
 _SIZE_KEY = {
     "square": "side",
     "triangle": "side",
