@@ -15,6 +15,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from cavalcade.geometry import Array
 from cavalcade.geometry.boxes import (
     box_corners,
     box_polygon_gap,
@@ -22,7 +23,6 @@ from cavalcade.geometry.boxes import (
     point_box,
     point_polygon,
 )
-from cavalcade.geometry.planar import Array
 
 
 class Box(NamedTuple):

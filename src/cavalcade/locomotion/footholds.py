@@ -21,7 +21,7 @@ from cavalcade.locomotion import _footholds as kernels
 from cavalcade.locomotion.gait import stances
 from cavalcade.locomotion.records import Footing
 from cavalcade.robots import RobotModel
-from cavalcade.robots.legs import LegModel
+from cavalcade.robots.model import LegModel
 
 FARTHEST = 0.25
 """How far a foot may be put from the wanted place to find ground that carries it, m."""

@@ -9,8 +9,7 @@ from cavalcade.robots.catalogue import (
     robot_model,
 )
 from cavalcade.robots.description import JOINTS, LEGS, PARTS, BodyShape, QuadrupedDescription
-from cavalcade.robots.legs import LegModel
-from cavalcade.robots.model import Drive, RobotModel, check_model
+from cavalcade.robots.model import Drive, LegModel, RobotModel, check_model
 
 __all__ = [
     "JOINTS",

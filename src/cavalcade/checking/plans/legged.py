@@ -23,7 +23,7 @@ from cavalcade.checking.stretches import excesses, stretches
 from cavalcade.geometry import wrap_angle
 from cavalcade.geometry.constants import GRAVITY
 from cavalcade.robots import RobotModel
-from cavalcade.robots.legs import LegModel
+from cavalcade.robots.model import LegModel
 
 YAW_TOLERANCE = 0.05
 """Yaw rates may exceed their limit by this fraction."""
