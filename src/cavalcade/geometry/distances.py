@@ -110,7 +110,6 @@ def cells_clearance(poses, order, box, cells, best, contact):
     """Judge poses `(M, 3)` of a box, given in the grid's own frame, against `Cells`.
 
     Args:
-        poses, box, best, contact: As everywhere here.
         order: Indices `(M,)` in which to look at the poses; the nearest first is fastest.
         cells: What is occupied.
     """

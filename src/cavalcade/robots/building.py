@@ -12,12 +12,14 @@ from dataclasses import dataclass, replace
 
 from cavalcade.robots.description import (
     BodyShape,
+    Inertial,
     JointDescription,
     LegDescription,
     PartName,
     QuadrupedDescription,
+    Vector,
+    combined,
 )
-from cavalcade.robots.inertial import Inertial, Vector, combined
 
 _LEVEL = (math.sqrt(0.5), 0.0, math.sqrt(0.5), 0.0)
 """Turns a cylinder's z axis along x."""

@@ -18,8 +18,6 @@ _TRACKING_ERROR = 0.03
 """Of Go1 and Go2, m: of 100 positions 99 are foreseen to 0.026 m for 0.3 s and to 0.037 m for 0.6 s
 (`benchmarks/physics_plant.py`)."""
 
-_DB_CBS = "db-CBS (IMRCLab/db-CBS, src/robots.cpp)"
-
 SPIRIT = LegModel(
     h_min=0.075,
     h_nom=0.30,
@@ -145,7 +143,7 @@ def _planar(
         max_yaw_rate=0.5,
         max_acceleration=acceleration,
         max_yaw_acceleration=acceleration if unicycle else math.inf,
-        source=f"{_DB_CBS}: {source}",
+        source=f"db-CBS (IMRCLab/db-CBS, src/robots.cpp): {source}",
         drive=drive,
         round=size[0] == size[1],
     )

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from cavalcade.robots.building import LegParts, Outline, described
-from cavalcade.robots.description import JointDescription
-from cavalcade.robots.inertial import Inertial, Vector
+from cavalcade.robots.description import Inertial, JointDescription, Vector
 
 TORQUE, SPEED = 23.7, 30.1
 """Largest torque and speed of the motor behind its gear (GO-M8010-6): N m, rad/s."""

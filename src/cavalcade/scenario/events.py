@@ -17,7 +17,7 @@ from cavalcade.scenario.fields import (
     Section,
     Speed,
 )
-from cavalcade.scenario.obstacles import Obstacle
+from cavalcade.scenario.ground import Obstacle
 from cavalcade.scenario.task import FormationSection
 
 

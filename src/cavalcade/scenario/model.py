@@ -1,7 +1,7 @@
 """A scenario: everything one run needs, as its file says it.
 
-The sections have modules of their own (`ground`, `obstacles`, `task`, `events`, `settings`); this
-is the whole with what must hold between them.
+The sections have modules of their own (`ground`, `task`, `events`, `settings`); this is the whole
+with what must hold between them.
 """
 
 from __future__ import annotations

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, Strict, field_validator
+from pydantic import AfterValidator, Field, Strict
 
 from cavalcade.scenario.events import Event
 from cavalcade.scenario.fields import (
@@ -17,6 +17,7 @@ from cavalcade.scenario.fields import (
     Section,
     Seed,
     Speed,
+    in_time,
 )
 
 Variant = Literal[
@@ -174,10 +175,5 @@ class ExecutionSection(Section):
     noise: Noise = Noise()
     delay: Delay = Delay()
     physics: PhysicsSection = PhysicsSection()
-    events: Annotated[tuple[Event, ...], Field(max_length=10_000)] = ()
+    events: Annotated[tuple[Event, ...], Field(max_length=10_000), AfterValidator(in_time)] = ()
     seed: Seed = 0
-
-    @field_validator("events")
-    @classmethod
-    def _in_time(cls, events: tuple[Event, ...]) -> tuple[Event, ...]:
-        return tuple(sorted(events, key=lambda event: event.at))

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cavalcade.errors import InputError, ScenarioError
-from cavalcade.scenario.ground import EmptySource, GenerateSource
+from cavalcade.scenario.ground import EmptySource, GenerateSource, Obstacle
 from cavalcade.scenario.model import ResolvedScenario, Scenario
-from cavalcade.scenario.obstacles import Obstacle
 from cavalcade.scenario.placement import check_starts
 from cavalcade.scenario.timeline import ObstacleSpan, obstacle_spans
 from cavalcade.world import (

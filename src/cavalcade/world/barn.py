@@ -45,7 +45,6 @@ def load_barn(path: str | Path, beyond: float = 0.0) -> BarnWorld:
     robot crosses from the bottom to the open top.
 
     Args:
-        path: The file.
         beyond: Free ground that is added at the top, m.
 
     Raises:

@@ -29,7 +29,6 @@ def load_movingai(path: str | Path, resolution: float) -> OccupancyMap:
     The file's first line is the top of the map.
 
     Args:
-        path: The file.
         resolution: Side of a cell in m; the files have no unit.
 
     Raises:

@@ -31,7 +31,6 @@ def corridor(
     """A corridor from left to right; its legs are level and slanting in turn.
 
     Args:
-        size, rng: See `Generator`.
         width: Free width of the corridor, m, the same in every leg.
         bends: Number of bends, at least 2.
         angle: Least angle of a bend, degrees, up to 75.

@@ -75,14 +75,12 @@ def generate(
         if feasible or not require_feasible:
             break
     return GeneratedWorld(
+        **vars(draw),
         kind=kind,
         seed=seed,
         size=extent,
         resolution=resolution,
-        shapes=draw.shapes,
         feasible=feasible,
-        start=draw.start,
-        goal=draw.goal,
         attempts=attempt + 1,
     )
 
@@ -105,8 +103,7 @@ def is_connected(
     Args:
         shapes: Obstacles in the world frame, m.
         size: Width and height of the world, m; its lower-left corner is (0, 0).
-        start: x, y, m; further numbers (a yaw) are ignored.
-        goal: Likewise.
+        start, goal: x, y, m; further numbers (a yaw) are ignored.
         radius: Of the disc, m.
         step: Distance of the nodes, m; coarser in very large worlds.
     """

@@ -28,7 +28,6 @@ def clutter(
     They may overlap each other, the border and, by their own extent, the zones.
 
     Args:
-        size, rng: See `Generator`.
         obstacles: Number of obstacles; of an odd number one more is a circle.
         zone: Width in m of the start zone (left) and of the goal zone (right).
     """
@@ -57,7 +56,6 @@ def forest(
     """Round trunks that keep a distance, by throwing darts (Poisson-disc sampling).
 
     Args:
-        size, rng: See `Generator`.
         trees: Number of trunks; fewer where no more fit. By default as many as fit.
         spacing: Least free gap between two trunks, m.
         zone: Width in m of the start zone (left) and of the goal zone (right).

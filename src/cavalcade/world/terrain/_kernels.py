@@ -6,20 +6,15 @@ import math
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 
-@njit(cache=True)
-def disc(radius):
+def disc(radius: float) -> NDArray[np.int64]:
     """Offsets `(K, 2)` (row, col) of the cells whose centres lie within `radius` cells."""
-    reach = int(math.floor(radius + 1e-9))
-    count = 0
-    out = np.empty(((2 * reach + 1) ** 2, 2), np.int64)
-    for row in range(-reach, reach + 1):
-        for col in range(-reach, reach + 1):
-            if row * row + col * col <= radius * radius + 1e-9:
-                out[count, 0], out[count, 1] = row, col
-                count += 1
-    return out[:count]
+    reach = math.floor(radius + 1e-9)
+    steps = np.arange(-reach, reach + 1)
+    near = steps[:, None] ** 2 + steps**2 <= radius * radius + 1e-9
+    return np.ascontiguousarray(np.argwhere(near) - reach)
 
 
 @njit(cache=True)

@@ -5,8 +5,6 @@ The filter chain of Quad-SDK (Norby et al., 2022), whose constants these are.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -44,17 +42,8 @@ _FILL_WORK = 100_000_000
 """Changes of cells that filling holes may take: some seconds."""
 
 
-class Layers(NamedTuple):
-    """Layers on the grid of the heights; see `Terrain`."""
-
-    height: Array
-    smooth: Array
-    normals: Array
-    traversability: Array
-
-
-def make_layers(heights: Array, cell: float) -> Layers:
-    """All layers of raw heights.
+def make_layers(heights: Array, cell: float) -> dict[str, Array]:
+    """The layers of a `Terrain` by name, of raw heights.
 
     Args:
         heights: `(rows, cols)` m; nan in a hole or where nothing is known. At least one is finite.
@@ -75,7 +64,7 @@ def make_layers(heights: Array, cell: float) -> Layers:
     ground = np.minimum(np.maximum(ground, 0.0) + LEAST, 1.0)
     ground[any_within(unknown | pits, disc(HOLE_RADIUS / cell))] = 0.0
     normals = normals_within(smooth, disc(SMOOTH_NORMAL_RADIUS / cell), cell)
-    return Layers(height, smooth, normals, ground)
+    return {"height": height, "smooth": smooth, "normals": normals, "traversability": ground}
 
 
 def filled(heights: Array, holes: NDArray[np.bool_]) -> Array:

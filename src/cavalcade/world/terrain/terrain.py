@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.errors import MapError
-from cavalcade.geometry import Array, inverse_transform_points
-from cavalcade.world.occupancy import MAX_EXTENT, OccupancyMap, checked_origin
+from cavalcade.geometry import Array
+from cavalcade.world.occupancy import MAX_EXTENT, OccupancyMap, PlacedGrid, checked_origin
 from cavalcade.world.terrain._sampling import sample_many
-from cavalcade.world.terrain.filters import Layers, make_layers
+from cavalcade.world.terrain.filters import make_layers
 
 RESOLUTION = 0.05
 """Side of a terrain's cells unless another one is asked for, m."""
@@ -29,7 +29,7 @@ _ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Terrain:
+class Terrain(PlacedGrid):
     """Heights of the ground and what legs need to know of it; arrays are read-only.
 
     Grids are indexed `[row, col]` = `[y, x]` with row 0 at the lowest y; a value stands at its
@@ -55,6 +55,8 @@ class Terrain:
     traversability: Array
     resolution: float
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    _cells = "height"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "resolution", checked_cell(self.resolution))
@@ -97,8 +99,7 @@ class Terrain:
         cell = checked_cell(resolution)
         raw = checked_heights(heights)
         check_terrain_size(*raw.shape)
-        layers: Layers = make_layers(raw, cell)
-        return cls(*layers, resolution=cell, origin=origin)
+        return cls(**make_layers(raw, cell), resolution=cell, origin=origin)
 
     @classmethod
     def from_map(cls, map: OccupancyMap) -> Terrain:
@@ -112,21 +113,6 @@ class Terrain:
         """
         heights = np.where(map.occupied, np.nan, 0.0)
         return cls.from_heights(heights, map.resolution, map.origin)
-
-    @property
-    def rows(self) -> int:
-        """Number of rows."""
-        return int(self.height.shape[0])
-
-    @property
-    def cols(self) -> int:
-        """Number of columns."""
-        return int(self.height.shape[1])
-
-    @property
-    def size(self) -> tuple[float, float]:
-        """Width and height in m, along the grid's own axes."""
-        return self.cols * self.resolution, self.rows * self.resolution
 
     def heights_at(self, points: ArrayLike) -> Array:
         """Heights `(N,)` in m at points `(N, 2)` of the map frame; beyond the edge that of it."""
@@ -142,29 +128,17 @@ class Terrain:
 
     def in_hole(self, points: ArrayLike) -> NDArray[np.bool_]:
         """Whether points `(N, 2)` of the map frame lie in a cell that no foot may use, `(N,)`."""
-        local = inverse_transform_points(self.origin, np.asarray(points, dtype=float))
+        local = self.to_local(points)
         cells = np.floor(local[:, ::-1] / self.resolution).astype(np.int64)
         cells = np.clip(cells, 0, (self.rows - 1, self.cols - 1))
         hole: NDArray[np.bool_] = self.traversability[cells[:, 0], cells[:, 1]] <= 0.0
         return hole
 
     def _sampled(self, layer: Array, points: ArrayLike) -> Array:
-        local = inverse_transform_points(self.origin, np.asarray(points, dtype=float))
+        local = self.to_local(points)
         out = np.empty(len(local))
         sample_many(layer, self.resolution, local, out)
         return out
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Terrain):
-            return NotImplemented
-        same = self.resolution == other.resolution and self.origin == other.origin
-        return same and all(
-            np.array_equal(getattr(self, name), getattr(other, name))
-            for name in ("height", "smooth", "normals", "traversability")
-        )
-
-    def __hash__(self) -> int:
-        return hash((self.height.shape, self.resolution, self.origin))
 
     def __repr__(self) -> str:
         return (
@@ -194,10 +168,7 @@ def check_terrain_size(rows: int, cols: int, key: str = "heights") -> None:
 
 def checked_heights(heights: ArrayLike, key: str = "heights") -> Array:
     """An own array `(rows, cols)` of heights, some finite, the others nan."""
-    try:
-        raw = np.array(heights, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise MapError("expected a grid of numbers", key=key) from None
+    raw = _numbers(heights, key)
     if raw.ndim != 2:
         raise MapError(f"expected two dimensions (rows, cols), not {raw.ndim}", key=key)
     if np.isinf(raw).any():
@@ -210,13 +181,17 @@ def checked_heights(heights: ArrayLike, key: str = "heights") -> Array:
 
 
 def _layer(value: object, name: str, dimensions: int) -> Array:
-    try:
-        layer = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise MapError("expected a grid of numbers", key=name) from None
+    layer = _numbers(value, name)
     if layer.ndim != dimensions:
         raise MapError(f"expected {dimensions} dimensions, not {layer.ndim}", key=name)
     if not np.isfinite(layer).all():
         raise MapError("expected finite numbers", key=name)
     layer.setflags(write=False)
     return layer
+
+
+def _numbers(value: object, key: str) -> Array:
+    try:
+        return np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise MapError("expected a grid of numbers", key=key) from None
