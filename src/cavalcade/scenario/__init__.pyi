@@ -1,6 +1,4 @@
 from .dumping import dump_scenario as dump_scenario
-from .events import Event as Event
-from .events import Move as Move
 from .ground import Obstacle as Obstacle
 from .importing import import_problem as import_problem
 from .loading import load_scenario as load_scenario
@@ -8,6 +6,8 @@ from .loading import parse_scenario as parse_scenario
 from .loading import scenario_schema as scenario_schema
 from .model import ResolvedScenario as ResolvedScenario
 from .model import Scenario as Scenario
+from .settings import Event as Event
+from .settings import Move as Move
 from .settings import PlannerSection as PlannerSection
 from .shipped import scenario_descriptions as scenario_descriptions
 from .shipped import scenario_names as scenario_names

@@ -1,6 +1,6 @@
 """A scenario: everything one run needs, as its file says it.
 
-The sections have modules of their own (`ground`, `task`, `events`, `settings`); this is the whole
+The sections have modules of their own (`ground`, `task`, `settings`); this is the whole
 with what must hold between them.
 """
 
@@ -15,9 +15,9 @@ from pydantic_core import PydanticCustomError
 
 from cavalcade.errors import ScenarioError
 from cavalcade.robots import RobotModel
-from cavalcade.scenario.events import Event
 from cavalcade.scenario.fields import expected
 from cavalcade.scenario.rules import BACKENDS, CHECKS, Parts, check_backend, with_planner_defaults
+from cavalcade.scenario.settings import Event
 from cavalcade.scenario.task import check_formation
 
 

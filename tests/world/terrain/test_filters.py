@@ -9,8 +9,14 @@ from hypothesis import strategies as st
 
 from cavalcade.geometry import Array
 from cavalcade.world import Terrain
-from cavalcade.world.terrain._kernels import any_within, disc, mean_within, normals_within
-from cavalcade.world.terrain.filters import filled, find_pits
+from cavalcade.world.terrain.filters import (
+    any_within,
+    disc,
+    filled,
+    find_pits,
+    mean_within,
+    normals_within,
+)
 
 CELL = 0.05
 

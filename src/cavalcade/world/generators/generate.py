@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array
-from cavalcade.world.generators.corridor import corridor
 from cavalcade.world.generators.model import (
     GeneratedWorld,
     Generator,
@@ -20,8 +19,8 @@ from cavalcade.world.generators.model import (
     count,
     number,
 )
-from cavalcade.world.generators.scattered import clutter, forest
 from cavalcade.world.generators.walls import maze, rooms
+from cavalcade.world.generators.zones import clutter, corridor, forest
 from cavalcade.world.occupancy import checked_resolution, grid_shape
 from cavalcade.world.shapes import Shape
 
