@@ -32,7 +32,7 @@ def test_distances_to_shape_cell_and_border(make_run):
     grid[50, 20] = 100  # the square x 1.00..1.05, y 2.50..2.55
     ground = OccupancyMap(grid, 0.05)
     disc = Circle((4.0, 4.0), 0.5)
-    world = World(ground.with_shapes([disc]), ground, (disc,), (), None)
+    world = World(ground.with_shapes([disc]), ground, (disc,), ())
     points = [(4.0, 3.0), (4.1, 4.1), (1.02, 2.0), (1.02, 2.52), (1.35, 2.95), (0.2, 4.0), (5.3, 1)]
     found = obstacle_distances(scene_at(run, points, world), world)
     assert found[:, 0] == pytest.approx([0.5, 0.0, 0.5, 0.0, 0.5, 0.2, 0.0], abs=1e-9)
@@ -41,7 +41,7 @@ def test_distances_to_shape_cell_and_border(make_run):
 def test_an_obstacle_counts_while_it_is_there_and_where_it_is(make_run):
     run = make_run(cycles=8, robots=1)
     ground = OccupancyMap.empty((10.0, 10.0), 0.1)
-    world = World(ground, ground, (), (), None)
+    world = World(ground, ground, (), ())
     track = ObstacleTrack(
         shape={"circle": {"center": [5.0, 7.0], "radius": 0.5}},
         start=1.0,
@@ -58,7 +58,7 @@ def test_a_shape_that_an_event_removes_is_gone_afterwards(make_run):
     run = make_run(cycles=8, robots=1)
     ground = OccupancyMap.empty((10.0, 10.0), 0.1)
     disc = Circle((5.0, 6.0), 0.5)
-    world = World(ground.with_shapes([disc]), ground, (disc,), (), None)
+    world = World(ground.with_shapes([disc]), ground, (disc,), ())
     track = ObstacleTrack(
         shape={"circle": {"center": [5.0, 6.0], "radius": 0.5}},
         start=0.0,

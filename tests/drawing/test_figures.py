@@ -124,7 +124,7 @@ def test_a_map_with_unknown_ground_and_a_turned_origin(make_run, tmp_path):
     grid = np.zeros((200, 280), dtype=np.int8)
     grid[:20], grid[90:100, 200:230] = -1, 100
     ground = OccupancyMap(grid, 0.05, (0.5, -0.5, 0.1))
-    world = World(ground.with_shapes(run.world.shapes), ground, run.world.shapes, (), None)
+    world = World(ground.with_shapes(run.world.shapes), ground, run.world.shapes, ())
     assert len(make_figures(run.scenario, world, run.recording, tmp_path)) == 4
 
 
@@ -193,7 +193,7 @@ def test_the_whole_map_is_shown_unless_the_team_used_little_of_it(make_run):
     scene = scene_of(run.scenario, run.world, run.recording)
     assert scene.view() == pytest.approx([0.0, 0.0, 14.0, 10.0])
     big = OccupancyMap.empty((60.0, 60.0), 0.1)
-    world = World(big, big, (), (), None)
+    world = World(big, big, (), ())
     view = scene_of(run.scenario, world, run.recording).view()
     width, height = view[2:] - view[:2]
     assert width < 20.0

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -39,7 +38,6 @@ class World:
             order, then those of a `generate` or `barn` source.
         spans: Every obstacle over time, first those of `shapes` in the same order, then those
             that events bring.
-        source_map: The map file that `base` was read from, None for worlds without one.
         terrain: The heights, on the grid of `map`; None for level ground.
     """
 
@@ -47,7 +45,6 @@ class World:
     base: OccupancyMap
     shapes: tuple[Shape, ...]
     spans: tuple[ObstacleSpan, ...]
-    source_map: Path | None
     terrain: Terrain | None = None
 
 
@@ -62,7 +59,6 @@ def build_world(scenario: Scenario) -> World:
     scenario = resolve_scenario(scenario)
     world = scenario.world
     base, terrain = _ground(scenario)
-    source_map = world.map if world.movingai is None else world.movingai.file
     shapes = tuple(
         _shape(scenario, obstacle, f"world.obstacles[{k}]")
         for k, obstacle in enumerate(world.obstacles)
@@ -74,7 +70,7 @@ def build_world(scenario: Scenario) -> World:
                 _shape(scenario, said, f"execution.events[{index}].{kind}")
     spans = obstacle_spans(scenario)
     check_starts(scenario, base, shapes, terrain)
-    return World(base.with_shapes(shapes), base, shapes, spans, source_map, terrain)
+    return World(base.with_shapes(shapes), base, shapes, spans, terrain)
 
 
 def _ground(scenario: Scenario) -> tuple[OccupancyMap, Terrain | None]:

@@ -147,11 +147,13 @@ class Terrain(PlacedGrid):
         )
 
 
-def checked_cell(value: object, key: str = "resolution") -> float:
+def checked_cell(value: object) -> float:
     """`value` as the side of a terrain's cells, m."""
     valid = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
     if not valid or not FINEST <= float(value) <= COARSEST:  # type: ignore[arg-type]
-        raise MapError(f"expected cells of {FINEST:g} to {COARSEST:g} m for terrain", key=key)
+        raise MapError(
+            f"expected cells of {FINEST:g} to {COARSEST:g} m for terrain", key="resolution"
+        )
     return float(value)  # type: ignore[arg-type]
 
 
@@ -166,17 +168,17 @@ def check_terrain_size(rows: int, cols: int, key: str = "heights") -> None:
         )
 
 
-def checked_heights(heights: ArrayLike, key: str = "heights") -> Array:
+def checked_heights(heights: ArrayLike) -> Array:
     """An own array `(rows, cols)` of heights, some finite, the others nan."""
-    raw = _numbers(heights, key)
+    raw = _numbers(heights, "heights")
     if raw.ndim != 2:
-        raise MapError(f"expected two dimensions (rows, cols), not {raw.ndim}", key=key)
+        raise MapError(f"expected two dimensions (rows, cols), not {raw.ndim}", key="heights")
     if np.isinf(raw).any():
-        raise MapError("expected finite heights or nan for holes", key=key)
+        raise MapError("expected finite heights or nan for holes", key="heights")
     if raw.size and np.isnan(raw).all():
-        raise MapError("expected at least one height; all are nan", key=key)
+        raise MapError("expected at least one height; all are nan", key="heights")
     if raw.size and np.nanmax(np.abs(raw)) > MAX_HEIGHT:
-        raise MapError(f"expected heights within ±{MAX_HEIGHT:g} m", key=key)
+        raise MapError(f"expected heights within ±{MAX_HEIGHT:g} m", key="heights")
     return raw
 
 
