@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import RegularGridInterpolator
 
-from cavalcade.world.terrain._sampling import block_means, resample, sample
+from cavalcade.world.terrain.samples import block_means, resample
+from cavalcade.world.terrain.terrain import sample
 
 _COORDINATE = st.floats(-3.0, 5.0)
 

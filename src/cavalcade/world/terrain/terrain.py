@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.errors import MapError
 from cavalcade.geometry import Array
 from cavalcade.world.occupancy import MAX_EXTENT, OccupancyMap, PlacedGrid, checked_origin
-from cavalcade.world.terrain._sampling import sample_many
 from cavalcade.world.terrain.filters import make_layers
 
 RESOLUTION = 0.05
@@ -197,3 +197,32 @@ def _numbers(value: object, key: str) -> Array:
         return np.array(value, dtype=np.float64)
     except (TypeError, ValueError):
         raise MapError("expected a grid of numbers", key=key) from None
+
+
+@njit(cache=True)
+def sample(field: Array, cell: float, x: float, y: float) -> float:
+    """Bilinear value of a grid at one point.
+
+    Args:
+        field: `(rows, cols)`; a value stands at its cell's centre.
+        cell: Side of a cell, m.
+        x, y: m from the lower-left corner of cell [0, 0]. Points beyond the outermost centres
+            take the value at the nearest point between them.
+    """
+    rows, cols = field.shape
+    u = min(max(x / cell - 0.5, 0.0), cols - 1.0)
+    v = min(max(y / cell - 0.5, 0.0), rows - 1.0)
+    col = min(int(u), max(cols - 2, 0))
+    row = min(int(v), max(rows - 2, 0))
+    right, above = min(col + 1, cols - 1), min(row + 1, rows - 1)
+    s, t = u - col, v - row
+    low = field[row, col] + s * (field[row, right] - field[row, col])
+    high = field[above, col] + s * (field[above, right] - field[above, col])
+    return low + t * (high - low)
+
+
+@njit(cache=True)
+def sample_many(field: Array, cell: float, points: Array, out: Array) -> None:
+    """`sample` at points `(N, 2)` x, y into `out` `(N,)`."""
+    for k in range(points.shape[0]):
+        out[k] = sample(field, cell, points[k, 0], points[k, 1])
