@@ -7,6 +7,9 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
+GRAVITY = 9.81
+"""Acceleration of free fall, m/s²."""
+
 
 def wrap_angle(angle: ArrayLike) -> Array:
     """Angles `(...)` mapped to [-pi, pi)."""

@@ -13,8 +13,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.geometry import Array, inverse_transform_points, transform_points
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY, Array, inverse_transform_points, transform_points
 from cavalcade.geometry.trajectory import FLIGHT, LANDING, TAKE_OFF, Trajectory
 from cavalcade.lattice.ground import Ground
 from cavalcade.locomotion import _footholds as kernels

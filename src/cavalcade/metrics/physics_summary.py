@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from cavalcade.geometry import Array
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY, Array
 from cavalcade.metrics.summary import BodyContacts, GroundContacts, PhysicsSummary
 from cavalcade.recording.physics_track import ContactEvent, PhysicsTrack
 from cavalcade.robots import RobotModel

@@ -20,8 +20,7 @@ from cavalcade.checking.plans.motion import (
 )
 from cavalcade.checking.report import Violation
 from cavalcade.checking.stretches import excesses, stretches
-from cavalcade.geometry import wrap_angle
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY, wrap_angle
 from cavalcade.robots import RobotModel
 from cavalcade.robots.model import LegModel
 

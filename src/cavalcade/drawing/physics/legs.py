@@ -26,8 +26,7 @@ from cavalcade.drawing.physics.signals import (
     spread,
     torque_share,
 )
-from cavalcade.geometry import Array
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY, Array
 from cavalcade.recording.physics_track import PhysicsTrack
 from cavalcade.robots.description import QuadrupedDescription
 

@@ -8,8 +8,7 @@ import numpy as np
 
 from cavalcade.drawing.physics.signals import descriptions_of
 from cavalcade.drawing.replay.packing import packed, ranged, rounded, steps
-from cavalcade.geometry import Array
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY, Array
 from cavalcade.recording.physics_track import ContactEvent, PhysicsTrack
 from cavalcade.robots.description import QuadrupedDescription
 
