@@ -106,12 +106,9 @@ def _quadruped(
     description: QuadrupedDescription | None = None,
 ) -> RobotModel:
     """A walking robot of `size` length, width, height with the speeds of the formation paper."""
-    length, width, height = size
     return RobotModel(
         name,
-        length,
-        width,
-        height,
+        *size,
         max_speed_x=0.50,
         max_speed_y=0.20,
         max_yaw_rate=1.2,
@@ -135,8 +132,7 @@ def _planar(
     unicycle = drive in ("unicycle", "unicycle-2")
     return RobotModel(
         name,
-        length=size[0],
-        width=size[1],
+        *size,
         height=0.25,
         max_speed_x=0.5,
         max_speed_y=0.0 if unicycle else 0.5,

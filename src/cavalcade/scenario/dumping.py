@@ -44,21 +44,15 @@ def dump_scenario(scenario: Scenario, path: str | Path) -> None:
         ScenarioError, MapError: The world cannot be made.
         OutputError: The file cannot be written.
     """
-    write_file(path, scenario_text(scenario, Path(path).parent))
-
-
-def scenario_text(scenario: Scenario, folder: str | Path) -> str:
-    """The YAML text of the resolved scenario for a file in `folder`."""
-    data = _plain(resolve_scenario(scenario), Path(folder))
     text: str = yaml.dump(
-        data,
+        _plain(resolve_scenario(scenario), Path(path).parent),
         Dumper=_Dumper,
         sort_keys=False,
         default_flow_style=None,
         allow_unicode=True,
         width=10**9,
     )
-    return text
+    write_file(path, text)
 
 
 def _plain(scenario: Scenario, folder: Path) -> dict[str, Any]:
