@@ -88,7 +88,7 @@ def to_grid(samples: Samples, cell: float, holes: bool = True) -> Array:
     weight = unknown.astype(float)
     block = math.floor(cell / step + 1e-9)
     if block >= 2 and min(heights.shape) >= block:
-        solid, weight = _means(solid, block), _means(weight, block)
+        solid, weight = block_means(solid, block), block_means(weight, block)
         low = -0.5 * (block - 1) * step
         step *= block
     if samples.cells:
@@ -101,12 +101,6 @@ def to_grid(samples: Samples, cell: float, holes: bool = True) -> Array:
         out[share >= 0.5] = np.nan
         if np.isnan(out).all():
             raise MapError("expected at least one height; all are nan", key="heights")
-    return out
-
-
-def _means(field: Array, block: int) -> Array:
-    out = np.empty((field.shape[0] // block, field.shape[1] // block))
-    block_means(np.ascontiguousarray(field), block, out)
     return out
 
 
@@ -128,16 +122,14 @@ def resample(field: Array, step: float, out: Array, cell: float, x0: float, y0: 
             out[row, col] = sample(field, step, x + 0.5 * step, y + 0.5 * step)
 
 
-@njit(cache=True)
-def block_means(field: Array, size: int, out: Array) -> None:
-    """Fill `out` with the means of blocks of `size` x `size` values; nan where one is."""
-    for row in range(out.shape[0]):
-        for col in range(out.shape[1]):
-            total = 0.0
-            for i in range(row * size, (row + 1) * size):
-                for j in range(col * size, (col + 1) * size):
-                    total += field[i, j]
-            out[row, col] = total / (size * size)
+def block_means(field: Array, size: int) -> Array:
+    """Means of whole blocks of `size` x `size` values; nan where one is."""
+    rows, cols = (count // size for count in field.shape)
+    total = np.zeros((rows, cols))
+    for i in range(size):
+        for j in range(size):
+            total += field[i : rows * size : size, j : cols * size : size]
+    return total / (size * size)
 
 
 def read_picture(path: Path) -> Samples:
