@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import groupby
 from typing import TYPE_CHECKING, TypeVar
 
@@ -13,14 +14,13 @@ from cavalcade.drawing.outlines import cell_rings, shape_ring
 from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import Trajectory
 from cavalcade.metrics.clearance import fixed_shapes
-from cavalcade.recording.status import PlannerStatus
 from cavalcade.robots import RobotModel
 from cavalcade.world import OccupancyMap, Shape, Terrain
 from cavalcade.world.occupancy import UNKNOWN
 
 if TYPE_CHECKING:
     from cavalcade.metrics.plan_summary import PlanResult
-    from cavalcade.recording.frames import ObstacleTrack, Recording
+    from cavalcade.recording.frames import Recording
     from cavalcade.scenario import Scenario, World
 
 _T = TypeVar("_T")
@@ -71,77 +71,79 @@ class Arena:
 
 @dataclass(frozen=True)
 class _Team:
-    """What runs and plans have in common.
+    """What runs and plans have in common."""
 
-    Attributes:
-        name: The scenario's.
-        arena: The ground.
-        models: N robot models.
-    """
+    scenario: Scenario
+    world: World
 
-    name: str
-    arena: Arena
-    models: tuple[RobotModel, ...]
+    @property
+    def name(self) -> str:
+        """The scenario's."""
+        return str(self.scenario.name)
+
+    @property
+    def models(self) -> tuple[RobotModel, ...]:
+        """One per robot."""
+        return self.scenario.models
 
     @property
     def size(self) -> int:
         """Number of robots."""
         return len(self.models)
 
+    @property
+    def fixed(self) -> tuple[Shape, ...]:
+        """The exact shapes that are to be drawn as lasting."""
+        return self.world.shapes
+
+    @cached_property
+    def arena(self) -> Arena:
+        """The ground."""
+        return arena_of(self.world, self.fixed)
+
 
 @dataclass(frozen=True)
 class Scene(_Team):
-    """A run ready to be drawn: T cycles, N robots, map frame, SI units.
+    """A run of one cycle or more, ready to be drawn; map frame, SI units."""
 
-    Attributes:
-        fixed: The exact shapes that are there all the time.
-        tracks: Obstacles that came, went or moved.
-        radius: The inflation radius `r_max`.
-        time: `(T,)`.
-        poses: `(T, N, 3)` true poses.
-        status: T planner states.
-        notes: (time, text) of what happened.
-    """
+    recording: Recording
 
-    fixed: tuple[Shape, ...]
-    tracks: tuple[ObstacleTrack, ...]
-    radius: float
-    time: Array
-    poses: Array
-    status: tuple[PlannerStatus, ...]
-    notes: tuple[tuple[float, str], ...]
+    @cached_property
+    def fixed(self) -> tuple[Shape, ...]:
+        """The exact shapes that are there all the time: what events move has a track alone."""
+        return tuple(fixed_shapes(self.world, self.recording))
+
+    @property
+    def radius(self) -> float:
+        """The inflation radius `r_max`, m."""
+        radius = self.scenario.planner.r_max
+        return DEFAULT_RADIUS if radius is None else float(radius)
 
     def view(self, margin: float = 1.2) -> Array:
         """`(4,)` the part worth showing: the whole map unless the team used little of it."""
-        places = [self.poses[..., :2].reshape(-1, 2)]
-        places += [s.goals for s in self.status[:: max(1, len(self.status) // 50)]]
-        goals = [s.goal[None, :2] for s in self.status if s.goal is not None]
+        status = self.recording.status
+        places = [self.recording.poses[..., :2].reshape(-1, 2)]
+        places += [s.goals for s in status[:: max(1, len(status) // 50)]]
+        goals = [s.goal[None, :2] for s in status if s.goal is not None]
         return self.arena.view([*places, *goals], margin)
 
 
 @dataclass(frozen=True)
 class PlanScene(_Team):
-    """A plan ready to be drawn; map frame, SI units, N robots.
+    """A plan ready to be drawn; map frame, SI units."""
 
-    Attributes:
-        result: `solved` or why not.
-        solved: Whether it is a plan that can be carried out.
-        starts, goals: `(N, 3)` poses.
-        paths: N trajectories, None where none is known.
-        footholds: N arrays `(M, 6)`.
-    """
+    plan: PlanResult
 
-    result: str
-    solved: bool
-    starts: Array
-    goals: Array
-    paths: tuple[Trajectory | None, ...]
-    footholds: tuple[Array, ...]
+    @property
+    def result(self) -> str:
+        """`solved` or why not."""
+        detail = self.plan.summary.get("detail")
+        return f"{self.plan.reason}: {detail}" if detail else self.plan.reason
 
     @property
     def known(self) -> list[tuple[int, Trajectory]]:
         """Robots that have a trajectory, with it."""
-        return [(robot, path) for robot, path in enumerate(self.paths) if path is not None]
+        return [(k, path) for k, path in enumerate(self.plan.trajectories) if path is not None]
 
     @property
     def makespan(self) -> float:
@@ -150,8 +152,9 @@ class PlanScene(_Team):
 
     def view(self) -> Array:
         """`(4,)` the part worth showing: the whole map unless the team uses little of it."""
+        ends = np.array([*self.scenario.starts, *self.scenario.goals], dtype=float)
         driven = [path.position[:, :2] for _, path in self.known]
-        return self.arena.view([self.starts[:, :2], self.goals[:, :2], *driven], 1.0)
+        return self.arena.view([ends[:, :2], *driven], 1.0)
 
 
 def runs(values: Iterable[_T]) -> list[tuple[_T, int, int]]:
@@ -180,39 +183,4 @@ def arena_of(world: World, shapes: Sequence[Shape]) -> Arena:
         unknown=tuple(cell_rings(unknown, grid.resolution, grid.origin)),
         shapes=tuple(shape_ring(shape) for shape in shapes),
         terrain=world.terrain,
-    )
-
-
-def scene_of(scenario: Scenario, world: World, recording: Recording) -> Scene:
-    """Gather the scene of a recording of one cycle or more."""
-    # A shape of the world that an event moves or removes is drawn by its track alone.
-    fixed = fixed_shapes(world, recording)
-    radius = scenario.planner.r_max
-    return Scene(
-        name=str(scenario.name),
-        arena=arena_of(world, fixed),
-        fixed=tuple(fixed),
-        tracks=recording.obstacles,
-        models=scenario.models,
-        radius=DEFAULT_RADIUS if radius is None else float(radius),
-        time=np.asarray(recording.time, dtype=float),
-        poses=np.asarray(recording.poses, dtype=float),
-        status=recording.status,
-        notes=recording.notes,
-    )
-
-
-def plan_scene(scenario: Scenario, world: World, made: PlanResult) -> PlanScene:
-    """Gather the scene of a plan."""
-    detail = made.summary.get("detail")
-    return PlanScene(
-        name=str(scenario.name),
-        arena=arena_of(world, world.shapes),
-        models=scenario.models,
-        result=f"{made.reason}: {detail}" if detail else made.reason,
-        solved=made.solved,
-        starts=np.array(scenario.starts, dtype=float).reshape(-1, 3),
-        goals=np.array(scenario.goals, dtype=float).reshape(-1, 3),
-        paths=made.trajectories,
-        footholds=made.footholds,
     )

@@ -41,7 +41,7 @@ def draw_timing(scene: PlanScene, path: Path) -> Path | None:
         if len(panels) > 2:
             _draw_gaps(panels[2], scene)
         panels[0].set_title(scene.name, loc="left", pad=3)
-        if not scene.solved:
+        if not scene.plan.solved:
             panels[0].text(0.5, 1.02, scene.result[:60], transform=panels[0].transAxes,
                            ha="center", va="bottom", fontsize=7, color=style.LIMIT)  # fmt: skip
         return style.save(figure, path)

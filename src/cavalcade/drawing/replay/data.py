@@ -18,7 +18,7 @@ from cavalcade.drawing.replay.packing import rounded, whole
 from cavalcade.drawing.replay.run import run_data
 from cavalcade.drawing.replay.track import merged_contacts, track_data
 from cavalcade.drawing.replay.trajectories import plan_data
-from cavalcade.drawing.scene import PlanScene, plan_scene, scene_of
+from cavalcade.drawing.scene import PlanScene, Scene
 from cavalcade.geometry import Array
 from cavalcade.recording.physics_track import PhysicsTrack
 from cavalcade.robots import RobotModel
@@ -46,10 +46,10 @@ def replay_data(
         RecordingError: The recording's track is empty, or not that of the scenario's robots.
     """
     track = None if recording is None else recording.physics
-    planned = None if plan is None or track is not None else plan_scene(scenario, world, plan)
+    planned = None if plan is None or track is not None else PlanScene(scenario, world, plan)
     scene = None
     if recording is not None and len(recording.time):
-        scene = scene_of(scenario, world, recording)
+        scene = Scene(scenario, world, recording)
     fixed = world.shapes if scene is None else scene.fixed
     individual = bool(scenario.goals)
     robots = [_robot(model) for model in scenario.models]
@@ -70,10 +70,9 @@ def replay_data(
     begin, end = 0.0, 0.0
     places = [np.array([*scenario.starts, *scenario.goals])[:, :2]]
     if scene is not None:
-        begin, end = float(scene.time[0]), float(scene.time[-1])
-        places.append(scene.poses[..., :2].reshape(-1, 2))
-        driven = track is None and planned is None
-        data["run"] = run_data(scene, world, len(scenario.task.goals), individual, driven)
+        begin, end = float(scene.recording.time[0]), float(scene.recording.time[-1])
+        places.append(scene.recording.poses[..., :2].reshape(-1, 2))
+        data["run"] = run_data(scene, driven=track is None and planned is None)
     if planned is not None:
         end = max(planned.makespan, end)
         places += [path.position[:, :2] for _, path in planned.known]
@@ -111,7 +110,7 @@ def _around(places: list[Array]) -> Array:
 
 def _outcome(summary: Mapping[str, Any], planned: PlanScene | None) -> dict[str, Any]:
     """How it ended, for people, and whether that is good."""
-    if planned is not None and not planned.solved:
+    if planned is not None and not planned.plan.solved:
         return {"text": planned.result, "good": False}
     reason, makespan = str(summary.get("reason") or ""), summary.get("makespan_s")
     text = reason or "run"
