@@ -20,15 +20,9 @@ def stacked_panels(
     span: tuple[float, float],
     label: str = "time (s)",
 ) -> tuple[Figure, list[Axes]]:
-    """A figure with panels one below the other that share their horizontal axis.
+    """A figure with panels one below the other, from the top, that share their horizontal axis.
 
-    Args:
-        width: Of the figure, inches.
-        margins: Around the panels.
-        heights: Of the panels from the top, inches.
-        gaps: Between them, one less, inches.
-        span: Lowest and highest value of the axis.
-        label: What the axis shows.
+    Lengths are in inches; the axis goes over `span` and is called `label`.
     """
     top = margins.bottom + sum(heights) + sum(gaps)
     figure = style.new_figure(width, top + margins.top)

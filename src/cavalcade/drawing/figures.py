@@ -33,12 +33,6 @@ def make_figures(
 ) -> list[Path]:
     """Draw all figures of a run into `directory`, which is made if it is missing.
 
-    Args:
-        scenario: The scenario that was run.
-        world: Its `World`: the map and the exact shapes, as they were at the start.
-        recording: What happened.
-        directory: Where the pictures go.
-
     Returns:
         The files written, in the order a reader wants them: `sequence.png`,
         `obstacle_distance.png`, `pair_distance.png` (two robots or more), `arrival_field.png`
@@ -91,12 +85,8 @@ def make_physics_figures(
 ) -> list[Path]:
     """Draw what the legs did into `directory`, which is made if it is missing.
 
-    Args:
-        scenario: The scenario that was run.
-        track: What the robots did.
-        commands: Times `(K,)` s on the track's clock, and the body-frame velocities `(K, N, 3)`
-            that hold from then on; None for none.
-        directory: Where the pictures go.
+    `commands`: times `(K,)` s on the track's clock, and the body-frame velocities `(K, N, 3)`
+    that hold from then on; None for none.
 
     Returns:
         `legs.png` (speeds, height of the trunk, torques) and `gait.png` (which feet carry how much

@@ -36,15 +36,10 @@ def map_figure(
     scale: float = 0.0,
     narrowest: float = 0.0,
 ) -> tuple[Figure, Axes]:
-    """A figure of one map, as large as fits.
+    """A figure of one map's part `view`, as large as fits; lengths in inches.
 
-    Args:
-        view: `(4,)` the part to show: lowest x, lowest y, highest x, highest y.
-        margins: Around the map.
-        widest: Of the figure, inches.
-        tallest: Of the map, inches.
-        scale: Room for a scale on the right, inches.
-        narrowest: Of the figure, inches: titles need room, too.
+    The figure is `narrowest` (titles need room, too) to `widest` wide, the map up to `tallest`
+    high, with room for a `scale` on its right.
     """
     aspect = float((view[3] - view[1]) / (view[2] - view[0]))
     left, right, bottom, top = margins

@@ -18,7 +18,7 @@ from cavalcade.drawing.actors import (
 )
 from cavalcade.drawing.maps import add_polygon, draw_arena, map_figure
 from cavalcade.drawing.outlines import shape_ring
-from cavalcade.drawing.scene import arena_of
+from cavalcade.drawing.scene import Team
 from cavalcade.geometry import Array, transform_points
 from cavalcade.world import Shape, shape_from_mapping
 
@@ -36,7 +36,7 @@ def draw_scenario(scenario: Scenario, world: World, path: Path) -> Path:
     Raises:
         OutputError: The picture cannot be written.
     """
-    arena = arena_of(world, world.shapes)
+    arena = Team(scenario, world).arena
     with style.paper_style():
         figure, axes = map_figure(arena.bounds, _MARGINS, style.PAGE, 6.5)
         draw_arena(axes, arena)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import groupby
@@ -70,8 +70,8 @@ class Arena:
 
 
 @dataclass(frozen=True)
-class _Team:
-    """What runs and plans have in common."""
+class Team:
+    """A scenario's robots and their ground, ready to be drawn."""
 
     scenario: Scenario
     world: World
@@ -99,11 +99,19 @@ class _Team:
     @cached_property
     def arena(self) -> Arena:
         """The ground."""
-        return arena_of(self.world, self.fixed)
+        grid = self.world.base
+        unknown = np.asarray(grid.grid) == UNKNOWN
+        return Arena(
+            border=map_border(grid),
+            walls=tuple(cell_rings(grid.occupied & ~unknown, grid.resolution, grid.origin)),
+            unknown=tuple(cell_rings(unknown, grid.resolution, grid.origin)),
+            shapes=tuple(shape_ring(shape) for shape in self.fixed),
+            terrain=self.world.terrain,
+        )
 
 
 @dataclass(frozen=True)
-class Scene(_Team):
+class Scene(Team):
     """A run of one cycle or more, ready to be drawn; map frame, SI units."""
 
     recording: Recording
@@ -129,7 +137,7 @@ class Scene(_Team):
 
 
 @dataclass(frozen=True)
-class PlanScene(_Team):
+class PlanScene(Team):
     """A plan ready to be drawn; map frame, SI units."""
 
     plan: PlanResult
@@ -171,16 +179,3 @@ def map_border(grid: OccupancyMap) -> Array:
     """Corners `(4, 2)` of a map, map frame."""
     width, height = grid.size
     return grid.to_map([(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)])
-
-
-def arena_of(world: World, shapes: Sequence[Shape]) -> Arena:
-    """The arena of a world with those of its shapes that are to be drawn as lasting."""
-    grid = world.base
-    unknown = np.asarray(grid.grid) == UNKNOWN
-    return Arena(
-        border=map_border(grid),
-        walls=tuple(cell_rings(grid.occupied & ~unknown, grid.resolution, grid.origin)),
-        unknown=tuple(cell_rings(unknown, grid.resolution, grid.origin)),
-        shapes=tuple(shape_ring(shape) for shape in shapes),
-        terrain=world.terrain,
-    )

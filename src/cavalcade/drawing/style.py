@@ -115,10 +115,11 @@ def robot_color(index: int) -> str:
     return ROBOTS[index % len(ROBOTS)]
 
 
-def robot_dash(index: int) -> Any:
-    """The line style that tells robots of the same colour apart."""
+def robot_line(index: int) -> Any:
+    """Options of a robot's line; its style tells robots of the same colour apart."""
     styles = ("-", (0, (4, 1.2)), (0, (1, 1.2)), (0, (5, 1.2, 1, 1.2)))
-    return styles[(index // len(ROBOTS)) % len(styles)]
+    dash = styles[(index // len(ROBOTS)) % len(styles)]
+    return {"color": robot_color(index), "linestyle": dash}
 
 
 def mark(shape: str, size: float, edge: str, width: float = 0.8, face: str = "white") -> Any:

@@ -64,31 +64,34 @@ _ADD, _DELETE = 0, 2
 
 def run_topics(robots: int) -> dict[str, str]:
     """Topics of every recording of so many robots, and their message types."""
-    kinds = {
+    team = {
         "/map": "nav_msgs/msg/OccupancyGrid",
         "/tf": "tf2_msgs/msg/TFMessage",
         "/markers": "visualization_msgs/msg/MarkerArray",
-        STATUS_TOPIC: "std_msgs/msg/String",
-        NOTES_TOPIC: "std_msgs/msg/String",
-        OBSTACLES_TOPIC: "std_msgs/msg/String",
+        **dict.fromkeys((STATUS_TOPIC, NOTES_TOPIC, OBSTACLES_TOPIC), "std_msgs/msg/String"),
     }
-    for robot in range(robots):
-        kinds[f"/robot_{robot}/pose"] = "geometry_msgs/msg/PoseStamped"
-        kinds[f"/robot_{robot}/pose_estimated"] = "geometry_msgs/msg/PoseStamped"
-        kinds[f"/robot_{robot}/cmd_vel"] = "geometry_msgs/msg/TwistStamped"
-        kinds[f"/robot_{robot}/path"] = "nav_msgs/msg/Path"
-    return kinds
+    each = {
+        "pose": "geometry_msgs/msg/PoseStamped",
+        "pose_estimated": "geometry_msgs/msg/PoseStamped",
+        "cmd_vel": "geometry_msgs/msg/TwistStamped",
+        "path": "nav_msgs/msg/Path",
+    }
+    return team | _of_robots(robots, each)
 
 
 def physics_topics(robots: int) -> dict[str, str]:
     """Further topics of recordings in physics, and their message types."""
-    kinds = {CONTACTS_TOPIC: "std_msgs/msg/String", FALLS_TOPIC: "std_msgs/msg/String"}
-    for robot in range(robots):
-        kinds[f"/robot_{robot}/body"] = "geometry_msgs/msg/PoseStamped"
-        kinds[f"/robot_{robot}/joint_states"] = "sensor_msgs/msg/JointState"
-        for leg in LEGS:
-            kinds[f"/robot_{robot}/foot_force/{leg}"] = "geometry_msgs/msg/WrenchStamped"
-    return kinds
+    team = dict.fromkeys((CONTACTS_TOPIC, FALLS_TOPIC), "std_msgs/msg/String")
+    each = {
+        "body": "geometry_msgs/msg/PoseStamped",
+        "joint_states": "sensor_msgs/msg/JointState",
+        **{f"foot_force/{leg}": "geometry_msgs/msg/WrenchStamped" for leg in LEGS},
+    }
+    return team | _of_robots(robots, each)
+
+
+def _of_robots(robots: int, each: dict[str, str]) -> dict[str, str]:
+    return {f"/robot_{k}/{name}": kind for k in range(robots) for name, kind in each.items()}
 
 
 def base_frame(robot: int) -> str:

@@ -74,12 +74,9 @@ def draw_sequence(scene: Scene, path: Path) -> Path:
 
 
 def _layout(panels: int, span: Array, body: float) -> tuple[int, float, float]:
-    """Columns, and a panel's width and height in inches.
+    """Columns, and a panel's width and height in inches, for so many that show `span` `(2,)` m.
 
-    Args:
-        panels: How many there are.
-        span: `(2,)` width and height of the part that is shown, m.
-        body: A robot's length, m; wide ground on which it would be a dot gets wider panels.
+    Wide ground on which a `body` of that length, m, would be a dot gets wider panels.
     """
     aspect = float(span[1] / span[0])
     columns = 3 if aspect < 1.45 else 6

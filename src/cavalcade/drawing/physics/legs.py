@@ -129,8 +129,7 @@ def _draw_height(axes: Axes, track: PhysicsTrack, stand: list[float]) -> None:
         color = style.robot_color(robot)
         axes.fill_between(times, low[:, robot], high[:, robot], color=color, alpha=0.22,
                           linewidth=0.0, zorder=2.5)  # fmt: skip
-        axes.plot(times, mean[:, robot], color=color, linewidth=1.0,
-                  linestyle=style.robot_dash(robot), zorder=3)  # fmt: skip
+        axes.plot(times, mean[:, robot], **style.robot_line(robot), linewidth=1.0, zorder=3)
     bottom, top = float(low.min()), float(high.max())
     if top - bottom < 0.25:
         for level in sorted(set(stand)):
@@ -149,8 +148,7 @@ def _draw_torques(axes: Axes, track: PhysicsTrack, limits: Array) -> None:
     share = torque_share(track, limits)
     times, highest = peaks(track.time, 100.0 * share.max(axis=2), columns=500)
     for robot in range(track.size):
-        axes.plot(times, highest[:, robot], color=style.robot_color(robot), linewidth=0.7,
-                  linestyle=style.robot_dash(robot), zorder=3)  # fmt: skip
+        axes.plot(times, highest[:, robot], **style.robot_line(robot), linewidth=0.7, zorder=3)
     draw_limit(axes, 100.0, 200.0, "limit")
     when, worst, joint = np.unravel_index(int(np.argmax(share)), share.shape)
     value = 100.0 * float(share[when, worst, joint])

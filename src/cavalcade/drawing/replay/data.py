@@ -7,7 +7,8 @@ what a planner wanted and what happened on the way.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -52,11 +53,8 @@ def replay_data(
         scene = Scene(scenario, world, recording)
     fixed = world.shapes if scene is None else scene.fixed
     individual = bool(scenario.goals)
-    robots = [_robot(model) for model in scenario.models]
-    for robot, start in zip(robots, scenario.starts, strict=True):
-        robot["start"] = rounded(start, 4)
-    for robot, goal in zip(robots, scenario.goals, strict=False):
-        robot["goal"] = rounded(goal, 4)
+    team = zip_longest(scenario.models, scenario.starts, scenario.goals)
+    robots = [_robot(*member) for member in team]
     data: dict[str, Any] = {
         "name": str(scenario.name),
         "individual": individual,
@@ -85,7 +83,7 @@ def replay_data(
     return data | {"begin": round(begin, 4), "end": round(end, 4), "view": whole(view, 1000)}
 
 
-def _robot(model: RobotModel) -> dict[str, Any]:
+def _robot(model: RobotModel, start: Sequence[float], goal: Sequence[float] | None) -> Any:
     legs = model.legs
     return {
         "model": model.name,
@@ -100,6 +98,8 @@ def _robot(model: RobotModel) -> dict[str, Any]:
             "link": 0.6 * legs.h_max,
             "swing": legs.swing_height,
         },
+        "start": rounded(start, 4),
+        **({} if goal is None else {"goal": rounded(goal, 4)}),
     }
 
 

@@ -29,11 +29,7 @@ def ground_data(
 ) -> dict[str, Any]:
     """Border, terrain, solids, walls and cells that nothing is known of.
 
-    Args:
-        base: The map without the shapes.
-        shapes: The obstacles that stand there all the time.
-        terrain: The heights; None for level ground.
-        dense: Whether steps of the ground have to be drawn where feet find them.
+    `base` is the map without the shapes; `dense`: steps are to be drawn where feet find them.
     """
     unknown = np.asarray(base.grid) == UNKNOWN
     most_nodes = _MOST_NODES_DENSE if dense else _MOST_NODES

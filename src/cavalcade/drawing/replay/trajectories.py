@@ -26,9 +26,7 @@ def plan_data(scene: PlanScene, robots: list[dict[str, Any]]) -> dict[str, Any]:
     paths, footholds = scene.plan.trajectories, scene.plan.footholds
     stepping = sum(len(feet) for feet in footholds) <= _MOST_FOOTHOLDS
     tick = max(0.002, scene.makespan / 60_000)
-    for robot, path, feet in zip(
-        robots, scene.plan.trajectories, scene.plan.footholds, strict=True
-    ):
+    for robot, path, feet in zip(robots, paths, footholds, strict=True):
         robot["path"] = None if path is None else _path(path)
         robot["feet"] = _feet(feet, tick) if stepping and len(feet) else None
     return {"tick": tick}

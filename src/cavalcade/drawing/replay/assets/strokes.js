@@ -14,10 +14,8 @@ class Strokes {
   // Around the points; dashes have about that length, m.
   ring(points, colour, dash = 0) {
     points.forEach((at, k) => {
-      const to = points[(k + 1) % points.length], way = sub(to, at);
-      if (!dash) { this.piece(at, to, colour); return; }
-      const n = Math.max(1, Math.round(Math.hypot(...way) / dash));
-      for (let i = 0; i < n; i++) this.piece(add(at, way, i / n), add(at, way, (i + 0.55) / n), colour);
+      const way = sub(points[(k + 1) % points.length], at), n = dash ? Math.max(1, Math.round(Math.hypot(...way) / dash)) : 1;
+      for (let i = 0; i < n; i++) this.piece(add(at, way, i / n), add(at, way, (i + (dash ? 0.55 : 1)) / n), colour);
     });
   }
 
@@ -47,16 +45,14 @@ class Strokes {
   draw(width, { now = 0, since = -2, faint = 1, strength = 1, tint = [1, 1, 1] } = {}) {
     if (!this.count) return;
     feed(strokes, this.parts);
-    for (const [name, value] of Object.entries({ width: width * ratio, now, since, faint, strength })) gl.uniform1f(strokes.at[name], value);
-    gl.uniform3fv(strokes.at.tint, tint);
+    set(strokes, { width: width * ratio, now, since, faint, strength, tint });
     gl.drawArrays(gl.TRIANGLES, 0, this.count);
   }
 }
 
 function useStrokes(view) {
   gl.useProgram(strokes.made);
-  gl.uniformMatrix4fv(strokes.at.view, false, view);
-  gl.uniform2f(strokes.at.screen, canvas.width / 2, canvas.height / 2);
+  set(strokes, { view, screen: [canvas.width / 2, canvas.height / 2] });
 }
 
 // A footprint's outline on the ground.
@@ -79,11 +75,8 @@ function outline(robot, x, y, yaw, lift = 0.015) {
 function drawMarks({ parts, count }, view, time, tint, size = 0.045, stay = Infinity) {
   if (!count) return;
   gl.useProgram(dots.made);
-  gl.uniformMatrix4fv(dots.at.view, false, view);
   feed(dots, parts);
-  gl.uniform3fv(dots.at.tint, tint);
-  gl.uniform1f(dots.at.now, time);
-  gl.uniform1f(dots.at.since, stay < time ? time - stay : -1);
-  gl.uniform1f(dots.at.size, size * canvas.height / 0.73 / (camera.top ? camera.away : 1));
+  const since = stay < time ? time - stay : -1;
+  set(dots, { view, tint, now: time, since, size: size * canvas.height / 0.73 / (camera.top ? camera.away : 1) });
   gl.drawArrays(gl.POINTS, 0, count);
 }
