@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cavalcade.drawing import style
 from cavalcade.drawing.outlines import shape_ring
-from cavalcade.drawing.scene import Arena
+from cavalcade.drawing.scene import Team, map_border
 from cavalcade.geometry import Array
 from cavalcade.locomotion.footholds import LEAST_TRAVERSABILITY
 from cavalcade.recording.frames import ObstacleTrack
@@ -112,21 +112,27 @@ def grid_transform(axes: Axes, origin: tuple[float, float, float]) -> Transform:
     return Affine2D().rotate(yaw).translate(x, y) + axes.transData
 
 
-def draw_arena(axes: Axes, arena: Arena) -> Any:
-    """The ground with its border, terrain, unknown cells, walls and shapes.
+def draw_arena(axes: Axes, team: Team, *, heights: bool = True) -> Any:
+    """The ground with its border, terrain, unknown cells, walls and lasting shapes.
 
     Returns what a scale of heights needs; None on level ground.
     """
-    shown = None if arena.terrain is None else _draw_terrain(axes, arena.terrain)
-    _fill_rings(axes, arena.unknown, facecolor=style.UNKNOWN, edgecolor="none", zorder=0.5)
-    _fill_rings(
-        axes, arena.walls, facecolor=style.WALL, edgecolor=style.WALL, linewidth=0.2, zorder=1
-    )
+    terrain, (walls, unknown) = team.world.terrain, team.rings
+    shown = None if terrain is None or not heights else _draw_terrain(axes, terrain)
+    _fill_rings(axes, unknown, facecolor=style.UNKNOWN, edgecolor="none", zorder=0.5)
+    _fill_rings(axes, walls, facecolor=style.WALL, edgecolor=style.WALL, linewidth=0.2, zorder=1)
     # Edges below, fills above: shapes that overlap show one common outline.
-    for ring in arena.shapes:
+    for ring in map(shape_ring, team.fixed):
         add_polygon(axes, ring, fill=False, edgecolor=style.INK, linewidth=0.7, zorder=1.05)
         add_polygon(axes, ring, facecolor=style.SHAPE, edgecolor="none", zorder=1.1)
-    add_polygon(axes, arena.border, fill=False, edgecolor=style.INK, linewidth=0.9, zorder=1.2)
+    add_polygon(
+        axes,
+        map_border(team.world.base),
+        fill=False,
+        edgecolor=style.INK,
+        linewidth=0.9,
+        zorder=1.2,
+    )
     return shown
 
 
@@ -222,6 +228,6 @@ def _blocked(terrain: Terrain) -> NDArray[np.bool_]:
     return terrain.traversability < LEAST_TRAVERSABILITY
 
 
-def has_blocked_ground(arena: Arena) -> bool:
+def has_blocked_ground(terrain: Terrain | None) -> bool:
     """Whether there is ground, other than solid obstacles, where no foot may stand."""
-    return arena.terrain is not None and bool(_blocked(arena.terrain).any())
+    return terrain is not None and bool(_blocked(terrain).any())

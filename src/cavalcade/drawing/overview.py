@@ -36,22 +36,22 @@ def draw_scenario(scenario: Scenario, world: World, path: Path) -> Path:
     Raises:
         OutputError: The picture cannot be written.
     """
-    arena = Team(scenario, world).arena
+    team = Team(scenario, world)
     with style.paper_style():
-        figure, axes = map_figure(arena.bounds, _MARGINS, style.PAGE, 6.5)
-        draw_arena(axes, arena)
+        figure, axes = map_figure(team.bounds, _MARGINS, style.PAGE, 6.5)
+        draw_arena(axes, team)
         _draw_own_goals(axes, scenario)
         if scenario.task.formation is not None:
             goals = np.array(scenario.task.goals, dtype=float).reshape(-1, 3)
             _draw_goals(axes, goals, _slots(scenario))
         _draw_events(axes, scenario.execution.events)
-        models = scenario.models
-        for robot, (start, model) in enumerate(zip(scenario.starts, models, strict=True)):
+        for robot, (start, model) in enumerate(zip(scenario.starts, team.models, strict=True)):
             draw_robot(axes, np.array(start, dtype=float), model, style.robot_color(robot))
-        team = f"{len(models)} {models[0].name}" if len({m.name for m in models}) == 1 else "mixed"
+        kinds = {model.name for model in team.models}
+        robots = f"{team.size} {kinds.pop()}" if len(kinds) == 1 else "mixed"
         axes.set_title(str(scenario.name), loc="left", pad=3)
         axes.set_title(
-            f"{team}, {scenario.task.headline}",
+            f"{robots}, {scenario.task.headline}",
             loc="right",
             pad=3,
             fontsize=7,

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from cavalcade.drawing.outlines import cell_rings, shape_ring
+from cavalcade.drawing.outlines import cell_rings
 from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import Trajectory
 from cavalcade.metrics.clearance import fixed_shapes
 from cavalcade.robots import RobotModel
-from cavalcade.world import OccupancyMap, Shape, Terrain
+from cavalcade.world import OccupancyMap, Shape
 from cavalcade.world.occupancy import UNKNOWN
 
 if TYPE_CHECKING:
@@ -27,46 +27,6 @@ _T = TypeVar("_T")
 
 DEFAULT_RADIUS = 0.30
 """The paper's inflation radius in m, where the scenario does not set another one."""
-
-
-@dataclass(frozen=True)
-class Arena:
-    """The ground of a run; map frame, m.
-
-    Attributes:
-        border: `(4, 2)` corners of the map.
-        walls: Rings of the map file's occupied cells.
-        unknown: Rings of the cells nothing is known of.
-        shapes: Outlines of the exact shapes that are there all the time.
-        terrain: The heights; None for level ground.
-    """
-
-    border: Array
-    walls: tuple[Array, ...]
-    unknown: tuple[Array, ...]
-    shapes: tuple[Array, ...]
-    terrain: Terrain | None
-
-    @property
-    def bounds(self) -> Array:
-        """`(4,)`: lowest x, lowest y, highest x, highest y."""
-        return np.concatenate([self.border.min(axis=0), self.border.max(axis=0)])
-
-    def view(self, places: Iterable[Array], margin: float) -> Array:
-        """`(4,)` the part around all points `(K, 2)`; the whole map unless that is little."""
-        bounds = self.bounds
-        points = np.concatenate(list(places))
-        points = points[np.isfinite(points).all(axis=1)]
-        low = np.maximum(points.min(axis=0) - margin, bounds[:2])
-        high = np.minimum(points.max(axis=0) + margin, bounds[2:])
-        # No strip: the short side is at least half the long one where the map allows it.
-        lack = np.maximum(0.5 * float((high - low).max()) - (high - low), 0.0)
-        low = np.maximum(low - lack / 2.0, bounds[:2])
-        high = np.minimum(low + np.maximum(high - low, 0.5 * float((high - low).max())), bounds[2:])
-        span = np.maximum(high - low, 1e-6)
-        if np.prod(span) > 0.45 * np.prod(bounds[2:] - bounds[:2]):
-            return bounds
-        return np.concatenate([low, high])
 
 
 @dataclass(frozen=True)
@@ -97,17 +57,37 @@ class Team:
         return self.world.shapes
 
     @cached_property
-    def arena(self) -> Arena:
-        """The ground."""
+    def rings(self) -> tuple[list[Array], list[Array]]:
+        """Rings of the map's occupied cells without the shapes, and of those nothing is known of.
+
+        Map frame, m.
+        """
         grid = self.world.base
         unknown = np.asarray(grid.grid) == UNKNOWN
-        return Arena(
-            border=map_border(grid),
-            walls=tuple(cell_rings(grid.occupied & ~unknown, grid.resolution, grid.origin)),
-            unknown=tuple(cell_rings(unknown, grid.resolution, grid.origin)),
-            shapes=tuple(shape_ring(shape) for shape in self.fixed),
-            terrain=self.world.terrain,
-        )
+        walls = cell_rings(grid.occupied & ~unknown, grid.resolution, grid.origin)
+        return walls, cell_rings(unknown, grid.resolution, grid.origin)
+
+    @property
+    def bounds(self) -> Array:
+        """`(4,)`: lowest x, lowest y, highest x, highest y of the map."""
+        border = map_border(self.world.base)
+        return np.concatenate([border.min(axis=0), border.max(axis=0)])
+
+    def part(self, places: Iterable[Array], margin: float) -> Array:
+        """`(4,)` the part around all points `(K, 2)`; the whole map unless that is little."""
+        bounds = self.bounds
+        points = np.concatenate(list(places))
+        points = points[np.isfinite(points).all(axis=1)]
+        low = np.maximum(points.min(axis=0) - margin, bounds[:2])
+        high = np.minimum(points.max(axis=0) + margin, bounds[2:])
+        # No strip: the short side is at least half the long one where the map allows it.
+        lack = np.maximum(0.5 * float((high - low).max()) - (high - low), 0.0)
+        low = np.maximum(low - lack / 2.0, bounds[:2])
+        high = np.minimum(low + np.maximum(high - low, 0.5 * float((high - low).max())), bounds[2:])
+        span = np.maximum(high - low, 1e-6)
+        if np.prod(span) > 0.45 * np.prod(bounds[2:] - bounds[:2]):
+            return bounds
+        return np.concatenate([low, high])
 
 
 @dataclass(frozen=True)
@@ -133,7 +113,7 @@ class Scene(Team):
         places = [self.recording.poses[..., :2].reshape(-1, 2)]
         places += [s.goals for s in status[:: max(1, len(status) // 50)]]
         goals = [s.goal[None, :2] for s in status if s.goal is not None]
-        return self.arena.view([*places, *goals], margin)
+        return self.part([*places, *goals], margin)
 
 
 @dataclass(frozen=True)
@@ -162,7 +142,7 @@ class PlanScene(Team):
         """`(4,)` the part worth showing: the whole map unless the team uses little of it."""
         ends = np.array([*self.scenario.starts, *self.scenario.goals], dtype=float)
         driven = [path.position[:, :2] for _, path in self.known]
-        return self.arena.view([ends[:, :2], *driven], 1.0)
+        return self.part([ends[:, :2], *driven], 1.0)
 
 
 def runs(values: Iterable[_T]) -> list[tuple[_T, int, int]]:

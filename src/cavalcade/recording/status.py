@@ -86,9 +86,8 @@ class StatusEncoder:
             "targets": None if status.targets is None else _plain(status.targets),
         }
         before, self._last = self._last, said
-        news = {
-            k: v for k, v in said.items() if k not in _RARE or k not in before or before[k] != v
-        }
+        kept = {key for key in _RARE if key in before and before[key] == said[key]}
+        news = {key: value for key, value in said.items() if key not in kept}
         return json.dumps(news, separators=(",", ":"))
 
 

@@ -72,7 +72,7 @@ def draw_paths(
     scene, time = Scene(scenario, world, recording), recording.time
     with style.paper_style():
         figure, axes = map_figure(scene.view(), _MARGINS, 5.4, 4.6, narrowest=3.0)
-        draw_arena(axes, scene.arena)
+        draw_arena(axes, scene)
         found = tightest(scene)
         moment = len(time) - 1 if found is None else found.cycle
         draw_tracks(axes, recording.obstacles, float(time[moment]))

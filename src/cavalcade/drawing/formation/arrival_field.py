@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -61,7 +60,7 @@ def draw_arrival_field(scene: Scene, path: Path) -> Path | None:
     with style.paper_style():
         figure, axes = map_figure(view, _MARGINS, style.COLUMN, 5.0)
         mesh = _draw_field(axes, scene, times, clearance, view)
-        draw_arena(axes, replace(scene.arena, terrain=None))
+        draw_arena(axes, scene, heights=False)
         _draw_paths(axes, scene)
         draw_team_goal(axes, goal)
         inches = axes.get_position().height * figure.get_figheight()

@@ -155,8 +155,8 @@ def _rests(axes: Axes, rests: list[tuple[float, float, float]], end: float, top:
 def _ever_connected(scene: Scene, pairs: NDArray[np.int64]) -> NDArray[np.bool_]:
     statuses = scene.recording.status
     joined = {
-        (min(a, b), max(a, b))
+        frozenset(pair)
         for status in statuses[:: max(1, len(statuses) // 200)]
-        for a, b in np.asarray(status.connections, dtype=int).reshape(-1, 2).tolist()
+        for pair in np.asarray(status.connections, dtype=int).reshape(-1, 2).tolist()
     }
-    return np.array([(int(a), int(b)) in joined for a, b in pairs], dtype=bool)
+    return np.array([frozenset(pair) in joined for pair in pairs.tolist()], dtype=bool)

@@ -93,7 +93,7 @@ def _layout(panels: int, span: Array, body: float) -> tuple[int, float, float]:
 def _draw_moment(axes: Axes, scene: Scene, cycle: int, view: Array) -> None:
     recording = scene.recording
     status, poses = recording.status[cycle], recording.poses[cycle]
-    draw_arena(axes, scene.arena)
+    draw_arena(axes, scene)
     draw_tracks(axes, recording.obstacles, float(recording.time[cycle]))
     for robot in range(scene.size):
         draw_driven(axes, recording.poses[: cycle + 1, robot], robot)

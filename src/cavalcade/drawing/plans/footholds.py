@@ -44,7 +44,7 @@ def draw_footholds(scene: PlanScene, path: Path) -> Path | None:
         enlarged.set_ylabel("")
         enlarged.set_title("enlarged", loc="left", pad=3, fontsize=7, fontstyle="italic")
         for axes in (whole, enlarged):
-            draw_arena(axes, scene.arena)
+            draw_arena(axes, scene)
             _draw_feet(axes, scene, axes is enlarged)
         corners = window[[[0, 1], [2, 1], [2, 3], [0, 3]]]
         add_polygon(whole, corners, fill=False, edgecolor=style.INK, linewidth=0.8, zorder=6)

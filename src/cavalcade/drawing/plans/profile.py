@@ -27,7 +27,7 @@ _PUSH, _EARTH = "#f4a582", "#5e5340"
 
 def draw_profile(scene: PlanScene, path: Path) -> Path | None:
     """Draw it a page wide, the first robots one below the other; None on flat ground."""
-    terrain = scene.arena.terrain
+    terrain = scene.world.terrain
     if terrain is None or not scene.known:
         return None
     shown = scene.known[:_MOST]

@@ -33,12 +33,12 @@ _LONG_WAIT = 0.5
 
 def draw_top_view(scene: PlanScene, path: Path) -> Path:
     """Draw it as wide as a page or as high as fits; returns the file written."""
-    scale = 0.0 if scene.arena.terrain is None else 0.64
+    scale = 0.0 if scene.world.terrain is None else 0.64
     with style.paper_style():
         figure, axes = map_figure(
             scene.view(), _MARGINS, style.PAGE, 6.4, scale=scale, narrowest=3.2
         )
-        shown = draw_arena(axes, scene.arena)
+        shown = draw_arena(axes, scene)
         if shown is not None:
             add_scale(figure, axes, shown, "height (m)")
         axes.set_title(scene.name, loc="left", pad=13)
@@ -125,6 +125,6 @@ def _draw_legend(axes: Axes, scene: PlanScene) -> None:
         Patch(facecolor=style.GREY, edgecolor=style.INK, label="start"),
         Patch(facecolor="white", edgecolor=style.GREY, linestyle=(0, (2.2, 1.1)), label="goal"),
     ]
-    if has_blocked_ground(scene.arena):
+    if has_blocked_ground(scene.world.terrain):
         handles.append(Patch(facecolor="#7d6c59", edgecolor="none", label="no foothold"))
     draw_legend(axes, handles, "left", borderaxespad=0.1, handlelength=1.3)

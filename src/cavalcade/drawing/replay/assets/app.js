@@ -21,10 +21,8 @@ function toggle(name, on = !shown[name]) {
 
 for (const [name, key, text, useful] of LAYERS) {
   if (!useful) continue;
-  buttons[name] = element("button", id("layers"), text);
-  buttons[name].title = `${text} (${key.toUpperCase()})`;
+  buttons[name] = button(id("layers"), text, `${text} (${key.toUpperCase()})`, () => toggle(name));
   buttons[name].setAttribute("aria-pressed", shown[name]);
-  buttons[name].addEventListener("click", () => toggle(name));
 }
 
 const nextRobot = () => follow((typeof camera.follow === "number" ? camera.follow + 1 : 0) % robots.length);
@@ -35,12 +33,7 @@ const VIEWS = [
   ["Team", "Go with the team (F)", () => teamView()],
   ["Follow", "Go with one robot after another (0 to 9)", nextRobot],
 ];
-for (const [text, hint, action] of VIEWS) {
-  const made = element("button", id("views"), text);
-  made.title = hint;
-  made.id = text.toLowerCase();
-  made.addEventListener("click", () => { action(); redraw(); });
-}
+for (const [text, hint, action] of VIEWS) button(id("views"), text, hint, () => { action(); redraw(); }).id = text.toLowerCase();
 id("top").setAttribute("aria-pressed", "false");
 
 const help = id("help"), ask = () => (help.open ? help.close() : help.showModal());

@@ -11,6 +11,14 @@ function element(tag, parent, text = "", kind = "") {
   parent.append(made);
   return made;
 }
+
+function button(parent, text, title, action) {
+  const made = element("button", parent, text);
+  made.title = title;
+  made.addEventListener("click", action);
+  return made;
+}
+
 // What is told in words needs no picture.
 id("name").textContent = scene.name;
 id("outcome").textContent = scene.outcome.text;

@@ -112,5 +112,5 @@ function drawGhosts(aim, slope) {
   gl.enable(gl.CULL_FACE);
   drawSolids();
   gl.disable(gl.CULL_FACE);
-  set(meshes, { aim: [0, 0, 0, 0] });
+  setUniforms(meshes, { aim: [0, 0, 0, 0] });
 }

@@ -45,14 +45,14 @@ class Strokes {
   draw(width, { now = 0, since = -2, faint = 1, strength = 1, tint = [1, 1, 1] } = {}) {
     if (!this.count) return;
     feed(strokes, this.parts);
-    set(strokes, { width: width * ratio, now, since, faint, strength, tint });
+    setUniforms(strokes, { width: width * ratio, now, since, faint, strength, tint });
     gl.drawArrays(gl.TRIANGLES, 0, this.count);
   }
 }
 
 function useStrokes(view) {
   gl.useProgram(strokes.made);
-  set(strokes, { view, screen: [canvas.width / 2, canvas.height / 2] });
+  setUniforms(strokes, { view, screen: [canvas.width / 2, canvas.height / 2] });
 }
 
 // A footprint's outline on the ground.
@@ -77,6 +77,6 @@ function drawMarks({ parts, count }, view, time, tint, size = 0.045, stay = Infi
   gl.useProgram(dots.made);
   feed(dots, parts);
   const since = stay < time ? time - stay : -1;
-  set(dots, { view, tint, now: time, since, size: size * canvas.height / 0.73 / (camera.top ? camera.away : 1) });
+  setUniforms(dots, { view, tint, now: time, since, size: size * canvas.height / 0.73 / (camera.top ? camera.away : 1) });
   gl.drawArrays(gl.POINTS, 0, count);
 }

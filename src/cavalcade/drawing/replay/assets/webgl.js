@@ -28,7 +28,7 @@ function program(vertex, fragment) {
 }
 
 // Gives a program in use its uniforms: numbers, vectors and matrices.
-function set({ at }, values) {
+function setUniforms({ at }, values) {
   for (const [name, value] of Object.entries(values)) {
     if (typeof value === "number") gl.uniform1f(at[name], value);
     else if (value.length === 16) gl.uniformMatrix4fv(at[name], false, value);
@@ -132,10 +132,10 @@ function drawWith(shader, values) {
   drawing = shader;
   fed = null;
   gl.useProgram(shader.made);
-  set(shader, values);
+  setUniforms(shader, values);
 }
 
-function empty(frame, width, height, colour) {
+function clearFrame(frame, width, height, colour) {
   gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
   gl.viewport(0, 0, width, height);
   gl.clearColor(...colour, 1);
@@ -146,10 +146,10 @@ function renderSolid(view, eye, middle, radius, sky, drawThem) {
   const { matrix: sun, texel, bias } = sunMatrix(middle, radius);
   gl.enable(gl.DEPTH_TEST);
   gl.disable(gl.BLEND);
-  empty(shadow.frame, shadow.size, shadow.size, [1, 1, 1]);
+  clearFrame(shadow.frame, shadow.size, shadow.size, [1, 1, 1]);
   drawWith(depths, { view: sun });
   drawThem();
-  empty(null, canvas.width, canvas.height, sky);
+  clearFrame(null, canvas.width, canvas.height, sky);
   drawWith(meshes, { view, sun, texel, bias, eye, sunward: shadow.sunward });
   gl.bindTexture(gl.TEXTURE_2D, shadow.image);
   drawThem();
@@ -242,7 +242,7 @@ function mesh(place, normal, colour, index) {
 function drawMesh(what, model, tint, lines = 0, contour = 0, gloss = 0) {
   if (fed !== what) { feed(drawing, what.parts); fed = what; }
   gl.uniformMatrix4fv(drawing.at.model, false, model);
-  if (drawing === meshes) set(meshes, { tint, lines, contour, gloss });
+  if (drawing === meshes) setUniforms(meshes, { tint, lines, contour, gloss });
   if (what.index) {
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, what.index);
     gl.drawElements(gl.TRIANGLES, what.count, what.type, 0);
