@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cavalcade.drawing import style
 from cavalcade.drawing.outlines import shape_ring
-from cavalcade.drawing.scene import Team, map_border
+from cavalcade.drawing.scene import Team
 from cavalcade.geometry import Array
 from cavalcade.locomotion.footholds import LEAST_TRAVERSABILITY
 from cavalcade.recording.frames import ObstacleTrack
@@ -117,7 +117,7 @@ def draw_arena(axes: Axes, team: Team, *, heights: bool = True) -> Any:
 
     Returns what a scale of heights needs; None on level ground.
     """
-    terrain, (walls, unknown) = team.world.terrain, team.rings
+    terrain, border, (walls, unknown) = team.world.terrain, team.border, team.rings
     shown = None if terrain is None or not heights else _draw_terrain(axes, terrain)
     _fill_rings(axes, unknown, facecolor=style.UNKNOWN, edgecolor="none", zorder=0.5)
     _fill_rings(axes, walls, facecolor=style.WALL, edgecolor=style.WALL, linewidth=0.2, zorder=1)
@@ -125,14 +125,7 @@ def draw_arena(axes: Axes, team: Team, *, heights: bool = True) -> Any:
     for ring in map(shape_ring, team.fixed):
         add_polygon(axes, ring, fill=False, edgecolor=style.INK, linewidth=0.7, zorder=1.05)
         add_polygon(axes, ring, facecolor=style.SHAPE, edgecolor="none", zorder=1.1)
-    add_polygon(
-        axes,
-        map_border(team.world.base),
-        fill=False,
-        edgecolor=style.INK,
-        linewidth=0.9,
-        zorder=1.2,
-    )
+    add_polygon(axes, border, fill=False, edgecolor=style.INK, linewidth=0.9, zorder=1.2)
     return shown
 
 

@@ -9,13 +9,14 @@ from itertools import groupby
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cavalcade.drawing.outlines import cell_rings
 from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import Trajectory
 from cavalcade.metrics.clearance import fixed_shapes
 from cavalcade.robots import RobotModel
-from cavalcade.world import OccupancyMap, Shape
+from cavalcade.world import Shape
 from cavalcade.world.occupancy import UNKNOWN
 
 if TYPE_CHECKING:
@@ -56,22 +57,29 @@ class Team:
         """The exact shapes that are to be drawn as lasting."""
         return self.world.shapes
 
+    @property
+    def border(self) -> Array:
+        """`(4, 2)` corners of the map, map frame, m."""
+        width, height = self.world.base.size
+        return self.world.base.to_map([(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)])
+
+    @property
+    def cells(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """`(rows, cols)`: occupied cells of the map without the shapes, and unknown ones."""
+        unknown = np.asarray(self.world.base.grid) == UNKNOWN
+        return self.world.base.occupied & ~unknown, unknown
+
     @cached_property
     def rings(self) -> tuple[list[Array], list[Array]]:
-        """Rings of the map's occupied cells without the shapes, and of those nothing is known of.
-
-        Map frame, m.
-        """
+        """Rings of both kinds of `cells`, map frame, m."""
         grid = self.world.base
-        unknown = np.asarray(grid.grid) == UNKNOWN
-        walls = cell_rings(grid.occupied & ~unknown, grid.resolution, grid.origin)
-        return walls, cell_rings(unknown, grid.resolution, grid.origin)
+        walls, unknown = (cell_rings(kind, grid.resolution, grid.origin) for kind in self.cells)
+        return walls, unknown
 
     @property
     def bounds(self) -> Array:
         """`(4,)`: lowest x, lowest y, highest x, highest y of the map."""
-        border = map_border(self.world.base)
-        return np.concatenate([border.min(axis=0), border.max(axis=0)])
+        return np.concatenate([self.border.min(axis=0), self.border.max(axis=0)])
 
     def part(self, places: Iterable[Array], margin: float) -> Array:
         """`(4,)` the part around all points `(K, 2)`; the whole map unless that is little."""
@@ -153,9 +161,3 @@ def runs(values: Iterable[_T]) -> list[tuple[_T, int, int]]:
         found.append((value, first, last))
         first = last
     return found
-
-
-def map_border(grid: OccupancyMap) -> Array:
-    """Corners `(4, 2)` of a map, map frame."""
-    width, height = grid.size
-    return grid.to_map([(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)])

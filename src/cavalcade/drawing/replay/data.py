@@ -19,7 +19,7 @@ from cavalcade.drawing.replay.packing import rounded, whole
 from cavalcade.drawing.replay.run import run_data
 from cavalcade.drawing.replay.track import merged_contacts, track_data
 from cavalcade.drawing.replay.trajectories import plan_data
-from cavalcade.drawing.scene import PlanScene, Scene
+from cavalcade.drawing.scene import PlanScene, Scene, Team
 from cavalcade.geometry import Array
 from cavalcade.recording.physics_track import PhysicsTrack
 from cavalcade.robots import RobotModel
@@ -51,17 +51,16 @@ def replay_data(
     scene = None
     if recording is not None and len(recording.time):
         scene = Scene(scenario, world, recording)
-    fixed = world.shapes if scene is None else scene.fixed
     individual = bool(scenario.goals)
-    team = zip_longest(scenario.models, scenario.starts, scenario.goals)
-    robots = [_robot(*member) for member in team]
+    members = zip_longest(scenario.models, scenario.starts, scenario.goals)
+    robots = [_robot(*member) for member in members]
     data: dict[str, Any] = {
         "name": str(scenario.name),
         "individual": individual,
         "outcome": _outcome(summary, planned),
         "facts": _facts(summary, planned, track, individual),
         "colours": {"light": style.ROBOTS, "dark": style.ROBOTS_ON_DARK},
-        **ground_data(world.base, fixed, world.terrain, dense=track is not None),
+        **ground_data(scene or Team(scenario, world), dense=track is not None),
         "robots": robots,
         "run": None,
     }
