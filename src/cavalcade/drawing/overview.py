@@ -92,17 +92,10 @@ def _draw_goals(axes: Axes, goals: Array, slots: Array) -> None:
         draw_heading(axes, goal, 0.7)
         draw_team_goal(axes, goal)
         if len(goals) > 1:
-            axes.annotate(
-                str(number),
-                (float(goal[0]), float(goal[1])),
-                xytext=(-8.0 * np.cos(goal[2]), -8.0 * np.sin(goal[2])),
-                textcoords="offset points",
-                ha="center",
-                va="center",
-                fontsize=7.5,
-                zorder=7,
-                path_effects=style.halo(1.6),
-            )
+            x, y, yaw = (float(part) for part in goal)
+            behind = (-8.0 * np.cos(yaw), -8.0 * np.sin(yaw))
+            style.note(axes, str(number), (x, y), behind, ha="center", va="center", fontsize=7.5,
+                       zorder=7, path_effects=style.halo(1.6))  # fmt: skip
 
 
 def _draw_events(axes: Axes, events: Sequence[Event]) -> None:
@@ -123,7 +116,6 @@ def _draw_events(axes: Axes, events: Sequence[Event]) -> None:
         hatch = None if all(note.startswith("goes") for note in times) else "////"
         add_polygon(axes, ring, facecolor="none", edgecolor=style.MOVER, linewidth=0.8,
                     linestyle=(0, (3, 1.5)), hatch=hatch, zorder=1.3)  # fmt: skip
-        axes.annotate(", ".join(times), (float(ring[:, 0].mean()), float(ring[:, 1].max())),
-                      xytext=(0, 3), textcoords="offset points", ha="center", va="bottom",
-                      fontsize=6.5, color=style.MOVER, zorder=7,
-                      path_effects=style.halo(1.5))  # fmt: skip
+        top = float(ring[:, 0].mean()), float(ring[:, 1].max())
+        style.note(axes, ", ".join(times), top, (0, 3), ha="center", va="bottom", fontsize=6.5,
+                   color=style.MOVER, zorder=7, path_effects=style.halo(1.5))  # fmt: skip

@@ -91,9 +91,8 @@ def draw_gait(
 
 def _number_row(axes: Axes, robot: int) -> None:
     """The robot's number on the right of its row."""
-    axes.annotate(str(robot), (1.0, 0.5), xytext=(4, 0), xycoords="axes fraction",
-                  textcoords="offset points", va="center", fontsize=8, fontweight="bold",
-                  color=style.robot_color(robot))  # fmt: skip
+    style.note(axes, str(robot), (1.0, 0.5), (4, 0), xycoords="axes fraction", va="center",
+               fontsize=8, fontweight="bold", color=style.robot_color(robot))  # fmt: skip
 
 
 def _draw_speeds(
@@ -169,9 +168,8 @@ def _mark_events(axes: Axes, track: PhysicsTrack, robot: int) -> None:
     if fall is not None:
         end = float(track.time[-1])
         axes.axvspan(fall, end, facecolor=style.BEYOND, edgecolor="none", zorder=0.4)
-        axes.annotate("fell", (fall, 1.0), xycoords=axes.get_xaxis_transform(), xytext=(2, -2),
-                      textcoords="offset points", va="top", fontsize=7,
-                      color=style.LIMIT)  # fmt: skip
+        top = axes.get_xaxis_transform()
+        style.note(axes, "fell", (fall, 1.0), (2, -2), xycoords=top, va="top", color=style.LIMIT)
 
 
 def _draw_feet(axes: Axes, track: PhysicsTrack, robot: int, weight: float) -> None:
