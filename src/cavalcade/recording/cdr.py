@@ -24,14 +24,17 @@ class Layout:
 
     def __init__(self) -> None:
         self._template = bytearray(ENCAPSULATION)
-        self._numbers: list[tuple[str, Any, int]] = []  # name, format and offset of each field
+        self._names: list[str] = []
+        self._formats: list[Any] = []
+        self._offsets: list[int] = []
 
     def numbers(self, name: str, kind: str, count: int = 1) -> Layout:
         """`count` numbers of the numpy type `kind` that `pack` will be given as `name`."""
         dtype = np.dtype(kind).newbyteorder("<")
         self._align(dtype.itemsize)
-        form = dtype if count == 1 else (dtype, (count,))
-        self._numbers.append((name, form, len(self._template)))
+        self._names.append(name)
+        self._formats.append(dtype if count == 1 else (dtype, (count,)))
+        self._offsets.append(len(self._template))
         self._template += bytes(dtype.itemsize * count)
         return self
 
@@ -62,7 +65,7 @@ class Layout:
         size = len(self._template)
         data = np.frombuffer(bytes(self._template) * count, dtype=np.uint8).copy()
         rows = data.view(self._rows)
-        for name, _, _ in self._numbers:
+        for name in self._names:
             rows[name] = columns[name]
         view = memoryview(data.tobytes())
         return [view[k * size : (k + 1) * size] for k in range(count)]
@@ -78,8 +81,8 @@ class Layout:
             raise ValueError(f"expected messages of {size} bytes")
         data = np.frombuffer(b"".join(messages), dtype=np.uint8).reshape(-1, size).copy()
         rows = data.reshape(-1).view(self._rows)
-        columns = {name: rows[name].copy() for name, _, _ in self._numbers}
-        for name in columns:
+        columns = {name: rows[name].copy() for name in self._names}
+        for name in self._names:
             rows[name] = 0
         if not np.array_equal(data, np.broadcast_to(np.array(self._template), data.shape)):
             raise ValueError("expected messages whose texts are the same")
@@ -87,9 +90,14 @@ class Layout:
 
     @property
     def _rows(self) -> np.dtype[Any]:
-        names, forms, offsets = ([field[k] for field in self._numbers] for k in range(3))
-        size = len(self._template)
-        return np.dtype({"names": names, "formats": forms, "offsets": offsets, "itemsize": size})
+        return np.dtype(
+            {
+                "names": self._names,
+                "formats": self._formats,
+                "offsets": self._offsets,
+                "itemsize": len(self._template),
+            }
+        )
 
     def _align(self, size: int) -> None:
         self._template += bytes(-(len(self._template) - len(ENCAPSULATION)) % size)
