@@ -30,14 +30,12 @@ class Strokes {
   }
 
   circle([x, y], radius, colour, lift = 0.012) {
-    const corner = (_, k) => onGround([x + radius * Math.cos(k * Math.PI / 14), y + radius * Math.sin(k * Math.PI / 14)], lift);
-    this.ring(Array.from({ length: 28 }, corner), colour);
+    this.ring(circle(radius).map(([u, v]) => onGround([x + u, y + v], lift)), colour);
   }
 
   upload() {
-    if (this.parts) Object.values(this.parts).forEach(([made]) => gl.deleteBuffer(made));
-    const size = { place: 3, other: 3, side: 2, colour: 3, when: 1 };
-    this.parts = Object.fromEntries(Object.entries(this.rows).map(([name, values]) => [name, [buffer(values), size[name]]]));
+    if (this.parts) Object.values(this.parts).forEach((made) => gl.deleteBuffer(made));
+    this.parts = buffers(this.rows);
     this.count = this.rows.when.length;
     return this;
   }
@@ -55,11 +53,13 @@ function useStrokes(view) {
   setUniforms(strokes, { view, screen: [canvas.width / 2, canvas.height / 2] });
 }
 
+const circle = (radius) => Array.from({ length: 28 }, (_, k) => [radius * Math.cos(k * Math.PI / 14), radius * Math.sin(k * Math.PI / 14)]);
+
 // A footprint's outline on the ground.
 function outline(robot, x, y, yaw, lift = 0.015) {
   const [length, width] = robot.size, points = [];
   const corner = (u, v) => points.push(onGround(placed([x, y, yaw], u, v), lift));
-  if (robot.round) for (let k = 0; k < 28; k++) corner(length / 2 * Math.cos(k * Math.PI / 14), length / 2 * Math.sin(k * Math.PI / 14));
+  if (robot.round) for (const [u, v] of circle(length / 2)) corner(u, v);
   else {
     const n = terrain ? 5 : 1, a = length / 2, b = width / 2;
     const side = (u0, v0, u1, v1) => { for (let k = 0; k < n; k++) corner(u0 + k / n * (u1 - u0), v0 + k / n * (v1 - v0)); };

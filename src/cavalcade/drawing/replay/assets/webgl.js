@@ -216,19 +216,23 @@ function buffer(values) {
   return made;
 }
 
+// How many numbers a corner has of each input.
+const SIZES = { place: 3, other: 3, normal: 3, colour: 3, side: 2, when: 1 };
+const buffers = (rows) => Object.fromEntries(Object.entries(rows).map(([name, values]) => [name, buffer(values)]));
+
 function feed(shader, parts) {
-  for (const [name, [made, size]] of Object.entries(parts)) {
+  for (const [name, made] of Object.entries(parts)) {
     const place = shader.inputs[name];
     if (place === undefined) continue;
     gl.bindBuffer(gl.ARRAY_BUFFER, made);
     gl.enableVertexAttribArray(place);
-    gl.vertexAttribPointer(place, size, gl.FLOAT, false, 0, 0);
+    gl.vertexAttribPointer(place, SIZES[name], gl.FLOAT, false, 0, 0);
   }
 }
 
 // A mesh of triangles; `index` may be left out.
 function mesh(place, normal, colour, index) {
-  const made = { parts: { place: [buffer(place), 3], normal: [buffer(normal), 3], colour: [buffer(colour), 3] }, count: place.length / 3 };
+  const made = { parts: buffers({ place, normal, colour }), count: place.length / 3 };
   if (index) {
     made.index = gl.createBuffer();
     made.type = place.length / 3 > 65535 && long ? gl.UNSIGNED_INT : gl.UNSIGNED_SHORT;
