@@ -42,7 +42,7 @@ class Team:
         """The scenario's."""
         return str(self.scenario.name)
 
-    @property
+    @cached_property
     def models(self) -> tuple[RobotModel, ...]:
         """One per robot."""
         return self.scenario.models

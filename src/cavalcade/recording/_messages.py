@@ -40,6 +40,9 @@ OBSTACLES_TOPIC = "/cavalcade/obstacles"
 
 CONTACTS_TOPIC, FALLS_TOPIC = "/cavalcade/contacts", "/cavalcade/falls"
 
+JOINT_COLUMNS = {"position": "joints", "velocity": "joint_rates", "effort": "torques"}
+"""Columns of sensor_msgs/JointState, and what they are called in a track."""
+
 JOINT_NAMES = tuple(f"{leg}_{joint}" for leg in LEGS for joint in JOINTS)
 
 POSE = Layout().header(FRAME).numbers("pose", "f8", 7)
@@ -109,7 +112,7 @@ def joints_layout(robot: int) -> Layout:
     layout = Layout().header(base_frame(robot)).constant("u4", len(JOINT_NAMES))
     for name in JOINT_NAMES:
         layout.text(name)
-    for column in ("position", "velocity", "effort"):
+    for column in JOINT_COLUMNS:
         layout.constant("u4", len(JOINT_NAMES)).numbers(column, "f8", len(JOINT_NAMES))
     return layout
 
@@ -211,14 +214,8 @@ def marker_messages(
 ) -> list[memoryview]:
     """visualization_msgs/MarkerArray: bodies coloured by role, the leader, goals and springs.
 
-    Args:
-        times: `(M,)` ns.
-        poses: `(M, N, 3)`.
-        models: N of them, for the size of the bodies.
-        roles: `(M, N)` slots, -1 without.
-        leaders: `(M,)` robots, -1 without.
-        goals: `(M, N, 2)`.
-        springs: `(M, C, 2, 2)` ends of the lines between joined robots.
+    Times `(M,)` in ns, poses `(M, N, 3)`, slots `(M, N)` and leaders `(M,)`, -1 without, goals
+    `(M, N, 2)`, and the ends `(M, C, 2, 2)` of the springs; models for the size of the bodies.
     """
     count, robots = roles.shape
     markers = _Markers(times, 2 * robots + 2)

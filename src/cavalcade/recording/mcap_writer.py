@@ -93,13 +93,11 @@ def physics_messages(track: PhysicsTrack) -> Iterator[_Message]:
         yield from _series(
             times, 10, f"{name}/body", _messages.POSE.pack(count, stamp=stamp, pose=pose)
         )
-        joints = _messages.joints_layout(robot).pack(
-            count,
-            stamp=stamp,
-            position=track.joints[:, robot],
-            velocity=track.joint_rates[:, robot],
-            effort=track.torques[:, robot],
-        )
+        columns = {
+            column: getattr(track, name)[:, robot]
+            for column, name in _messages.JOINT_COLUMNS.items()
+        }
+        joints = _messages.joints_layout(robot).pack(count, stamp=stamp, **columns)
         yield from _series(times, 10, f"{name}/joint_states", joints)
         wrench = np.zeros((count, len(LEGS), 6))
         wrench[..., :3] = track.foot_forces[:, robot]
