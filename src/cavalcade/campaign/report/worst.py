@@ -147,14 +147,14 @@ def _draw(repeated: JobResult, path: Path) -> Path | None:
     """Draw the driven paths, or the plan; None where there is nothing to draw."""
     from cavalcade.campaign.report.pictures import draw_paths
     from cavalcade.drawing.plans.top_view import draw_top_view
-    from cavalcade.drawing.scene import plan_scene
+    from cavalcade.drawing.scene import PlanScene
 
     scenario, world, recording = repeated.scenario, repeated.world, repeated.recording
     if recording is not None:
         return draw_paths(scenario, world, recording, repeated.summary, path)
     if repeated.planned is None:
         return None
-    return draw_top_view(plan_scene(scenario, world, repeated.planned), path)
+    return draw_top_view(PlanScene(scenario, world, repeated.planned), path)
 
 
 def same_run(first: Mapping[str, Any], second: Mapping[str, Any]) -> bool:
