@@ -124,7 +124,7 @@ def _facts(table: TrialTable) -> list[str]:
         facts.append(f"**Variants:** {', '.join(code(name) for name in order.variants)}")
     if len(order.disturbances) > 1:
         facts.append(f"**Disturbances:** {', '.join(code(name) for name in order.disturbances)}")
-    versions = [f"{name} {' and '.join(found)}" for name, found in table.versions().items()]
+    versions = [f"{name} {' and '.join(found)}" for name, found in table.versions()]
     facts.append(f"**Versions:** {', '.join(versions) or 'not recorded, no trial ran'}")
     return facts
 
