@@ -124,10 +124,6 @@ class Cell:
     excused: Mapping[str, int]
     spreads: Mapping[str, Spread]
 
-    def spread(self, name: str) -> Spread:
-        """Of the quantity in this column."""
-        return self.spreads[name]
-
     @property
     def interval(self) -> tuple[float, float]:
         """Wilson's 95 % interval of the success in feasible worlds."""
@@ -242,11 +238,6 @@ class Curve:
     cell: Cell
     axis: str
     points: tuple[Point, ...]
-
-    @property
-    def ends(self) -> tuple[float, ...]:
-        """Lowest and highest levels of all points."""
-        return tuple(end for point in self.points for end in (point.low, point.high))
 
 
 def curves_of(table: TrialTable, cells: Sequence[Cell]) -> dict[str, list[Curve]]:

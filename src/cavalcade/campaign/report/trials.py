@@ -18,10 +18,6 @@ class Trial:
 
     Attributes:
         name: Unique ID.
-        scenario: The group of worlds it belongs to.
-        variant: Of the planner.
-        disturbance: `none` unless the suite names several.
-        seed: Of its world.
         outcome: How it ended.
         reason: One line about it: the detail, else the checker's first violation.
         success: Arrived, and the checker found nothing that could have been avoided.
@@ -42,10 +38,6 @@ class Trial:
     """
 
     name: str
-    scenario: str
-    variant: str
-    disturbance: str
-    seed: int
     outcome: str
     reason: str
     success: bool
