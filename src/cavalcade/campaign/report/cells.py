@@ -168,12 +168,15 @@ def cells_of(
         over_scenarios: Count the trials of all scenarios together.
         part: SQL expression of a whole number; trials of different ones are in different cells.
     """
-    measured = [name for name, kind, *_ in table.rows("DESCRIBE trials") if kind == "DOUBLE"]
+    measured = {
+        name: "success" if name in _OF_SUCCESSES else "true"
+        for name, kind, *_ in table.rows("DESCRIBE trials")
+        if kind == "DOUBLE"
+    }
     spreads = ", ".join(
-        f"list_append(quantile_cont({name}, {_SHARES}) FILTER ({chosen}), "
-        f"avg({name}) FILTER ({chosen}))"
-        for name in measured
-        for chosen in ("success" if name in _OF_SUCCESSES else "true",)
+        f'list_append(quantile_cont("{name}", {_SHARES}) FILTER ({chosen}), '
+        f'avg("{name}") FILTER ({chosen}))'
+        for name, chosen in measured.items()
     )
     scenario = f"'{ALL}'" if over_scenarios else "min(scenario)"
     keys = ("" if over_scenarios else "scenario_at, ") + "disturbance_at, variant_at"
