@@ -55,9 +55,7 @@ def draw_paths(
     Bodies stand there as outlines, and moving obstacles are drawn, as they were at that moment.
 
     Args:
-        scenario: That was run.
-        world: Its ground at the start.
-        recording: What happened.
+        scenario, world, recording: Of the run; its ground is that at the start.
         summary: The content of `summary.json`.
         path: The picture to write.
 
@@ -120,9 +118,8 @@ def tightest(scene: Scene) -> Tightest | None:
     outlines = [_outline(model) for model in scene.models]
     points = max(len(outline) for outline in outlines)
     stride = max(1, len(time) * scene.size * points // _MOST_POINTS)
-    cycles = np.arange(0, len(time), stride)
-    if cycles[-1] != len(time) - 1:
-        cycles = np.append(cycles, len(time) - 1)
+    last = len(time) - 1
+    cycles = np.unique([*range(0, last, stride), last])
     best: Tightest | None = None
     for robot, outline in enumerate(outlines):
         places = np.stack([transform_points(poses[k, robot], outline) for k in cycles])
