@@ -9,8 +9,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from cavalcade.eikonal import surface_distance
-from cavalcade.geometry import Array
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY, Array
 from cavalcade.geometry.trajectory import WALK
 from cavalcade.kinodynamic._validity import HALF_DIAGONAL, carried, solid_free
 from cavalcade.kinodynamic.parameters import LEAST_TRAVERSABILITY, StateSpace
