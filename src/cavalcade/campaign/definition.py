@@ -6,15 +6,21 @@ import difflib
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from cavalcade.campaign.methods import changed, check_variant
 from cavalcade.campaign.samplers import DataFolder
-from cavalcade.campaign.shipped import find_suite, load_suite
-from cavalcade.campaign.suite import MOST_SEEDS, Suite, parse_suite, with_current_names
+from cavalcade.campaign.suite import (
+    MOST_SEEDS,
+    Suite,
+    find_suite,
+    load_suite,
+    parse_suite,
+    with_current_names,
+)
 from cavalcade.campaign.trial import Trial, check_worlds, trials_of
 from cavalcade.errors import InputError, RecordingError, ScenarioError
 from cavalcade.scenario.rules import BACKENDS
@@ -210,8 +216,9 @@ def _changed(suite: Suite, seed: int | None, seeds: int | None) -> Suite:
             text = f"expected a whole number from {least} to {most}, got {value}"
             raise InputError(text, key=key)
     if seeds is not None:
-        suite = replace(suite, worlds=tuple(replace(group, seeds=seeds) for group in suite.worlds))
-    return suite if seed is None else replace(suite, seed=seed)
+        groups = tuple(group.model_copy(update={"seeds": seeds}) for group in suite.worlds)
+        suite = suite.model_copy(update={"worlds": groups})
+    return suite if seed is None else suite.model_copy(update={"seed": seed})
 
 
 def _with_overrides(suite: Suite, overrides: Sequence[str]) -> tuple[Suite, tuple[str, ...]]:
@@ -225,7 +232,7 @@ def _with_overrides(suite: Suite, overrides: Sequence[str]) -> tuple[Suite, tupl
     for text in map(str, overrides):
         key, separator, value = (part.strip() for part in text.partition("="))
         if key == _BACKEND and value in BACKENDS:
-            suite = replace(suite, backend="mujoco" if value == "mujoco" else "ideal")
+            suite = suite.model_copy(update={"backend": value})
         elif separator and (key == _VARIANT or (key == _METHOD and methods)):
             said[key] = parse_yaml(value, key=f"--set {key}")
         else:
@@ -242,9 +249,10 @@ def _with_overrides(suite: Suite, overrides: Sequence[str]) -> tuple[Suite, tupl
             variant = current_value(_VARIANT, variant)
             check_variant(str(variant), False, f"--set {_VARIANT}")
             names = (str(variant),)
-        groups.append(replace(group, variants=names))
+        groups.append(group.model_copy(update={"variants": names}))
     variants = tuple(dict.fromkeys(name for group in groups for name in group.variants))
-    return replace(suite, worlds=tuple(groups), variants=variants, references={}), tuple(rest)
+    said = {"worlds": tuple(groups), "variants": variants, "references": {}}
+    return suite.model_copy(update=said), tuple(rest)
 
 
 def _nearest(word: str, ids: Sequence[str]) -> list[str]:

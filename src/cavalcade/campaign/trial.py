@@ -125,7 +125,8 @@ def check_worlds(suite: Suite, overrides: tuple[str, ...], data: DataFolder) -> 
         InputError: One cannot be sampled, or an override does not fit.
     """
     for index, group in enumerate(suite.worlds):
-        first = replace(suite, worlds=(replace(group, seeds=1, sampler=unplanned(group.sampler)),))
+        one = group.model_copy(update={"seeds": 1, "sampler": unplanned(group.sampler)})
+        first = suite.model_copy(update={"worlds": (one,)})
         instance: Instance | None = None
         for trial in trials_of(first, (), data):
             try:

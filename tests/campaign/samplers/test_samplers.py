@@ -6,9 +6,9 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from pydantic import TypeAdapter, ValidationError
+from pydantic import ValidationError
 
-from cavalcade.campaign.samplers import DataFolder, SamplerSection
+from cavalcade.campaign.samplers import SAMPLERS, DataFolder
 from cavalcade.campaign.samplers.feasibility import RADIUS
 from cavalcade.errors import InputError
 from cavalcade.scenario import build_world, parse_scenario, resolve_scenario
@@ -44,7 +44,7 @@ WORLDS = {
 
 
 def section(said):
-    return TypeAdapter(SamplerSection).validate_python(said)
+    return SAMPLERS[said["sampler"]].model_validate(said)
 
 
 @pytest.mark.parametrize("name", WORLDS)
