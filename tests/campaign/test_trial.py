@@ -17,6 +17,7 @@ from cavalcade.campaign.definition import Definition, define_campaign
 from cavalcade.campaign.runner import run_campaign
 from cavalcade.campaign.trial import TIMES, Trial, without_times
 from cavalcade.campaign.trial_runner import lost_line, replay, run_trial, run_trial_into
+from cavalcade.campaign.verdict import CONTACT, Verdict
 from cavalcade.checking import check
 from cavalcade.checking.report import Report, Violation
 from cavalcade.checking.tracks import read_tracks
@@ -187,11 +188,9 @@ class TestVerdict:
 
     @pytest.fixture
     def verdict(self, scenario: Scenario, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
-        import cavalcade.campaign.avoidable as avoidable
-
         def make(
             violations: list[Violation], avoid: bool = True, events: bool = True, **summary: Any
-        ) -> judging.Verdict:
+        ) -> Verdict:
             said = {
                 "success": False,
                 "reason": "collision",
@@ -205,9 +204,9 @@ class TestVerdict:
             found = [
                 SimpleNamespace(violation=v, avoidable=avoid, why="too near to brake")
                 for v in violations
-                if v.kind in judging.CONTACT
+                if v.kind in CONTACT
             ]
-            monkeypatch.setattr(avoidable, "audit", lambda *_: found)
+            monkeypatch.setattr(judging, "audit", lambda *_: found)
             execution = scenario.execution.model_copy(update={} if events else {"events": ()})
             ran = scenario.model_copy(update={"execution": execution})
             nothing: Any = None

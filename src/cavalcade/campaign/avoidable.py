@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cavalcade.campaign.escape import Scene, Thing
-from cavalcade.campaign.verdict import CONTACT
+from cavalcade.campaign.verdict import contacts_of
 from cavalcade.checking.report import Report, Violation
 from cavalcade.recording.frames import Recording
 from cavalcade.scenario import Event, Scenario, World
@@ -74,7 +74,7 @@ def audit(
         recording: What happened.
         report: The checker's.
     """
-    contacts = [violation for violation in report.violations if violation.kind in CONTACT]
+    contacts = contacts_of(report)
     if not contacts:
         return []
     scene, events = Scene(scenario, world, recording), scenario.execution.events
@@ -103,7 +103,7 @@ def _verdict(scene: Scene, events: Sequence[Event], contact: Violation) -> tuple
     thing = _thing(scene, contact)
     if thing is None:
         return True, contact.obstacle
-    lost = _lost_since(events, robot, contact.time)
+    lost = lost_since(events, robot, contact.time)
     if lost is not None:
         # What stands may not be rolled into, by a robot that has lost its orders either.
         if _changed(thing, lost, contact.time):
@@ -135,7 +135,7 @@ def _thing(scene: Scene, contact: Violation) -> Thing | None:
     return next((thing for thing in scene.things if thing.name == contact.obstacle), None)
 
 
-def _lost_since(events: Sequence[Event], robot: int, time: float) -> float | None:
+def lost_since(events: Sequence[Event], robot: int, time: float) -> float | None:
     """When it was lost, if it still is."""
     lost = None
     for event in events:

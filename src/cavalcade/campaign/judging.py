@@ -2,25 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from cavalcade.campaign.verdict import (
-    COLLISION,
-    CONTACT,
-    FALLEN,
-    INVALID,
-    Verdict,
-    count_contacts,
-    lines_of,
-)
+from cavalcade.campaign.avoidable import audit, lost_since
+from cavalcade.campaign.verdict import Verdict, contacts_of, verdict_of
 from cavalcade.checking.check import judge, judge_physics
 from cavalcade.checking.heights import read_heights
 from cavalcade.checking.physics.leaps import leap_reason
 from cavalcade.checking.physics.record import RobotRecord, Touch, records_from
-from cavalcade.checking.report import Report
 from cavalcade.checking.tracks import Track
 from cavalcade.execution.arrival import tolerance_of
 from cavalcade.geometry import Array
@@ -62,15 +55,8 @@ def records_of(track: PhysicsTrack) -> tuple[RobotRecord, ...]:
         ]
         for robot in range(track.size)
     ]
-    return records_from(
-        time,
-        track.base,
-        track.joints,
-        track.joint_rates,
-        track.torques,
-        track.foot_forces,
-        touches,
-    )
+    motion = (track.base, track.joints, track.joint_rates, track.torques, track.foot_forces)
+    return records_from(time, *motion, touches)
 
 
 def _as_stamped(time: Array) -> Array:
@@ -97,24 +83,19 @@ def judged(
         report = judge(scenario, tracks, dict(summary))
     else:
         report = judge_physics(scenario, tracks, records_of(recording.physics), dict(summary))
-    contacts = count_contacts(report)
-    other = len(report.violations) - contacts
-    avoidable, why = _avoidable(scenario, world, recording, report) if contacts else (0, "")
-    outcome = str(summary["reason"])
-    if outcome == FALLEN:  # whatever was touched then
-        pass
+    contacts = contacts_of(report)
+    avoidable, why = 0, ""
+    if contacts and not scenario.execution.events:  # all could have been avoided
+        avoidable, why = len(contacts), contacts[0].message
     elif contacts:
-        outcome = COLLISION
-    elif other:
-        outcome = INVALID
-    arrived = bool(summary["success"]) or (contacts > 0 and _ended_there(scenario, summary))
-    return Verdict(
-        outcome=outcome,
-        detail=str(summary["detail"] or why),
-        success=arrived and not avoidable and not other,
-        contacts=contacts,
-        avoidable=avoidable,
-        violations=lines_of(report),
+        found = audit(scenario, world, recording, report)
+        avoidable = sum(one.avoidable for one in found)
+        why = "; ".join(dict.fromkeys(one.why for one in found))
+    arrived = bool(summary["success"]) or (bool(contacts) and _ended_there(scenario, summary))
+    clean = not avoidable and len(contacts) == len(report.violations)
+    detail = str(summary["detail"] or why)
+    return verdict_of(
+        report, str(summary["reason"]), detail, success=arrived and clean, avoidable=avoidable
     )
 
 
@@ -163,19 +144,6 @@ def crossings(scenario: Scenario, recording: Recording) -> dict[str, int]:
     return found
 
 
-def _avoidable(
-    scenario: Scenario, world: World, recording: Recording, report: Report
-) -> tuple[int, str]:
-    """How many collisions could have been avoided; without events all of them could."""
-    contacts = [violation for violation in report.violations if violation.kind in CONTACT]
-    if not scenario.execution.events:
-        return len(contacts), contacts[0].message
-    from cavalcade.campaign.avoidable import audit
-
-    found = audit(scenario, world, recording, report)
-    return sum(one.avoidable for one in found), "; ".join(dict.fromkeys(one.why for one in found))
-
-
 def _ended_there(scenario: Scenario, summary: Mapping[str, Any]) -> bool:
     """Whether the team was at its goal in the end; with a collision the run does not say so.
 
@@ -193,10 +161,5 @@ def _ended_there(scenario: Scenario, summary: Mapping[str, Any]) -> bool:
 
 def lost_at_the_end(scenario: Scenario) -> frozenset[int]:
     """The robots that were lost and did not come back."""
-    lost: set[int] = set()
-    for event in scenario.execution.events:
-        if event.lose is not None:
-            lost.add(event.lose)
-        if event.rejoin is not None:
-            lost.discard(event.rejoin)
-    return frozenset(lost)
+    events, robots = scenario.execution.events, range(len(scenario.robots))
+    return frozenset(k for k in robots if lost_since(events, k, math.inf) is not None)

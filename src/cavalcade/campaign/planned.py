@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from cavalcade.campaign.samplers.sampler import EXPECTED, SOLVED
-from cavalcade.campaign.verdict import COLLISION, INVALID, Verdict, count_contacts, lines_of
+from cavalcade.campaign.verdict import Verdict, contacts_of, verdict_of
 from cavalcade.checking import judge_plan
 from cavalcade.coordination import TeamProblem, plan_team, problem_of
 from cavalcade.jobs import JobResult
@@ -28,21 +28,12 @@ def judged_plan(result: JobResult, expected: str = SOLVED) -> Verdict:
     claimed = {**result.summary, "success": result.plan is not None and result.plan.solved}
     arrays = plan_arrays(result.trajectories, result.footholds)
     report = judge_plan(result.scenario, arrays, claimed)
-    contacts = count_contacts(report)
-    outcome = result.reason
-    if contacts:
-        outcome = COLLISION
-    elif report.violations:
-        outcome = INVALID
     solved = result.solved and not report.violations
-    return Verdict(
-        outcome=outcome,
-        detail=result.summary.detail or "",
-        success=solved if expected == SOLVED else outcome in EXPECTED[expected],
-        contacts=contacts,
-        avoidable=contacts,
-        violations=lines_of(report),
-    )
+    detail, avoidable = result.summary.detail or "", len(contacts_of(report))
+    found = verdict_of(report, result.reason, detail, success=solved, avoidable=avoidable)
+    if expected == SOLVED:
+        return found
+    return replace(found, success=found.outcome in EXPECTED[expected])
 
 
 def measured_plan(result: JobResult) -> dict[str, float | None]:

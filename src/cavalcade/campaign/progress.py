@@ -81,19 +81,15 @@ class CampaignReporter(Reporter):
             text = f"{done} of {self._total} trials ({percent:.0f} %), {self._failures()}"
             self.say(f"{text}{self._left()}")
 
-    def seconds_left(self) -> float | None:
-        """How much longer it will take at the pace so far, s; None before the first trial."""
-        if not self._finished:
-            return None
-        pace = (self._now() - self._started) / self._finished
-        return pace * (self._total - self._before - self._finished)
-
     def _failures(self) -> str:
         return f"{self._failed} failed" if self._failed else "none failed"
 
     def _left(self) -> str:
-        seconds = self.seconds_left()
-        return "" if seconds is None else f", {duration(seconds)} left"
+        """How much longer it will take at the pace so far; nothing before the first trial."""
+        if not self._finished:
+            return ""
+        pace = (self._now() - self._started) / self._finished
+        return f", {duration(pace * (self._total - self._before - self._finished))} left"
 
 
 def duration(seconds: float) -> str:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
-from cavalcade.checking.report import Report
+from cavalcade.checking.report import Report, Violation
 
 COLLISION, INVALID, FALLEN = "collision", "invalid", "fallen"
 
@@ -38,12 +36,20 @@ class Verdict:
     violations: tuple[str, ...]
 
 
-def count_contacts(report: Report) -> int:
-    """How many of the checker's violations are collisions."""
-    return sum(violation.kind in CONTACT for violation in report.violations)
+def contacts_of(report: Report) -> list[Violation]:
+    """Those of the checker's violations that are collisions."""
+    return [violation for violation in report.violations if violation.kind in CONTACT]
 
 
-def lines_of(report: Report) -> tuple[str, ...]:
-    """The checker's first few lines."""
-    found: Sequence[Any] = report.violations[:MOST_VIOLATIONS]
-    return tuple(f"{v.time:.2f} s {v.kind}: {v.message}" for v in found)
+def verdict_of(
+    report: Report, reason: str, detail: str, *, success: bool, avoidable: int
+) -> Verdict:
+    """The verdict on what ended for a `reason` of its own, unless the checker knows better."""
+    contacts = contacts_of(report)
+    if reason == FALLEN or not report.violations:  # whatever was touched in a fall
+        outcome = reason
+    else:
+        outcome = COLLISION if contacts else INVALID
+    first = report.violations[:MOST_VIOLATIONS]
+    lines = tuple(f"{v.time:.2f} s {v.kind}: {v.message}" for v in first)
+    return Verdict(outcome, detail, success, len(contacts), avoidable, lines)
