@@ -50,13 +50,7 @@ _STEP = 0.02
 
 @dataclass(frozen=True)
 class Collision:
-    """A contact with its verdict.
-
-    Attributes:
-        violation: The checker's.
-        avoidable: Whether it could have been avoided.
-        why: In a few words.
-    """
+    """A contact that the checker found, whether it could have been avoided, and why."""
 
     violation: Violation
     avoidable: bool
@@ -66,14 +60,7 @@ class Collision:
 def audit(
     scenario: Scenario, world: World, recording: Recording, report: Report
 ) -> list[Collision]:
-    """The verdict on every contact that the checker found, in order of time.
-
-    Args:
-        scenario: The resolved one that was run.
-        world: Its world.
-        recording: What happened.
-        report: The checker's.
-    """
+    """The verdict on every contact that the checker found, in order of time."""
     contacts = contacts_of(report)
     if not contacts:
         return []

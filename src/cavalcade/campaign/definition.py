@@ -67,18 +67,11 @@ class Definition:
         hint = f"; did you mean {' or '.join(near)}?" if near else ""
         raise InputError(f"no such trial: {ascii(trial_id)[:80]}{hint}", key="ID")
 
-    def identity(self) -> dict[str, Any]:
-        """What makes two campaigns the same, as plain data."""
-        return {
-            "suite": self.suite.to_dict(),
-            "overrides": list(self.overrides),
-            "version": self.version,
-        }
-
     @property
     def fingerprint(self) -> str:
-        """Of the definition: the same for the same campaign, on every machine."""
-        text = json.dumps(self.identity(), sort_keys=True, ensure_ascii=True)
+        """Of suite, overrides and version: the same for the same campaign, on every machine."""
+        identity = {"suite": self.suite.to_dict(), "overrides": list(self.overrides)}
+        text = json.dumps({**identity, "version": self.version}, sort_keys=True, ensure_ascii=True)
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
     def to_dict(self) -> dict[str, Any]:
@@ -127,12 +120,9 @@ def define_campaign(
 
 
 def check_definition(definition: Definition) -> None:
-    """See that there is something to run and that worlds and overrides fit, before anything is run.
+    """Refuse what has nothing to run, or worlds and overrides that do not fit.
 
     The suite's data must be there.
-
-    Raises:
-        InputError: Something does not fit.
     """
     if not definition.trials:
         raise InputError(
@@ -143,11 +133,7 @@ def check_definition(definition: Definition) -> None:
 
 
 def read_definition(folder: Path, data: str | Path | None = None) -> Definition:
-    """The definition of the campaign in a folder.
-
-    Args:
-        folder: Of the campaign.
-        data: The folder with the data of other projects; None for the one that was used.
+    """The definition of the campaign in a folder; None stands for the data that were used.
 
     Raises:
         RecordingError: There is none, or it cannot be read.
@@ -166,11 +152,7 @@ def read_definition(folder: Path, data: str | Path | None = None) -> Definition:
 
 
 def read_definition_file(folder: Path) -> dict[str, Any]:
-    """The content of `campaign.json`.
-
-    Raises:
-        RecordingError: There is none, or it cannot be read.
-    """
+    """The content of `campaign.json`; raises as `read_definition`."""
     file = folder / FILE
     if not file.is_file():
         raise RecordingError(f"expected the folder of a campaign; it has no {FILE}", file=folder)

@@ -62,11 +62,6 @@ class Scene:
         models: Of the robots.
         time: `(T,)` of the cycles, s.
         poses: `(T, N, 3)` true ones, m and rad.
-
-    Args:
-        scenario: The resolved one that was run.
-        world: Its world.
-        recording: What happened.
     """
 
     def __init__(self, scenario: Scenario, world: World, recording: Recording) -> None:

@@ -1,15 +1,18 @@
-"""The verdict on one trial's run, by the independent checker; nothing is written or read back."""
+"""Verdicts on trials by the independent checker, and figures; nothing is written or read back."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from cavalcade.campaign.avoidable import audit, lost_since
+from cavalcade.campaign.samplers import EXPECTED, SOLVED
 from cavalcade.campaign.verdict import Verdict, contacts_of, verdict_of
+from cavalcade.checking import judge_plan
 from cavalcade.checking.check import judge, judge_physics
 from cavalcade.checking.heights import read_heights
 from cavalcade.checking.physics.leaps import leap_reason
@@ -17,8 +20,11 @@ from cavalcade.checking.physics.record import RobotRecord, Touch, records_from
 from cavalcade.checking.tracks import Track
 from cavalcade.execution.arrival import tolerance_of
 from cavalcade.geometry import Array
+from cavalcade.jobs import JobResult
+from cavalcade.jobs.planning import settings_of
 from cavalcade.recording.frames import Recording
 from cavalcade.recording.physics_track import PhysicsTrack
+from cavalcade.recording.plan_file import plan_arrays
 from cavalcade.scenario import Scenario, World
 
 _BREAKS = ("gap", "step")
@@ -26,6 +32,10 @@ _BREAKS = ("gap", "step")
 
 _BEFORE = 0.9
 """A leap is judged from when the robot was last so far before the far edge, m."""
+
+
+_ALONE = "cbs"
+"""Of a single robot: the course that all methods but the joint one begin with."""
 
 
 def tracks_of(recording: Recording) -> tuple[Track, ...]:
@@ -70,14 +80,7 @@ def _as_stamped(time: Array) -> Array:
 def judged(
     scenario: Scenario, world: World, recording: Recording, summary: Mapping[str, Any]
 ) -> Verdict:
-    """The verdict on a run.
-
-    Args:
-        scenario: The resolved one that was run.
-        world: Its world.
-        recording: What happened.
-        summary: What the run says of itself.
-    """
+    """The verdict on a run of a resolved scenario; `summary` is what it says of itself."""
     tracks = tracks_of(recording)
     if recording.physics is None:
         report = judge(scenario, tracks, dict(summary))
@@ -163,3 +166,68 @@ def lost_at_the_end(scenario: Scenario) -> frozenset[int]:
     """The robots that were lost and did not come back."""
     events, robots = scenario.execution.events, range(len(scenario.robots))
     return frozenset(k for k in robots if lost_since(events, k, math.inf) is not None)
+
+
+def judged_plan(result: JobResult, expected: str = SOLVED) -> Verdict:
+    """The verdict on a plan; where none is expected, see `Instance`, refusing is the success."""
+    # Also of a plan whose own summary finds contact, all that the coordinator claims is judged.
+    claimed = {**result.summary, "success": result.plan is not None and result.plan.solved}
+    arrays = plan_arrays(result.trajectories, result.footholds)
+    report = judge_plan(result.scenario, arrays, claimed)
+    solved = result.solved and not report.violations
+    detail, avoidable = result.summary.detail or "", len(contacts_of(report))
+    found = verdict_of(report, result.reason, detail, success=solved, avoidable=avoidable)
+    if expected == SOLVED:
+        return found
+    return replace(found, success=found.outcome in EXPECTED[expected])
+
+
+def measured_plan(result: JobResult) -> dict[str, float | None]:
+    """Figures beside those of the summary; null where there is no plan, or only one robot.
+
+    `length_ratio`: the summed lengths over the summed lower bounds; `makespan_ratio`: the
+    makespan over that of the slowest robot planned alone with the same options;
+    `single_time_ratio`: the planning time over that of all these single plans.
+    """
+    summary = result.summary
+    found: dict[str, float | None] = {
+        "time_ratio": None,
+        "length_ratio": None,
+        "makespan_ratio": None,
+        "single_time_ratio": None,
+    }
+    if not result.solved:
+        return found
+    lengths, bounds = summary["path_length_m"], summary["lower_bound_m"]
+    if None not in bounds and sum(bounds) > 0.0:
+        found["length_ratio"] = round(sum(lengths) / sum(bounds), 6)
+    if len(result.scenario.robots) < 2:
+        return found
+    durations, seconds = _alone(result.scenario, result.world)
+    slowest = max((time for time in durations if time is not None), default=0.0)
+    if None not in durations and slowest > 0.0:
+        found["makespan_ratio"] = round(summary["makespan_s"] / slowest, 6)
+    if seconds > 0.0:
+        found["single_time_ratio"] = round(summary["planning_time_s"] / seconds, 6)
+    return found
+
+
+def _alone(scenario: Scenario, world: World) -> tuple[list[float | None], float]:
+    """Durations of the robots' plans if each were alone, s, and the time to plan them all, s."""
+    from cavalcade.coordination import TeamProblem, plan_team, problem_of
+
+    problem, settings = problem_of(scenario, world), settings_of(scenario)
+    durations: list[float | None] = []
+    seconds = 0.0
+    for k in range(len(problem.models)):
+        single: TeamProblem = replace(
+            problem,
+            models=problem.models[k : k + 1],
+            starts=problem.starts[k : k + 1],
+            goals=problem.goals[k : k + 1],
+        )
+        found = plan_team(single, _ALONE, settings, scenario.seed)
+        seconds += found.planning_time
+        path = found.trajectories[0]
+        durations.append(path.duration if found.solved and path is not None else None)
+    return durations, seconds

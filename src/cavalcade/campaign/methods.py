@@ -38,11 +38,7 @@ def default(individual_goals: bool) -> tuple[str, ...]:
 
 
 def check_variant(name: str, individual_goals: bool, key: str) -> None:
-    """Refuse a variant that a group cannot be run with.
-
-    Raises:
-        ScenarioError: It cannot.
-    """
+    """Refuse a variant that a group cannot be run with."""
     known = choices(individual_goals)
     if name in known:
         return
@@ -63,12 +59,7 @@ def planner_settings(name: str, individual_goals: bool) -> dict[str, Any]:
 
 
 def changed(names: Iterable[str], method: str | None, variant: str | None) -> tuple[str, ...]:
-    """Methods with another method, another variant or both in their place; each once.
-
-    Args:
-        names: Some of `METHOD_VARIANTS`.
-        method: In the place of all methods; None keeps them.
-        variant: In the place of all variants; None keeps them.
+    """Some of `METHOD_VARIANTS` with another method, another variant or both; each once.
 
     Raises:
         ScenarioError: There is no such method or variant.
@@ -78,8 +69,7 @@ def changed(names: Iterable[str], method: str | None, variant: str | None) -> tu
         ("planner.variant", variant, TEAM_VARIANTS),
     ):
         if said is not None and said not in known:
-            hint = did_you_mean(str(said), known)
-            text = f"unknown value {short(said)}{hint}"
+            text = f"unknown value {short(said)}{did_you_mean(str(said), known)}"
             raise ScenarioError(text, key=f"--set {key}", choices=known)
     found = ((method or own, variant or plain) for own, plain in (_parts(name) for name in names))
     return tuple(dict.fromkeys(f"{a}{_SUFFIX}" if b == PUBLISHED else a for a, b in found))

@@ -16,12 +16,7 @@ PLAIN_PERIOD, PLAIN_SHARE, PLAIN_LEAST = 30.0, 0.05, 5.0
 class CampaignReporter(Reporter):
     """Says on stdout how far a campaign is. Use it as a context; with `quiet` it says nothing.
 
-    Args:
-        name: Of the suite.
-        total: How many trials there are.
-        done: How many were done before.
-        quiet: Say nothing.
-        now: The clock, s.
+    Of `total` trials `done` were done before; `now` is the clock, s.
     """
 
     def __init__(

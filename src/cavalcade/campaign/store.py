@@ -107,11 +107,7 @@ class Store:
         self.done.add(str(line["trial"]))
 
     def lines(self) -> Iterator[Line]:
-        """All lines in the order of the trials, whatever order they were finished in.
-
-        Raises:
-            OutputError: They cannot be read.
-        """
+        """All lines in the order of the trials, whatever order they were finished in."""
         try:
             # Only the places of the lines are sorted: the lines themselves may be many.
             starts: list[tuple[int, int]] = []

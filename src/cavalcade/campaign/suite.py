@@ -190,11 +190,7 @@ def _with_sampler(group: Any) -> Any:
 
 
 def parse_suite(data: Mapping[str, Any], file: str | Path | None = None) -> Suite:
-    """A suite from the plain data of its file.
-
-    Args:
-        data: What the file holds.
-        file: Named in errors; file names in the suite are relative to it.
+    """A suite from the plain data of its file; file names in it are relative to it.
 
     Raises:
         ScenarioError: It does not fit the schema.
@@ -278,10 +274,7 @@ def suite_names() -> tuple[str, ...]:
 
 
 def load_suite(name_or_path: str | Path) -> Suite:
-    """Read a suite.
-
-    Args:
-        name_or_path: A shipped suite's name, or a file.
+    """Read a suite by its name, if it is shipped, or from its file.
 
     Raises:
         ScenarioError: It does not exist or does not fit the schema.
@@ -298,11 +291,7 @@ def load_suite(name_or_path: str | Path) -> Suite:
 
 
 def find_suite(name_or_path: str | Path) -> Path:
-    """The file of a shipped suite, or the file itself.
-
-    Raises:
-        ScenarioError: There is neither.
-    """
+    """The file of a shipped suite, or the file itself."""
     name = str(name_or_path)
     names = suite_names()
     if name in names:

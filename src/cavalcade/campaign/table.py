@@ -92,14 +92,9 @@ def columns_and_rows(
 
 
 def write_table(folder: str | Path, lines: Sequence[Mapping[str, Any]]) -> Path:
-    """Write `trials.parquet` into the folder, whole or not at all.
+    """Write `trials.parquet` into the campaign's folder, whole or not at all.
 
-    Args:
-        folder: Of the campaign.
-        lines: The trials, as in `trials.jsonl`.
-
-    Returns:
-        The file. Lines with the same content give the same bytes, whatever their order.
+    Lines with the same content give the same bytes, whatever their order.
 
     Raises:
         OutputError: It cannot be written.

@@ -117,13 +117,7 @@ def trials_of(suite: Suite, overrides: tuple[str, ...], data: DataFolder) -> Ite
 
 
 def check_worlds(suite: Suite, overrides: tuple[str, ...], data: DataFolder) -> None:
-    """See that worlds can be sampled and that the overrides fit them, before any trial is run.
-
-    The first world of each group is tried.
-
-    Raises:
-        InputError: One cannot be sampled, or an override does not fit.
-    """
+    """Refuse overrides that do not fit, and groups whose first world cannot be sampled."""
     for index, group in enumerate(suite.worlds):
         one = group.model_copy(update={"seeds": 1, "sampler": unplanned(group.sampler)})
         first = suite.model_copy(update={"worlds": (one,)})
