@@ -28,7 +28,7 @@ from cavalcade.recording.frames import Recording
 from cavalcade.scenario import Event, Scenario, World
 
 WARNING = 3.0
-"""s"""
+"""So long before a contact with what moves a robot has to give way, s."""
 
 AFTERWARDS = 8.0
 """How long after the contact the obstacle is followed at most, s."""

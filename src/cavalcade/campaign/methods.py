@@ -24,25 +24,18 @@ METHODS = ("auto", "cbs", "joint", "sequential")
 METHOD_VARIANTS: tuple[str, ...] = (*METHODS, *(f"{method}{_SUFFIX}" for method in METHODS))
 """Of groups whose robots have goals of their own."""
 
+VARIANTS = {False: FORMATION_VARIANTS, True: METHOD_VARIANTS}
+"""What the variants of a group may be, by whether its goals are individual."""
+
 _TASKS = {True: "individual goals", False: "formations"}
-
-
-def choices(individual_goals: bool) -> tuple[str, ...]:
-    """What the variants of a group may be."""
-    return METHOD_VARIANTS if individual_goals else FORMATION_VARIANTS
-
-
-def default(individual_goals: bool) -> tuple[str, ...]:
-    """The variants of a group for which the suite names none."""
-    return ("auto",) if individual_goals else ("cavalcade",)
 
 
 def check_variant(name: str, individual_goals: bool, key: str) -> None:
     """Refuse a variant that a group cannot be run with."""
-    known = choices(individual_goals)
+    known = VARIANTS[individual_goals]
     if name in known:
         return
-    if name in choices(not individual_goals):
+    if name in VARIANTS[not individual_goals]:
         other, this = _TASKS[not individual_goals], _TASKS[individual_goals]
         text = f"{short(name)} is for {other}, not for {this}"
     else:

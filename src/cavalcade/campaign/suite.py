@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, Field, Strict, ValidationError, model_validator
 
-from cavalcade.campaign.methods import check_variant, choices, default
+from cavalcade.campaign.methods import VARIANTS, check_variant
 from cavalcade.campaign.samplers import SAMPLERS, DataFolder, Sampler
 from cavalcade.errors import InputError, ScenarioError
 from cavalcade.scenario.fields import Positive, Section, Seed, expected
@@ -53,10 +53,6 @@ class Disturbance(Section):
     noise: Noise | None = None
     delay: Delay | None = None
     physics: PhysicsSection | None = None
-
-    def over(self, execution: Mapping[str, Any]) -> dict[str, Any]:
-        """The plain data of a scenario's `execution` with these values over its own."""
-        return {**execution, **self.model_dump(mode="json", exclude_none=True)}
 
 
 class _Settings(Section):
@@ -183,10 +179,9 @@ def with_current_names(data: Any) -> Any:
 def _with_sampler(group: Any) -> Any:
     if not isinstance(group, Mapping) or _FORMER_KEY not in group or "sampler" in group:
         return group
-    kind = group[_FORMER_KEY]
-    current = _FORMER_KINDS.get(kind, kind) if isinstance(kind, str) else kind
-    rest = {key: value for key, value in group.items() if key != _FORMER_KEY}
-    return {**rest, "sampler": current}
+    rest = dict(group)
+    kind = rest.pop(_FORMER_KEY)
+    return {**rest, "sampler": _FORMER_KINDS.get(kind, kind) if isinstance(kind, str) else kind}
 
 
 def parse_suite(data: Mapping[str, Any], file: str | Path | None = None) -> Suite:
@@ -216,7 +211,7 @@ def _parsed(data: Mapping[str, Any], base: Path) -> Suite:
     every = [*(head.variants or ()), *(name for group in groups for name in group.variants)]
     variants = tuple(dict.fromkeys(every))
     for index, name in enumerate(head.variants or ()):
-        if all(name not in choices(group.sampler.individual_goals) for group in groups):
+        if all(name not in VARIANTS[group.sampler.individual_goals] for group in groups):
             check_variant(name, groups[0].sampler.individual_goals, f"variants[{index}]")
     _check_references(references, variants)
     changed = {"variants": variants, "references": references, "worlds": groups}
@@ -252,7 +247,7 @@ def _group(
         where, names = f"{place}.variants", head.variants
     for index, name in enumerate(names or ()):
         check_variant(name, sampler.individual_goals, f"{where}[{index}]")
-    names = names or default(sampler.individual_goals)
+    names = names or (("auto",) if sampler.individual_goals else ("cavalcade",))
     return Group(name=head.name, seeds=head.seeds, variants=names, sampler=sampler)
 
 

@@ -77,7 +77,8 @@ class Trial:
         data: dict[str, Any] = copy.deepcopy(dict(instance.scenario))
         words = planner_settings(self.variant, self.sampler.individual_goals)
         data["planner"] = {**data.get("planner", {}), **words}
-        data["execution"] = self.disturbed.over({"seed": self.seed, **data.get("execution", {})})
+        disturbed = self.disturbed.model_dump(mode="json", exclude_none=True)
+        data["execution"] = {"seed": self.seed, **data.get("execution", {}), **disturbed}
         if self.backend is not None:
             data["execution"]["backend"] = self.backend
         apply_overrides(data, self.overrides, None)
