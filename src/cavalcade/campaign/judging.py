@@ -156,16 +156,14 @@ def _ended_there(scenario: Scenario, summary: Mapping[str, Any]) -> bool:
         return False
     if summary["sim_time_s"] >= scenario.execution.timeout:
         return False
-    lost = lost_at_the_end(scenario)
-    errors = [e for k, e in enumerate(summary["goal_error_m"]) if k not in lost]
+    events = scenario.execution.events
+    errors = [
+        error
+        for robot, error in enumerate(summary["goal_error_m"])
+        if lost_since(events, robot, math.inf) is None
+    ]
     within = tolerance_of(scenario).position
     return all(error is not None and error <= within for error in errors)
-
-
-def lost_at_the_end(scenario: Scenario) -> frozenset[int]:
-    """The robots that were lost and did not come back."""
-    events, robots = scenario.execution.events, range(len(scenario.robots))
-    return frozenset(k for k in robots if lost_since(events, k, math.inf) is not None)
 
 
 def judged_plan(result: JobResult, expected: str = SOLVED) -> Verdict:

@@ -56,13 +56,7 @@ class RayEngine:
     """Worker processes on a Ray cluster.
 
     The cluster is that of `RAY_ADDRESS`; where there is none, one is started on this machine for
-    as long as the campaign goes on.
-
-    Args:
-        workers: How many trials at a time; None for as many as the cluster has cores.
-
-    Raises:
-        InputError: Ray is not installed.
+    as long as the campaign goes on. Without `workers` the cluster's cores say how many there are.
     """
 
     def __init__(self, workers: int | None = None) -> None:
