@@ -55,11 +55,7 @@ class Definition:
         return tuple(trials_of(self.suite, self.overrides, self.data))
 
     def trial(self, trial_id: str) -> Trial:
-        """One of them.
-
-        Raises:
-            InputError: There is none of that ID.
-        """
+        """The one of that ID; InputError if there is none."""
         for trial in self.trials:
             if trial.id == trial_id:
                 return trial

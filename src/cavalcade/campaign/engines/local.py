@@ -45,14 +45,9 @@ class LocalEngine:
         self._ended: queue.SimpleQueue[tuple[str, Any]] = queue.SimpleQueue()
 
     @property
-    def workers(self) -> int:
-        """How many jobs are carried out at a time."""
-        return len(self._all)
-
-    @property
     def room(self) -> int:
         """How many more jobs may be submitted now."""
-        return self.workers + _AHEAD - len(self._under_way)
+        return len(self._all) + _AHEAD - len(self._under_way)
 
     def submit(self, key: str, work: Work, arguments: tuple[Any, ...], limit: float) -> None:
         """Have `work(*arguments)` carried out; see `Engine.submit`."""

@@ -56,7 +56,11 @@ class RayEngine:
     """Worker processes on a Ray cluster.
 
     The cluster is that of `RAY_ADDRESS`; where there is none, one is started on this machine for
-    as long as the campaign goes on. Without `workers` the cluster's cores say how many there are.
+    as long as the campaign goes on.
+
+    Attributes:
+        workers: How many jobs are carried out at a time; by default the cluster's cores, 0 until
+            it is joined.
     """
 
     def __init__(self, workers: int | None = None) -> None:
@@ -68,15 +72,10 @@ class RayEngine:
             ) from None
         self._ray: Any = ray  # its types are not looked at: most installations do without it
         self._asked = workers
-        self._workers = workers or 0
+        self.workers = workers or 0
         self._seats: list[_Seat] = []
         self._started = False
         self._stillborn = 0
-
-    @property
-    def workers(self) -> int:
-        """How many jobs are carried out at a time."""
-        return self._workers
 
     @property
     def room(self) -> int:
@@ -126,8 +125,8 @@ class RayEngine:
             except (ConnectionError, RuntimeError, ValueError, OSError) as error:
                 raise ClusterError(f"the Ray cluster cannot be reached: {error}") from None
         cores = int(self._ray.cluster_resources().get("CPU", 0))
-        self._workers = self._asked or max(cores, 1)
-        self._seats = [self._seat() for _ in range(self._workers)]
+        self.workers = self._asked or max(cores, 1)
+        self._seats = [self._seat() for _ in range(self.workers)]
         return self
 
     def __exit__(self, *error: object) -> None:
@@ -160,7 +159,7 @@ class RayEngine:
             return [Ended(key, "lost", detail=text)]
         except faults.RayError as error:
             self._stillborn += key is None
-            if self._stillborn > _STILLBORN + self._workers:
+            if self._stillborn > _STILLBORN + self.workers:
                 raise ClusterError(f"the cluster's processes do not start: {error}") from None
             self._replace(place)
             detail = f"the worker or its node is gone ({type(error).__name__})"
@@ -188,11 +187,7 @@ class _Worker:
 
 
 def _check_reachable(address: str) -> None:
-    """Refuse an address where nobody answers; Ray itself would try for ten minutes.
-
-    Raises:
-        ClusterError: Nobody does.
-    """
+    """Refuse an address where nobody answers; Ray itself would try for ten minutes."""
     host, separator, port = address.removeprefix("ray://").rpartition(":")
     if not separator or not port.isdecimal():
         return  # such as `auto`

@@ -83,14 +83,40 @@ class TeamSampler(Sampler):
         `gap` stands in for the sampler's own. None where no place is found.
         """
         models = models_in_turn(self.models, seed, len(zones))
-        apart = self.gap if gap is None else gap
+        gap = self.gap if gap is None else gap
         here, there = zip(*zones, strict=True)
         if starts is None:
-            starts = sample_poses(rng, models, here, apart, solids, self.border)
-        goals = sample_poses(rng, models, there, apart, solids, self.border)
+            starts = self._sample_poses(rng, models, here, solids, gap)
+        goals = self._sample_poses(rng, models, there, solids, gap)
         if starts is None or goals is None:
             return None
         return [Robot(*row) for row in zip(models, starts, goals, strict=True)]
+
+    def _sample_poses(
+        self,
+        rng: np.random.Generator,
+        models: Sequence[str],
+        areas: Sequence[Area],
+        solids: Sequence[Shape],
+        gap: float,
+    ) -> list[Pose] | None:
+        """A pose for each robot in its area; None where none is found."""
+        found: list[tuple[str, Pose]] = []
+        for name, area in zip(models, areas, strict=True):
+            # Solids and the border of the area are kept off at any yaw.
+            reach = math.hypot(MODELS[name].length, MODELS[name].width) / 2.0 + self.border
+            for _ in range(_TRIES):
+                x = rng.uniform(area[0] + reach, max(area[2] - reach, area[0] + reach))
+                y = rng.uniform(area[1] + reach, max(area[3] - reach, area[1] + reach))
+                pose = rounded((x, y, rng.uniform(-math.pi, math.pi)))
+                place = np.array([pose[:2]])
+                free = all(float(shape.distance(place)[0]) >= reach + gap for shape in solids)
+                if free and keeps_apart(name, pose, found, gap):
+                    found.append((name, pose))
+                    break
+            else:
+                return None
+        return [pose for _, pose in found]
 
 
 @dataclass(frozen=True)
@@ -137,37 +163,6 @@ def keeps_apart(model: str, pose: Pose, others: Sequence[tuple[str, Pose]], gap:
         _separation(MODELS[model], here, MODELS[name], np.array([other]))[0] >= gap
         for name, other in others
     )
-
-
-def sample_poses(
-    rng: np.random.Generator,
-    models: Sequence[str],
-    areas: Sequence[Area],
-    gap: float,
-    solids: Sequence[Shape],
-    border: float,
-) -> list[Pose] | None:
-    """A pose for each robot in its area; None where none is found.
-
-    At any yaw bodies keep `border` m from the border of their area and `gap` m from solids;
-    footprints keep `gap` m from each other.
-    """
-    found: list[tuple[str, Pose]] = []
-    for name, area in zip(models, areas, strict=True):
-        reach = math.hypot(MODELS[name].length, MODELS[name].width) / 2.0 + border
-        for _ in range(_TRIES):
-            x = rng.uniform(area[0] + reach, max(area[2] - reach, area[0] + reach))
-            y = rng.uniform(area[1] + reach, max(area[3] - reach, area[1] + reach))
-            pose = rounded((x, y, rng.uniform(-math.pi, math.pi)))
-            free = all(
-                float(shape.distance(np.array([pose[:2]]))[0]) >= reach + gap for shape in solids
-            )
-            if free and keeps_apart(name, pose, found, gap):
-                found.append((name, pose))
-                break
-        else:
-            return None
-    return [pose for _, pose in found]
 
 
 def discs_pass(size: tuple[float, float], solids: Sequence[Shape], robots: Sequence[Robot]) -> bool:
