@@ -14,12 +14,11 @@ import numpy as np
 import pytest
 
 from cavalcade.campaign import judging
-from cavalcade.campaign.avoidable import lost_since
+from cavalcade.campaign.avoidable import CONTACT, lost_since
 from cavalcade.campaign.definition import Definition, define_campaign
 from cavalcade.campaign.runner import run_campaign
 from cavalcade.campaign.trial import TIMES, Trial, without_times
 from cavalcade.campaign.trial_runner import lost_line, replay, run_trial, run_trial_into
-from cavalcade.campaign.verdict import CONTACT, Verdict
 from cavalcade.checking import check
 from cavalcade.checking.report import Report, Violation
 from cavalcade.checking.tracks import read_tracks
@@ -192,7 +191,7 @@ class TestVerdict:
     def verdict(self, scenario: Scenario, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
         def make(
             violations: list[Violation], avoid: bool = True, events: bool = True, **summary: Any
-        ) -> Verdict:
+        ) -> judging.Verdict:
             said = {
                 "success": False,
                 "reason": "collision",

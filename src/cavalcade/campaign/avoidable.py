@@ -22,10 +22,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from cavalcade.campaign.escape import Scene, Thing
-from cavalcade.campaign.verdict import contacts_of
 from cavalcade.checking.report import Report, Violation
 from cavalcade.recording.frames import Recording
 from cavalcade.scenario import Event, Scenario, World
+
+CONTACT = ("robot-robot", "robot-obstacle", "robot-map", "flight-over-robot")
+"""The checker's kinds of violation that are collisions."""
 
 WARNING = 3.0
 """So long before a contact with what moves a robot has to give way, s."""
@@ -55,6 +57,11 @@ class Collision:
     violation: Violation
     avoidable: bool
     why: str
+
+
+def contacts_of(report: Report) -> list[Violation]:
+    """Those of the checker's violations that are collisions."""
+    return [violation for violation in report.violations if violation.kind in CONTACT]
 
 
 def audit(

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from cavalcade.campaign.avoidable import audit, lost_since
+from cavalcade.campaign.avoidable import audit, contacts_of, lost_since
 from cavalcade.campaign.samplers import EXPECTED, SOLVED
-from cavalcade.campaign.verdict import Verdict, contacts_of, verdict_of
 from cavalcade.checking import judge_plan
 from cavalcade.checking.check import judge, judge_physics
 from cavalcade.checking.heights import read_heights
 from cavalcade.checking.physics.leaps import leap_reason
 from cavalcade.checking.physics.record import RobotRecord, Touch, records_from
+from cavalcade.checking.report import Report
 from cavalcade.checking.tracks import Track
 from cavalcade.execution.arrival import tolerance_of
 from cavalcade.geometry import Array
@@ -27,15 +27,52 @@ from cavalcade.recording.physics_track import PhysicsTrack
 from cavalcade.recording.plan_file import plan_arrays
 from cavalcade.scenario import Scenario, World
 
+MOST_VIOLATIONS = 5
+"""So many of the checker's lines are kept."""
+
 _BREAKS = ("gap", "step")
 """Terrain with one break, across the whole width."""
 
 _BEFORE = 0.9
 """A leap is judged from when the robot was last so far before the far edge, m."""
 
-
 _ALONE = "cbs"
 """Of a single robot: the course that all methods but the joint one begin with."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What the checker and the audit say of a run or a plan.
+
+    Attributes:
+        outcome: Its own reason, `collision` or `invalid`.
+        detail: One line.
+        success: As it should be, without an avoidable collision or another violation.
+        contacts: How many collisions there were.
+        avoidable: How many of them could have been avoided.
+        violations: The checker's lines, the first few.
+    """
+
+    outcome: str
+    detail: str
+    success: bool
+    contacts: int
+    avoidable: int
+    violations: tuple[str, ...]
+
+
+def verdict_of(
+    report: Report, reason: str, detail: str, *, success: bool, avoidable: int
+) -> Verdict:
+    """The verdict on what ended for a `reason` of its own, unless the checker knows better."""
+    contacts = contacts_of(report)
+    if reason == "fallen" or not report.violations:  # whatever was touched in a fall
+        outcome = reason
+    else:
+        outcome = "collision" if contacts else "invalid"
+    first = report.violations[:MOST_VIOLATIONS]
+    lines = tuple(f"{v.time:.2f} s {v.kind}: {v.message}" for v in first)
+    return Verdict(outcome, detail, success, len(contacts), avoidable, lines)
 
 
 def tracks_of(recording: Recording) -> tuple[Track, ...]:

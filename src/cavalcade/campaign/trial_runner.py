@@ -18,7 +18,7 @@ from cavalcade.campaign.trial import CRASHED, REFUSED, UNKNOWN, Line, Trial, fai
 from cavalcade.errors import InputError, OutputError
 
 if TYPE_CHECKING:
-    from cavalcade.campaign.verdict import Verdict
+    from cavalcade.campaign.judging import Verdict
     from cavalcade.jobs import JobResult
     from cavalcade.scenario import Scenario
 

@@ -1,8 +1,5 @@
 """Seeded samplers of worlds with a team and its task, and whether the task can be done at all."""
 
-from collections.abc import Mapping
-from types import MappingProxyType
-
 from cavalcade.campaign.samplers.barn import BarnSampler
 from cavalcade.campaign.samplers.boxes import BoxesSampler
 from cavalcade.campaign.samplers.crowd import CrowdSampler
@@ -18,22 +15,20 @@ from cavalcade.campaign.samplers.shipped import ShippedSampler
 from cavalcade.campaign.samplers.terrain import TerrainSampler
 from cavalcade.campaign.samplers.walk import WalkSampler
 
-SAMPLERS: Mapping[str, type[Sampler]] = MappingProxyType(
-    {
-        "generated": GeneratedSampler,
-        "barn": BarnSampler,
-        "maps": MapsSampler,
-        "crowd": CrowdSampler,
-        "events": EventsSampler,
-        "shipped": ShippedSampler,
-        "pairs": PairsSampler,
-        "passing": PassingSampler,
-        "boxes": BoxesSampler,
-        "terrain": TerrainSampler,
-        "infeasible": InfeasibleSampler,
-        "walk": WalkSampler,
-    }
-)
+SAMPLERS: dict[str, type[Sampler]] = {
+    "generated": GeneratedSampler,
+    "barn": BarnSampler,
+    "maps": MapsSampler,
+    "crowd": CrowdSampler,
+    "events": EventsSampler,
+    "shipped": ShippedSampler,
+    "pairs": PairsSampler,
+    "passing": PassingSampler,
+    "boxes": BoxesSampler,
+    "terrain": TerrainSampler,
+    "infeasible": InfeasibleSampler,
+    "walk": WalkSampler,
+}
 """What a group of a suite may say as its `sampler`, and the section that goes with it."""
 
 

@@ -100,7 +100,7 @@ class CrowdSampler(Sampler):
 
     def _teams(self) -> list[tuple[Shape, int]]:
         """Shapes with numbers of robots, the smaller teams first."""
-        own = {**OWN_COUNT} | ({"custom": len(self.slots)} if self.slots else {})
+        own = OWN_COUNT | ({"custom": len(self.slots)} if self.slots else {})
         return [
             (shape, robots)
             for robots in range(self.robots[0], self.robots[1] + 1)

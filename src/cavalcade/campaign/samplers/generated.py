@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from types import MappingProxyType
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -38,14 +37,12 @@ from cavalcade.world import GeneratedWorld, OccupancyMap, generate
 
 Kind = Literal["clutter", "forest", "rooms", "corridor"]
 
-LEVELS: Mapping[Kind, str] = MappingProxyType(
-    {
-        "clutter": "obstacles",
-        "forest": "trees",
-        "rooms": "width of the doors, m",
-        "corridor": "width of the corridor, m",
-    }
-)
+LEVELS: dict[Kind, str] = {
+    "clutter": "obstacles",
+    "forest": "trees",
+    "rooms": "width of the doors, m",
+    "corridor": "width of the corridor, m",
+}
 """What each kind's curve runs over."""
 
 _CORRIDOR_STEP = 0.04

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -20,7 +19,7 @@ from cavalcade.scenario.task import FormationSection, check_formation
 Slots = Annotated[tuple[Point, ...], Field(min_length=1, max_length=64)]
 """Points of a custom shape in the formation's frame, m, the leader's first."""
 
-OWN_COUNT: Mapping[str, int] = MappingProxyType({"square": 4, "triangle": 3})
+OWN_COUNT = {"square": 4, "triangle": 3}
 """Robots of shapes that are for so many."""
 
 BODY = 0.36

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from types import MappingProxyType
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -21,12 +20,10 @@ from cavalcade.scenario.fields import Coordinate, Length, Positive, Speed
 Kind = Literal["steady", "random", "push", "rough", "blocks", "stairs", "gap", "step"]
 
 _TAG = 12
-_TERRAINS: Mapping[str, float] = MappingProxyType(
-    {"rough": 0.05, "blocks": 0.05, "stairs": 0.08, "gap": 0.0, "step": 0.2}
-)
+_TERRAINS = {"rough": 0.05, "blocks": 0.05, "stairs": 0.08, "gap": 0.0, "step": 0.2}
 """Kinds on terrain and the height of their features, m."""
 
-_DURATIONS: Mapping[str, float] = MappingProxyType({"steady": 10.0, "random": 20.0, "push": 7.0})
+_DURATIONS = {"steady": 10.0, "random": 20.0, "push": 7.0}
 """s, where nothing else is given."""
 
 _APART, _FREE = 2.0, 2.0
