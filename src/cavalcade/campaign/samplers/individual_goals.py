@@ -109,8 +109,10 @@ class TeamSampler(Sampler):
                 x = rng.uniform(area[0] + reach, max(area[2] - reach, area[0] + reach))
                 y = rng.uniform(area[1] + reach, max(area[3] - reach, area[1] + reach))
                 pose = rounded((x, y, rng.uniform(-math.pi, math.pi)))
-                place = np.array([pose[:2]])
-                free = all(float(shape.distance(place)[0]) >= reach + gap for shape in solids)
+                free = all(
+                    float(shape.distance(np.array([pose[:2]]))[0]) >= reach + gap
+                    for shape in solids
+                )
                 if free and keeps_apart(name, pose, found, gap):
                     found.append((name, pose))
                     break
