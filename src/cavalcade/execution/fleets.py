@@ -11,7 +11,7 @@ import numpy as np
 
 from cavalcade.errors import InputError, ScenarioError
 from cavalcade.fleet import CommandDelay, IdealFleet, LocalisationNoise
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY
 from cavalcade.geometry.trajectory import FLIGHT, Trajectory
 from cavalcade.lattice.ground import make_ground
 from cavalcade.robots import RobotModel

@@ -9,7 +9,7 @@ import math
 
 from numba import njit
 
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY
 from cavalcade.geometry.trajectory import WALK
 from cavalcade.kinodynamic._validity import (
     STILL,

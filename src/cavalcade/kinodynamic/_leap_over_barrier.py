@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from numba import njit
 
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY
 from cavalcade.geometry.trajectory import LANDING, TAKE_OFF, WALK
 from cavalcade.kinodynamic._leap import close_leap, leap_problem
 from cavalcade.kinodynamic._validity import carried

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.eikonal import surface_distance
-from cavalcade.geometry import Array
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY, Array
 from cavalcade.geometry.trajectory import WALK
 from cavalcade.kinodynamic._grid_path import grid_path
 from cavalcade.kinodynamic._validity import (

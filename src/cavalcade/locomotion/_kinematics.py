@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numba import njit
 
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY
 
 SINGULAR = 2e-4
 """A Jacobian with a smaller determinant is not inverted but damped, m³."""

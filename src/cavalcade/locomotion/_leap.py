@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numba import njit
 
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY
 from cavalcade.locomotion._centroid import measure_centroid
 from cavalcade.locomotion._horizon import solve_forces
 from cavalcade.locomotion._joints import stance_torques, track_foot

@@ -25,8 +25,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from cavalcade.geometry import Array
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY, Array
 from cavalcade.locomotion._qp import solve_qp
 
 

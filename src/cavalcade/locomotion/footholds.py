@@ -13,15 +13,14 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.geometry import Array, inverse_transform_points, transform_points
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY, Array, inverse_transform_points, transform_points
 from cavalcade.geometry.trajectory import FLIGHT, LANDING, TAKE_OFF, Trajectory
 from cavalcade.lattice.ground import Ground
 from cavalcade.locomotion import _footholds as kernels
 from cavalcade.locomotion.gait import stances
 from cavalcade.locomotion.records import Footing
 from cavalcade.robots import RobotModel
-from cavalcade.robots.legs import LegModel
+from cavalcade.robots.model import LegModel
 
 FARTHEST = 0.25
 """How far a foot may be put from the wanted place to find ground that carries it, m."""

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import FLIGHT, WALK, Trajectory
-from cavalcade.robots.legs import LegModel
+from cavalcade.robots.model import LegModel
 
 FRONT_LEFT, FRONT_RIGHT, REAR_LEFT, REAR_RIGHT = 0, 1, 2, 3
 

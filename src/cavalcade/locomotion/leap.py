@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cavalcade.errors import InputError
-from cavalcade.geometry import Array, wrap_angle
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY, Array, wrap_angle
 from cavalcade.locomotion.records import LEAP, Row
 from cavalcade.locomotion.settings import Weights
 

@@ -8,8 +8,7 @@ from numpy.typing import ArrayLike
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array
 from cavalcade.locomotion.records import ROBOT, Row
-from cavalcade.robots.description import JOINTS, LEGS, QuadrupedDescription
-from cavalcade.robots.inertial import Inertial, combined
+from cavalcade.robots.description import JOINTS, LEGS, Inertial, QuadrupedDescription, combined
 
 _STRAIGHT = 5e-3  # m
 _AXES = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]])

@@ -13,13 +13,15 @@ from cavalcade.fleet.mujoco.engine import load_mujoco
 from cavalcade.fleet.mujoco.own_model import AXES, OwnModel, links_of, read_own_model, zero_state
 from cavalcade.robots.description import (
     BodyShape,
+    Inertial,
     JointDescription,
     LegDescription,
     PartName,
     QuadrupedDescription,
     ShapeKind,
+    Vector,
+    combined,
 )
-from cavalcade.robots.inertial import Inertial, Vector, combined
 from cavalcade.robots.model import RobotModel
 
 _BENT = 0.61

@@ -6,8 +6,7 @@ from typing import Any
 
 from cavalcade.fleet.mujoco.engine import load_mujoco
 from cavalcade.fleet.mujoco.own_model import RobotSpec, read_own_model
-from cavalcade.robots.description import JOINTS, LEGS, BodyShape, QuadrupedDescription
-from cavalcade.robots.inertial import Inertial
+from cavalcade.robots.description import JOINTS, LEGS, BodyShape, Inertial, QuadrupedDescription
 
 FOOT_SOLREF = (0.01, 1.0)
 FOOT_SOLIMP = (0.9, 0.95, 0.001, 0.5, 2.0)
