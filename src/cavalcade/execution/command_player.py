@@ -164,12 +164,9 @@ class CommandPlayer:
 
 
 def leap_request(pose: Array, point: tuple[float, float], terrain: Terrain | None) -> LeapRequest:
-    """A straight leap from where a robot is towards a point, over the first break of the ground.
+    """A straight leap of a robot at `pose` `(3,)` to where the trunk is to be at `point`, m.
 
-    Args:
-        pose: `(3,)` x, y, yaw of the robot, map frame.
-        point: Where the trunk is to be then, m.
-        terrain: The ground; None if it is level.
+    It goes over the first break of the ground, which is level without `terrain`.
     """
     from cavalcade.execution.leaping import edges_of
 

@@ -134,8 +134,7 @@ class TimeScaling:
     def bounds(self, margin: bool = True) -> Array:
         """`(N,)` plan times beyond which nobody may go while nobody else moves on, s.
 
-        Args:
-            margin: Whether bodies keep their margin; otherwise they only do not touch.
+        Without `margin` bodies only do not touch.
         """
         if self.precedence is None:
             return np.full(len(self._paths), math.inf)
@@ -157,13 +156,10 @@ class TimeScaling:
         self._last = now
 
     def decide(self, now: float, ages: Array, errors: Array, poses: Array) -> None:
-        """Set the rates until the next cycle.
+        """Set the rates until the next cycle, `now` s after the start.
 
-        Args:
-            now: s since the start.
-            ages: `(N,)` of the poses, s.
-            errors: `(N, 3)` reference less pose when it was seen, map frame.
-            poses: `(N, 3)` as seen.
+        `poses` `(N, 3)` were seen `ages` `(N,)` s ago; `errors` `(N, 3)`, map frame, are what the
+        references were ahead of them then.
         """
         if self.precedence is None:
             return

@@ -134,7 +134,10 @@ def step_gait(robot, gait, state, body, feet, footing):
         state.began = state.time
     clock = state.time - state.began
     stopping = state.time - state.idle > REST * gait.period
-    if stopping and all_stand(state):
+    standing = 0
+    for leg in range(4):
+        standing += state.contact[leg] * (1 - state.swinging[leg])
+    if stopping and standing == 4:
         stand(state, body)
         return True
     changed = False
@@ -161,15 +164,6 @@ def step_gait(robot, gait, state, body, feet, footing):
             left = (1.0 - share) * (1.0 - gait.duty) * gait.period
             choose_foothold(robot, gait, body, state, leg, left, footing)
     return changed
-
-
-@njit(cache=True)
-def all_stand(state):
-    """Whether no foot is in the air."""
-    standing = 0
-    for leg in range(4):
-        standing += state.contact[leg] * (1 - state.swinging[leg])
-    return standing == 4
 
 
 @njit(cache=True)

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from cavalcade.fleet.mujoco.engine import load_mujoco
-from cavalcade.fleet.mujoco.own_model import AXES, OwnModel, links_of, read_own_model, zero_state
+from cavalcade.fleet.mujoco.own_model import AXES, OwnModel, read_own_model, zero_state
 from cavalcade.robots.description import (
+    PARTS,
     BodyShape,
     JointDescription,
     LegDescription,
-    PartName,
     QuadrupedDescription,
     ShapeKind,
 )
@@ -24,8 +24,6 @@ from cavalcade.robots.model import RobotModel
 
 _BENT = 0.61
 """Height of a standing hip over the foot's centre, of the leg's length; as Go1 stands."""
-
-_PARTS: tuple[PartName, ...] = ("trunk", "hip", "thigh", "calf")
 
 
 def own_robot(file: str | Path, like: RobotModel) -> RobotModel:
@@ -48,7 +46,9 @@ def own_robot(file: str | Path, like: RobotModel) -> RobotModel:
 def describe(own: OwnModel, file: Path) -> QuadrupedDescription:
     """The description of a user's model."""
     model, data = own.model, zero_state(own.model)
-    links = links_of(model, own.joints)
+    # Body of the trunk and of the 12 links to index: 0, and `1 + 3 * leg + j`.
+    bodied = (own.root, *own.joints)
+    links = {int(model.joint(name).bodyid[0]): number for number, name in enumerate(bodied)}
     places = [np.zeros(3), *(data.xanchor[model.joint(name).id] for name in own.joints)]
     bodies = _inertials(model, data, links, places)
     legs = []
@@ -139,7 +139,7 @@ def _shapes(
         mujoco.mju_mat2Quat(rotation, data.geom_xmat[geom])
         w, x, y, z = (float(value) for value in rotation)
         shape = BodyShape(
-            "foot" if foot else _PARTS[0 if link == 0 else 1 + (link - 1) % 3],
+            "foot" if foot else PARTS[0 if link == 0 else 1 + (link - 1) % 3],
             -1 if link == 0 else (link - 1) // 3,
             kind,
             _vector(size),

@@ -51,7 +51,7 @@ class TeamSimulator:
     ) -> None:
         start = start_poses(poses, len(models))
         mujoco = load_mujoco()
-        self.ground = ground or PhysicsGround.flat()
+        self.ground = ground or PhysicsGround()
         self.settings = settings or PhysicsSettings()
         self.descriptions = tuple(map(_description, models))
         self.team = build_team(self.descriptions, self.ground, self.settings)
