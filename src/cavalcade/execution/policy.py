@@ -23,7 +23,7 @@ class Policy(Protocol):
         """Poses `(N, 3)` and their times `(N,)` in, body-frame velocities `(N, 3)` out."""
 
     def pause(self) -> None:
-        """Stop until `resume`."""
+        """Stop until `resume`: nothing need be done, as `step` is not called meanwhile."""
 
     def resume(self) -> None:
         """Go on."""

@@ -150,7 +150,7 @@ def test_noise_is_on_the_reports_only() -> None:
         off.append(noisy.observe().poses[0] - noisy.true_poses()[0])
     still.advance(2.0)
     assert np.array(off).std(axis=0) == pytest.approx([0.05, 0.05, 0.1], rel=0.25)
-    assert noisy.state_bytes() == still.state_bytes()
+    assert noisy.simulator.state_bytes() == still.simulator.state_bytes()
 
 
 def random_walk(seed: int, **options: Any) -> bytes:
@@ -160,7 +160,7 @@ def random_walk(seed: int, **options: Any) -> bytes:
     for _ in range(30):
         fleet.send(random.uniform((-0.3, -0.2, -0.8), (0.4, 0.2, 0.8), (2, 3)))
         fleet.advance(0.1)
-    return fleet.state_bytes()
+    return fleet.simulator.state_bytes()
 
 
 def test_same_seed_same_state_to_the_last_bit() -> None:
@@ -191,7 +191,7 @@ def test_how_time_is_cut_does_not_matter() -> None:
     for dt in (0.1, 0.05, 0.033, 0.017, 0.3):
         parts.advance(dt)
     assert parts.time == pytest.approx(whole.time)
-    assert parts.state_bytes() == whole.state_bytes()
+    assert parts.simulator.state_bytes() == whole.simulator.state_bytes()
 
 
 def test_odd_steps_add_up() -> None:

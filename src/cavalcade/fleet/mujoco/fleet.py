@@ -155,10 +155,6 @@ class MujocoFleet(RadioFleet):
         """Push a trunk with the force `(3,)`, map frame, N, for so many seconds from now on."""
         self.simulator.push(robot, force, duration)
 
-    def state_bytes(self) -> bytes:
-        """The state of physics to the last bit, to compare runs."""
-        return self.simulator.state_bytes()
-
     def _move(self, start: float, dt: float) -> Array:
         """Leg control and physics in turns; physics is at most half a step of its own off."""
         until = round((self._time - self._start) / self._step)
@@ -195,11 +191,7 @@ class MujocoFleet(RadioFleet):
                 self.simulator.place_obstacle(number, place)
 
     def _judge(self) -> None:
-        """Look for falls in the newest sample.
-
-        Raises:
-            InputError: Physics has become unstable: what it shows is no motion of robots.
-        """
+        """Look for falls in the newest sample; unstable physics shows no motion of robots."""
         trouble = self.simulator.trouble
         if trouble is not None:
             raise InputError(

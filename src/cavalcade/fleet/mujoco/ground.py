@@ -138,7 +138,7 @@ def blocks_of_map(map: OccupancyMap) -> tuple[Block, ...]:
 
 
 def blocks_of_shape(shape: Shape, resolution: float = 0.05) -> tuple[Block, ...]:
-    """The shape itself if it is a box or a circle; of a polygon the cells that it touches, in boxes."""
+    """The shape itself, a box or a circle; a polygon as boxes of the cells that it touches."""
     if isinstance(shape, Circle):
         return (Block("cylinder", (*shape.center, 0.0), (shape.radius, shape.radius)),)
     if isinstance(shape, Box):

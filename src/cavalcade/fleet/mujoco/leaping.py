@@ -52,12 +52,9 @@ class Leapers:
         if robot in self._pilots:
             raise InputError(f"robot {robot} is leaping already", key="robot")
         self.failed[robot] = False
+        front = float(self._fronts[robot])
         self._pilots[robot] = LeapPilot(
-            request.take_off,
-            request.landed,
-            request.edges,
-            self._heights,
-            float(self._fronts[robot]),
+            request.take_off, request.landed, request.edges, self._heights, front
         )
 
     def due(self, now: float) -> bool:

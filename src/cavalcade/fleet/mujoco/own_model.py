@@ -19,24 +19,15 @@ import numpy as np
 
 from cavalcade.errors import InputError
 from cavalcade.fleet.mujoco.engine import load_mujoco
+from cavalcade.locomotion.parameters import AXES
 from cavalcade.robots.description import JOINTS, LEGS
-
-AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 1.0, 0.0))
-"""Axes of the joints of hip, thigh and calf when all angles are zero."""
 
 _SAME = 1e-3
 
 
 @dataclass(frozen=True)
 class RobotSpec:
-    """One robot as a specification, and what its things are called.
-
-    Attributes:
-        spec: A fresh `MjSpec`.
-        root: The free joint.
-        joints: The 12 hinges in their order.
-        feet: The geoms of the four feet in the order of legs.
-    """
+    """A robot as a fresh `MjSpec`, and names: the free joint, the 12 hinges, the feet's geoms."""
 
     spec: Any
     root: str
@@ -58,11 +49,7 @@ class OwnModel(RobotSpec):
 
 
 def read_own_model(file: str | Path) -> OwnModel:
-    """Read a file and find trunk, legs and feet in it.
-
-    Raises:
-        InputError: MuJoCo is missing, the file cannot be read, or it is no such quadruped.
-    """
+    """Read a file and find trunk, legs and feet in it."""
     mujoco = load_mujoco()
     path = Path(file)
     if not path.is_file():

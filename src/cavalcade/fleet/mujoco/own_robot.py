@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from cavalcade.fleet.mujoco.engine import load_mujoco
-from cavalcade.fleet.mujoco.own_model import AXES, OwnModel, read_own_model, zero_state
+from cavalcade.fleet.mujoco.own_model import OwnModel, read_own_model, zero_state
+from cavalcade.locomotion.parameters import AXES
 from cavalcade.robots.description import (
     PARTS,
     BodyShape,

@@ -111,16 +111,12 @@ class Sampler:
         self._simulator = simulator
         self._start = time
         self._every = max(1, round(SAMPLE_PERIOD / simulator.settings.step))
-        size = simulator.size
         self._recorder = ContactRecorder(simulator)
         self._known = 0
-        self._peaks = np.zeros((size, 12))
+        self._peaks = np.zeros((simulator.size, 12))
         self._steps = 0
-        self._time: list[float] = []
-        self._qpos: list[Array] = []
-        self._rates: list[Array] = []
-        self._torques: list[Array] = []
-        self._foot_forces: list[Array] = []
+        # Time, positions, joint rates, torques and forces on feet of each sample.
+        self._kept: list[tuple[float, Array, Array, Array, Array]] = []
         self.contacts: list[ContactEvent] = []
         self._keep()
 
@@ -137,23 +133,23 @@ class Sampler:
     @property
     def time(self) -> float:
         """Time of the last sample, s."""
-        return self._time[-1]
+        return self._kept[-1][0]
 
     @property
     def qpos(self) -> Array:
         """Positions and joint angles `(N, 19)` of the last sample."""
-        return self._qpos[-1]
+        return self._kept[-1][1]
 
     def track(self, start: float, falls: tuple[FallEvent, ...]) -> PhysicsTrack:
         """Everything so far, in time since the clock showed `start` s."""
-        qpos = np.array(self._qpos)
+        time, qpos, rates, torques, forces = map(np.array, zip(*self._kept, strict=True))
         return PhysicsTrack(
-            time=(np.array(self._time) - start).round(9),
+            time=(time - start).round(9),
             base=qpos[..., :7],
             joints=qpos[..., 7:],
-            joint_rates=np.array(self._rates),
-            torques=np.array(self._torques),
-            foot_forces=np.array(self._foot_forces),
+            joint_rates=rates,
+            torques=torques,
+            foot_forces=forces,
             contacts=tuple(
                 replace(contact, time=round(contact.time - start, 9)) for contact in self.contacts
             ),
@@ -161,11 +157,10 @@ class Sampler:
         )
 
     def _keep(self) -> None:
-        self._time.append(round(self._start + self._simulator.time, 9))
-        self._qpos.append(self._simulator.qpos)
-        self._rates.append(self._simulator.qvel[:, 6:])
-        self._torques.append(self._peaks.copy())
-        self._foot_forces.append(self._recorder.take_forces())
+        simulator, forces = self._simulator, self._recorder.take_forces()
+        time = round(self._start + simulator.time, 9)
+        rates = simulator.qvel[:, 6:]
+        self._kept.append((time, simulator.qpos, rates, self._peaks.copy(), forces))
         self._peaks[:] = 0.0
         # Contacts that began since the last sample, and those that went on.
         begun = self._recorder.contacts[self._known :]
