@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cavalcade.execution._precedence import Braking, Progress
-from cavalcade.execution.precedence import MARGIN, Precedence, reach_of
+from cavalcade.execution.precedence import Precedence, reach_of
 from cavalcade.execution.speed_profile import GRAIN, LegLimits, rate_profile
 from cavalcade.geometry import Array, wrap_angle
 from cavalcade.geometry.trajectory import FLIGHT, Trajectory
@@ -19,17 +19,10 @@ from cavalcade.world import Terrain
 ON_TRACK = 0.05
 """A robot is where its reference is if no point of its body is farther off, m."""
 
-_LOOK = 0.025
-"""Step along the plan when looking for where a robot is, s."""
-
-_HARD = 2.5
-"""What was not foreseen is braked for this many times as hard as the rest."""
-
-_BRAKES = (0.5, 4.0)
-"""Least and largest change of a rate, 1/s."""
-
-_SLOW = 0.05
-"""A reference slower than this is waiting for its robot, m/s."""
+_LOOK = 0.025  # step along the plan when looking for where a robot is, s
+_HARD = 2.5  # what was not foreseen is braked for this many times as hard as the rest
+_BRAKES = (0.5, 4.0)  # least and largest change of a rate, 1/s
+_SLOW = 0.05  # a reference slower than this is waiting for its robot, m/s
 
 _STILL = 1e-9
 
@@ -43,7 +36,6 @@ class FollowSettings:
             kept; otherwise all follow the clock, come what may.
         trust: Whether robots that the plan keeps close may rely on each other to stop no faster
             than they do themselves. Otherwise each keeps the distance that it needs to stop.
-        margin: Gap of the bodies that the order is kept with, m.
         lag: Tracking errors between which the rate of progress falls from 1 to 0, m.
         lag_heading: The same of the heading, rad.
         correction: Largest velocity that corrects the position, m/s.
@@ -56,7 +48,6 @@ class FollowSettings:
 
     in_order: bool = True
     trust: bool = False
-    margin: float = MARGIN
     lag: tuple[float, float] = (0.10, 0.25)
     lag_heading: tuple[float, float] = (0.15, 0.30)
     correction: float = 0.3
@@ -124,7 +115,7 @@ class TimeScaling:
         self.arrived_late = np.full(size, np.nan)
         self.precedence: Precedence | None = None
         if settings.in_order:
-            self.precedence = Precedence(paths, models, self._stop, settings.margin)
+            self.precedence = Precedence(paths, models, self._stop)
         self._last: float | None = None
 
     def progress(self, now: float) -> Array:

@@ -14,11 +14,8 @@ from numba import njit
 
 from cavalcade.geometry.constants import GRAVITY
 
-SINGULAR = 2e-4
-"""A Jacobian with a smaller determinant is not inverted but damped, m³."""
-
-STRETCHED = 0.999
-"""Legs are stretched at most to this share of their length."""
+SINGULAR = 2e-4  # a Jacobian with a smaller determinant is not inverted but damped, m³
+STRETCHED = 0.999  # legs are stretched at most to this share of their length
 
 
 @njit(cache=True)

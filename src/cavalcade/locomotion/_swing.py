@@ -11,14 +11,9 @@ from numba import njit
 
 from cavalcade.locomotion._footholds import interpolate, nearest_place
 
-SEARCH = 0.12
-"""How far a foothold may be moved to ground that carries it, m."""
-
-LEAST = 0.3
-"""Least traversability of such ground."""
-
-PROBES = 6
-"""Points of a swing at which the ground below it is looked at."""
+SEARCH = 0.12  # how far a foothold may be moved to ground that carries it, m
+LEAST = 0.3  # least traversability of such ground
+PROBES = 6  # points of a swing at which the ground below it is looked at
 
 LEANING, RISING = 0.6, 0.9
 """A calf leans backwards from its foot: so far, in lengths of it, and it rises by so much per m."""

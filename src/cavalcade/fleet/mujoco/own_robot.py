@@ -40,12 +40,7 @@ def own_robot(file: str | Path, like: RobotModel) -> RobotModel:
     Raises:
         InputError: MuJoCo is missing, the file cannot be read, or it is no such quadruped.
     """
-    description = describe(read_own_model(file), Path(file))
-    return replace(like, name=description.name, source=str(file), description=description)
-
-
-def describe(own: OwnModel, file: Path) -> QuadrupedDescription:
-    """The description of a user's model."""
+    own = read_own_model(file)
     model, data = own.model, zero_state(own.model)
     # Body of the trunk and of the 12 links to index: 0, and `1 + 3 * leg + j`.
     bodied = (own.root, *own.joints)
@@ -67,8 +62,8 @@ def describe(own: OwnModel, file: Path) -> QuadrupedDescription:
     hip, thigh, calf = legs[0].joints
     length = math.hypot(*calf.offset[::2]) + math.hypot(*legs[0].foot[::2])
     looks, solids = _shapes(own, data, links, places)
-    return QuadrupedDescription(
-        name=file.stem,
+    description = QuadrupedDescription(
+        name=Path(file).stem,
         trunk=bodies[0],
         legs=(legs[0], legs[1], legs[2], legs[3]),
         foot_radius=radius,
@@ -78,6 +73,7 @@ def describe(own: OwnModel, file: Path) -> QuadrupedDescription:
         source=str(file),
         file=str(file),
     )
+    return replace(like, name=description.name, source=str(file), description=description)
 
 
 def _joint(own: OwnModel, number: int, offset: Vector) -> JointDescription:
