@@ -11,11 +11,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.checking.physics.floor import Floor
+from cavalcade.checking.ground import Floor
 from cavalcade.checking.physics.record import RobotRecord, Touch
 from cavalcade.checking.physics.touching import Overlap
-from cavalcade.checking.report import Kind, Violation
-from cavalcade.checking.stretches import stretches
+from cavalcade.checking.report import Kind, Violation, broken, stretches
 from cavalcade.robots.description import QuadrupedDescription
 
 DEEP = 0.001
@@ -99,9 +98,7 @@ def check_upright(
         how = f"tilted by {tilt[begin]:.2f} rad" if tipped else f"{height[begin]:.2f} of its height"
         text = f"robot {record.robot} has fallen: its trunk is {how}"
         value, limit = (tilt[begin], TIPPED) if tipped else (height[begin], LOW)
-        result.append(
-            Violation("fall", float(record.time[begin]), (record.robot,), text, float(value), limit)
-        )
+        result.append(broken("fall", record.time[begin], record.robot, text, value, limit))
     return result
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cavalcade.checking.ground import Floor
 from cavalcade.checking.physics.contacts import (
     check_upright,
     hidden_contacts,
@@ -14,7 +15,6 @@ from cavalcade.checking.physics.contacts import (
     touched,
 )
 from cavalcade.checking.physics.feet import FRICTION, check_feet
-from cavalcade.checking.physics.floor import Floor
 from cavalcade.checking.physics.joints import check_joints
 from cavalcade.checking.physics.kinematics import Posture, posture
 from cavalcade.checking.physics.momentum import carried_part, check_momentum

@@ -12,16 +12,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.checking.heights import Ground, Heights, ground_around
+from cavalcade.checking.ground import Floor
+from cavalcade.checking.heights import Heights, floor_of
 from cavalcade.checking.physics.contacts import BODY, hidden_contacts
 from cavalcade.checking.physics.feet import TOUCHING
-from cavalcade.checking.physics.floor import Floor, floor_of
 from cavalcade.checking.physics.kinematics import posture
 from cavalcade.checking.physics.record import RobotRecord
 from cavalcade.checking.physics.rotations import roll_pitch_yaw
 from cavalcade.checking.physics.touching import ground_overlaps
-from cavalcade.checking.report import Violation
-from cavalcade.checking.stretches import stretches
+from cavalcade.checking.report import Violation, broken, stretches
 from cavalcade.geometry import Array
 from cavalcade.robots.description import QuadrupedDescription
 from cavalcade.scenario import Scenario
@@ -158,7 +157,7 @@ def judge_leap(
     return verdict("")
 
 
-def find_leap(ground: Ground, start: Array, end: Array, begin: float) -> Leap | None:
+def find_leap(ground: Floor, start: Array, end: Array, begin: float) -> Leap | None:
     """What is to be leapt on a straight way; None where the ground does not break.
 
     The way goes from `start` to `end`, `(2,)` m; the take-off begins at `begin` s at the earliest.
@@ -205,7 +204,7 @@ def check_leaps(
             reason = leap_reason(part, model.description, heights, point, command.at)
             if reason:
                 text = f"robot {record.robot} does not leap as it should: {reason}"
-                result.append(Violation("leap", command.at, (record.robot,), text, 0.0, 1.0))
+                result.append(broken("leap", command.at, record.robot, text, 0.0, 1.0))
     return result
 
 
@@ -223,10 +222,9 @@ def leap_reason(
     first = int(np.searchsorted(record.time, begin))
     start = record.base[min(first, len(record.time) - 1), :2]
     around = np.concatenate([record.base[:, :2], [end]])
-    leap = find_leap(ground_around(heights, around), start, end, begin)
-    if leap is None:
-        return ""
-    return judge_leap(record, description, leap, floor_of(heights, around)).reason
+    ground = floor_of(heights, around)
+    leap = find_leap(ground, start, end, begin)
+    return "" if leap is None else judge_leap(record, description, leap, ground).reason
 
 
 def _longest(time: Array, holds: NDArray[np.bool_]) -> float:

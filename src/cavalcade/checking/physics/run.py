@@ -11,19 +11,18 @@ from typing import Any
 import numpy as np
 
 from cavalcade.checking.contact import FARTHEST, find_contacts
-from cavalcade.checking.heights import Heights
+from cavalcade.checking.ground import Floor
+from cavalcade.checking.heights import Heights, floor_of
 from cavalcade.checking.motion import bodies, common_clock
 from cavalcade.checking.physics.contacts import touched
 from cavalcade.checking.physics.feet import slides
-from cavalcade.checking.physics.floor import Floor, floor_of
 from cavalcade.checking.physics.judge import Conditions, Push, judge_robots
 from cavalcade.checking.physics.kinematics import posture
 from cavalcade.checking.physics.momentum import carried_part
 from cavalcade.checking.physics.record import RobotRecord
 from cavalcade.checking.physics.rotations import roll_pitch_yaw
-from cavalcade.checking.report import PhysicsFigures, Violation
+from cavalcade.checking.report import PhysicsFigures, Violation, broken, excesses
 from cavalcade.checking.solids import Scene
-from cavalcade.checking.stretches import excesses
 from cavalcade.checking.tracks import Track
 from cavalcade.errors import RecordingError
 from cavalcade.geometry import Array, wrap_angle
@@ -136,7 +135,7 @@ def _short(record: RobotRecord, track: Track) -> list[Violation]:
     if missing <= SPARSE + 1e-6:
         return []
     text = f"robot {record.robot} has poses for {missing:.2f} s without its body"
-    return [Violation("samples", float(record.time[-1]), (record.robot,), text, missing, SPARSE)]
+    return [broken("samples", record.time[-1], record.robot, text, missing, SPARSE)]
 
 
 def _check_poses(record: RobotRecord, track: Track) -> list[Violation]:

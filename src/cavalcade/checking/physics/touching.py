@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.checking.physics.floor import Floor
+from cavalcade.checking.ground import Floor
 from cavalcade.checking.physics.kinematics import Posture
 from cavalcade.checking.physics.rotations import matrices
 from cavalcade.checking.solids import Scene, Solid

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.checking.report import Kind, Violation
-from cavalcade.checking.stretches import beyond_by, excesses
+from cavalcade.checking.report import Kind, Violation, excesses
 from cavalcade.checking.tracks import Track
 from cavalcade.geometry import Array
 
@@ -96,4 +95,4 @@ class Motion:
     ) -> list[Violation]:
         """Likewise where `value < least - slack`."""
         time, short = self.time[: len(value)], least - value - slack
-        return beyond_by(short, kind, self.robot, time, value, least, words)
+        return excesses(kind, self.robot, time, value, least, words, excess=short)

@@ -6,13 +6,13 @@ import re
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, SupportsIndex
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.checking.plans.motion import FLIGHT, LANDING, NAMES, TAKE_OFF, WALK, Motion
-from cavalcade.checking.report import Violation
+from cavalcade.checking.report import Violation, broken
 from cavalcade.errors import RecordingError
 from cavalcade.robots import RobotModel
 
@@ -98,7 +98,7 @@ def _malformed(
     """The first array of a robot that cannot be used."""
 
     def bad(text: str) -> Violation:
-        return Violation("plan", 0.0, (robot,), f"robot {robot}: {text}", 0.0, 0.0)
+        return broken("plan", 0.0, robot, f"robot {robot}: {text}")
 
     count = None
     for name, rest in _SHAPES.items():
@@ -144,47 +144,42 @@ def _disordered(motion: Motion) -> Violation | None:
     robot, time = motion.robot, motion.time
     if abs(time[0]) > _TINY:
         text = f"the plan of robot {robot} begins at {time[0]:.3f} s instead of 0"
-        return Violation("samples", float(time[0]), (robot,), text, float(time[0]), 0.0)
-    back = np.flatnonzero(motion.steps <= 0.0)
-    if len(back):
-        step = float(motion.steps[back[0]])
+        return broken("samples", time[0], robot, text, time[0])
+    for k in np.flatnonzero(motion.steps <= 0.0)[:1]:
         text = f"the times of robot {robot} do not increase"
-        return Violation("samples", float(time[back[0] + 1]), (robot,), text, step, 0.0)
-    unknown = np.flatnonzero(motion.phase < 0)
-    if len(unknown):
+        return broken("samples", time[k + 1], robot, text, motion.steps[k])
+    for k in np.flatnonzero(motion.phase < 0)[:1]:
         text = f"robot {robot} is in a phase that is none of 0 to 3"
-        return Violation("phase", float(time[unknown[0]]), (robot,), text, 0.0, 3.0)
+        return broken("phase", time[k], robot, text, 0.0, 3.0)
     return None
 
 
 def _long_steps(motion: Motion) -> list[Violation]:
-    steps, robot = motion.steps, motion.robot
-    wide = np.flatnonzero(steps > LONGEST_STEP + _TINY)
+    robot, wide = motion.robot, np.flatnonzero(motion.steps > LONGEST_STEP + _TINY)
     if not len(wide):
         return []
-    worst, time = float(steps.max()), float(motion.time[wide[0]])
+    worst = motion.steps.max()
     text = f"robot {robot} has samples {worst:.4f} s apart; at most {LONGEST_STEP} s"
-    return [Violation("samples", time, (robot,), text, worst, LONGEST_STEP)]
+    return [broken("samples", motion.time[wide[0]], robot, text, worst, LONGEST_STEP)]
 
 
 def _odd_phases(motion: Motion, model: RobotModel) -> list[Violation]:
     """Phases that cannot follow each other, or that the robot does not have."""
     robot, phase, time = motion.robot, motion.phase, motion.time
 
-    def odd(k: int, text: str) -> Violation:
-        said = f"robot {robot} {text}"
-        return Violation("phase", float(time[k]), (robot,), said, float(phase[k]), 0.0)
+    def odd(k: SupportsIndex, text: str) -> Violation:
+        return broken("phase", time[k], robot, f"robot {robot} {text}", phase[k])
 
     if model.drive != "legged":
-        leaps = np.flatnonzero(phase != WALK)
-        return [odd(int(leaps[0]), f"leaps, but is a {model.drive}")] if len(leaps) else []
+        leaps = np.flatnonzero(phase != WALK)[:1]
+        return [odd(k, f"leaps, but is a {model.drive}") for k in leaps]
     result = []
     if phase[0] not in (WALK, TAKE_OFF):
         result.append(odd(0, f"begins in {NAMES[phase[0]]}"))
     for k in np.flatnonzero(np.diff(phase)) + 1:
         before, after = int(phase[k - 1]), int(phase[k])
         if after not in _FOLLOWS[before]:
-            result.append(odd(int(k), f"goes from {NAMES[before]} to {NAMES[after]}"))
+            result.append(odd(k, f"goes from {NAMES[before]} to {NAMES[after]}"))
     if phase[-1] not in (WALK, LANDING):
         result.append(odd(len(phase) - 1, f"ends in {NAMES[phase[-1]]}"))
     return result
