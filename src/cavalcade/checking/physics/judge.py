@@ -29,8 +29,6 @@ from cavalcade.checking.solids import Scene
 from cavalcade.geometry import Array
 from cavalcade.robots.description import QuadrupedDescription
 
-_BOTH = np.array([-1.0, 1.0])
-
 
 @dataclass(frozen=True)
 class Push:
@@ -112,7 +110,8 @@ def _links(
     if conditions.variation <= 0.0:
         return links
     part = carried_part(record, links, _pushed(record, conditions.pushes), touched(record))
-    scale = np.clip(1.0 if part is None else part, *(1.0 + conditions.variation * _BOTH))
+    least, most = 1.0 - conditions.variation, 1.0 + conditions.variation
+    scale = np.clip(1.0 if part is None else part, least, most)
     return posture(record, description, float(scale), floor)
 
 

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cavalcade.checking.ground import Floor
 from cavalcade.checking.heights import Heights, floor_of
@@ -119,16 +118,20 @@ def judge_leap(
     late = record.time >= leap.begin
     past = leap.past(links.feet[..., :2])
     carries = record.forces[..., 2] > TOUCHING
-    flight = _longest(record.time, late & ~carries.any(axis=1))
+    flying = stretches(late & ~carries.any(axis=1))
+    flights = [float(record.time[end - 1] - record.time[max(k - 1, 0)]) for k, end in flying]
     bottom = links.feet[..., 2] - links.radius
     landed = late[:, None] & carries & (past > 0.0) & (np.abs(bottom - leap.beyond) < LANDED)
-    touch_down = _touch_down(record.time, landed)
+    # When the last of the four feet lands for the first time.
+    touch_down = float(record.time[landed.argmax(axis=0)].max())
+    if not landed.any(axis=0).all():
+        touch_down = math.nan
     surface = np.where(past > 0.0, leap.beyond, min(leap.before, leap.beyond))
     sunk = float((surface - bottom)[late].max(initial=-np.inf))
     pitch = float(np.abs(roll_pitch_yaw(record.turn)[late, 1]).max(initial=0.0))
 
     def verdict(reason: str) -> LeapVerdict:
-        return LeapVerdict(not reason, reason, flight, touch_down, sunk, pitch)
+        return LeapVerdict(not reason, reason, max(flights, default=0.0), touch_down, sunk, pitch)
 
     if not np.isfinite(touch_down):
         feet = int(landed.any(axis=0).sum())
@@ -177,15 +180,11 @@ def find_leap(ground: Floor, start: Array, end: Array, begin: float) -> Leap | N
     if (np.abs(heights - beyond) <= BREAK).all():
         return None
     off = np.abs(heights - beyond) > LEVEL
-    far = [_last(column, marks) for column in off.T]
+    far = [float(marks[column].max()) + GRAIN if column.any() else 0.0 for column in off.T]
     turn = -math.atan((far[2] - far[0]) / (2.0 * SIDE))
     edge = start + far[1] * along
     heading = math.atan2(along[1], along[0]) + turn
     return Leap((float(edge[0]), float(edge[1])), heading, before, float(beyond[1]), begin)
-
-
-def _last(off: NDArray[np.bool_], marks: Array) -> float:
-    return float(marks[np.flatnonzero(off)[-1]]) + GRAIN if off.any() else 0.0
 
 
 def check_leaps(
@@ -225,18 +224,6 @@ def leap_reason(
     ground = floor_of(heights, around)
     leap = find_leap(ground, start, end, begin)
     return "" if leap is None else judge_leap(record, description, leap, ground).reason
-
-
-def _longest(time: Array, holds: NDArray[np.bool_]) -> float:
-    spans = [float(time[end - 1] - time[max(begin - 1, 0)]) for begin, end in stretches(holds)]
-    return max(spans, default=0.0)
-
-
-def _touch_down(time: Array, landed: NDArray[np.bool_]) -> float:
-    """When the last of the four feet lands for the first time."""
-    if not landed.any(axis=0).all():
-        return float("nan")
-    return float(time[landed.argmax(axis=0)].max())
 
 
 def _between(record: RobotRecord, begin: float, end: float) -> RobotRecord:

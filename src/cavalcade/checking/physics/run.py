@@ -10,10 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from cavalcade.checking.contact import FARTHEST, find_contacts
+from cavalcade.checking.contact import FARTHEST, bodies, common_clock, find_contacts
 from cavalcade.checking.ground import Floor
 from cavalcade.checking.heights import Heights, floor_of
-from cavalcade.checking.motion import bodies, common_clock
 from cavalcade.checking.physics.contacts import touched
 from cavalcade.checking.physics.feet import slides
 from cavalcade.checking.physics.judge import Conditions, Push, judge_robots

@@ -11,19 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.checking.arrival import DISTANCE, TURN
-from cavalcade.checking.contact import find_contacts
+from cavalcade.checking.contact import bodies, common_clock, find_contacts
 from cavalcade.checking.heights import Heights, floor_of, read_heights
 from cavalcade.checking.limits import with_own_limits
-from cavalcade.checking.motion import bodies, common_clock
 from cavalcade.checking.plans.body import belly_clearance, check_body
 from cavalcade.checking.plans.drives import check_driven
 from cavalcade.checking.plans.footholds import check_footholds
 from cavalcade.checking.plans.legged import check_legged
-from cavalcade.checking.plans.motion import FLIGHT, Motion
-from cavalcade.checking.plans.structure import read_motions
+from cavalcade.checking.plans.motion import FLIGHT, Motion, read_motions
 from cavalcade.checking.report import Figures, Report, Violation, broken, make_report
-from cavalcade.checking.samples import Pose, off_start
 from cavalcade.checking.solids import Scene, build_scene
+from cavalcade.checking.tracks import Pose, off_start
 from cavalcade.geometry import Array, wrap_angle
 from cavalcade.robots import RobotModel
 from cavalcade.scenario import Scenario
