@@ -39,8 +39,6 @@ class Criterion:
 IDEAL = Criterion()
 """The contract's."""
 
-DISTANCE, TURN = IDEAL.distance, IDEAL.turn
-
 PHYSICS = Criterion(distance=0.15, turn=0.2, speed=0.05, mean=True)
 """The contract's for robots in physics."""
 

@@ -108,13 +108,7 @@ def judge_physics(
     records: tuple[RobotRecord, ...],
     summary: dict[str, Any],
 ) -> Report:
-    """The verdict on motion recorded in physics.
-
-    Bodies, joints and contacts are judged instead of footprints and limits of planning.
-
-    Args:
-        scenario, tracks, summary: As of `judge`.
-        records: Bodies, joints and forces of each robot.
+    """As `judge` with `records`: bodies, joints and contacts instead of footprints and limits.
 
     Raises:
         RecordingError: The map file cannot be read, or a robot has no description.

@@ -113,7 +113,8 @@ def _layers(raw: Array, holes: NDArray[np.bool_], cell: float, origin: Origin) -
     height = _filled(raw, np.isnan(raw))
     holes = holes | _pits(height, cell)
     over = _filled(height, holes)
-    smooth = _mean(over, SMOOTH / cell)
+    around = disc(SMOOTH / cell).astype(float)
+    smooth = _convolved(over, around / around.sum()) + over.mean()
     x, y = _slopes(over, STEEP / cell, cell)
     steep = np.arctan(np.hypot(x, y))
     along, across = _slopes(smooth, LEVEL / cell, cell)
@@ -156,11 +157,6 @@ def disc(radius: float) -> NDArray[np.bool_]:
     reach = int(radius + 1e-9)
     y, x = np.mgrid[-reach : reach + 1, -reach : reach + 1]
     return x * x + y * y <= radius * radius + 1e-9
-
-
-def _mean(field: Array, radius: float) -> Array:
-    kernel = disc(radius).astype(float)
-    return _convolved(field, kernel / kernel.sum()) + field.mean()
 
 
 def _slopes(field: Array, radius: float, cell: float) -> tuple[Array, Array]:

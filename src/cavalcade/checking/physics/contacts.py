@@ -20,8 +20,6 @@ from cavalcade.robots.description import QuadrupedDescription
 DEEP = 0.001
 """Parts that lie deeper in something than this, m, touch it."""
 
-_CALF = ("calf", "ground")
-
 TOGETHER = 0.1
 """Contacts of the same things with shorter breaks are one, s."""
 
@@ -52,7 +50,7 @@ def recorded_contacts(record: RobotRecord) -> list[Violation]:
         last[what] = touch.time
         if touch.time > before + TOGETHER:
             result.append(_violation(record, touch))
-    calves = [touch for touch in record.touches if (touch.part, touch.other) == _CALF]
+    calves = [touch for touch in record.touches if (touch.part, touch.other) == ("calf", "ground")]
     if calves:
         part = float(touched(replace(record, touches=tuple(calves))).mean())
         if part > ON_CALVES:
@@ -69,7 +67,8 @@ def hidden_contacts(record: RobotRecord, overlaps: Iterable[Overlap]) -> list[Vi
             continue
         for begin, end in stretches(overlap.depth > DEEP):
             first, last = record.time[begin], record.time[end - 1]
-            if _told(record.touches, overlap.other, first - TOGETHER, last + TOGETHER):
+            low, high = first - TOGETHER, last + TOGETHER
+            if overlap.other in {t.other for t in record.touches if low <= t.time <= high}:
                 continue
             depth = float(overlap.depth[begin:end].max())
             words = f", {depth:.3f} m deep, and the recording says nothing of it"
@@ -111,10 +110,6 @@ def touched(record: RobotRecord) -> NDArray[np.bool_]:
         for shift in (-1, 0, 1):
             result[np.clip(at + shift, 0, len(result) - 1)] = True
     return result
-
-
-def _told(touches: tuple[Touch, ...], other: str, begin: float, end: float) -> bool:
-    return any(touch.other == other and begin <= touch.time <= end for touch in touches)
 
 
 def _violation(

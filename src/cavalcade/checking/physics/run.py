@@ -118,14 +118,11 @@ def _descriptions(scenario: Scenario) -> list[QuadrupedDescription]:
 
 
 def _sparse(records: tuple[RobotRecord, ...]) -> list[Violation]:
-    gaps = records[0].steps
-    wide = np.flatnonzero(gaps > SPARSE + 1e-6)
-    if not len(wide):
-        return []
-    text = f"bodies have no samples for {gaps[wide[0]]:.3f} s"
-    everyone = tuple(range(len(records)))
-    time = float(records[0].time[wide[0]])
-    return [Violation("samples", time, everyone, text, float(gaps[wide[0]]), SPARSE)]
+    time, gaps, everyone = records[0].time, records[0].steps, tuple(range(len(records)))
+    for k in np.flatnonzero(gaps > SPARSE + 1e-6)[:1]:
+        text, gap = f"bodies have no samples for {gaps[k]:.3f} s", float(gaps[k])
+        return [Violation("samples", float(time[k]), everyone, text, gap, SPARSE)]
+    return []
 
 
 def _short(record: RobotRecord, track: Track) -> list[Violation]:

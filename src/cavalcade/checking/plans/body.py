@@ -34,27 +34,14 @@ NEARBY = 0.05
 Bools = NDArray[np.bool_]
 
 
-def check_body(motion: Motion, legs: LegModel, ground: Floor, clearance: Array) -> list[Violation]:
-    """What contradicts the ground around the motion.
-
-    `clearance` `(T,)` m is that of `belly_clearance`.
-    """
-    words = "has its belly {value:.3f} m above the ground; the least is {limit:.3f} m"
-    low = motion.shortfalls("belly", clearance, legs.h_min, words, BELLY_SLACK)
-    return low + _reach(motion, legs, ground) + _carried(motion, legs, ground)
-
-
-def belly_clearance(motion: Motion, legs: LegModel, ground: Floor) -> Array:
-    """`(T,)` m, of the lowest of the five points, over the ground below it."""
+def check_body(motion: Motion, legs: LegModel, ground: Floor) -> tuple[list[Violation], float]:
+    """What contradicts the ground around the motion; the belly's least clearance over it, m."""
     pitches = _pitches(motion, ground)
     clear = np.stack([_clearance(motion, legs, ground, pitch) for pitch in pitches])
-    return np.where(motion.phase == WALK, clear[0], clear.max(axis=0))
-
-
-def _reach(motion: Motion, legs: LegModel, ground: Floor) -> list[Violation]:
-    """Hips too high above the ground that their legs push."""
-    pitches = _pitches(motion, ground)
-    result = []
+    clearance = np.where(motion.phase == WALK, clear[0], clear.max(axis=0))
+    words = "has its belly {value:.3f} m above the ground; the least is {limit:.3f} m"
+    short = legs.h_min - clearance - BELLY_SLACK
+    result = motion.excesses("belly", clearance, legs.h_min, words, excess=short)
     for end, name in ((1.0, "front"), (-1.0, "rear")):
         pushing = _pushing(motion, end)
         high = np.stack([_hip_heights(motion, legs, ground, p, end) for p in pitches])
@@ -62,7 +49,7 @@ def _reach(motion: Motion, legs: LegModel, ground: Floor) -> list[Violation]:
         words = f"has a {name} hip {{value:.3f}} m above the ground; legs reach {{limit:.3f}} m"
         high = np.where(pushing, most, 0.0)
         result += motion.excesses("reach", high, legs.h_max, words, REACH_SLACK)
-    return result
+    return result + _carried(motion, legs, ground), float(clearance.min())
 
 
 def _carried(motion: Motion, legs: LegModel, ground: Floor) -> list[Violation]:
@@ -73,7 +60,8 @@ def _carried(motion: Motion, legs: LegModel, ground: Floor) -> list[Violation]:
         hips = ground.best_at(_hips(motion, legs, end)).min(axis=1)
         worst = np.where(_pushing(motion, end), np.minimum(worst, hips), worst)
     words = "stands on ground of traversability {value:.2f}; the least is {limit:.2f}"
-    return motion.shortfalls("traversability", worst, LEAST_TRAVERSABILITY, words, GROUND_BAND)
+    short = LEAST_TRAVERSABILITY - worst - GROUND_BAND
+    return motion.excesses("traversability", worst, LEAST_TRAVERSABILITY, words, excess=short)
 
 
 def _pushing(motion: Motion, end: float) -> Bools:
@@ -102,6 +90,7 @@ def _pitches(motion: Motion, ground: Floor) -> tuple[Array, ...]:
 
 
 def _clearance(motion: Motion, legs: LegModel, ground: Floor, pitch: Array) -> Array:
+    """`(T,)` m, of the lowest of the five points, over the ground below it."""
     x = legs.trunk_length / 2.0 * np.array([1.0, 1.0, -1.0, -1.0, 0.0])
     y = legs.trunk_width / 2.0 * np.array([1.0, -1.0, -1.0, 1.0, 0.0])
     sine, cosine = np.sin(pitch)[:, None], np.cos(pitch)[:, None]

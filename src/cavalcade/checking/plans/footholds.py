@@ -8,7 +8,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cavalcade.checking.distance import beside
 from cavalcade.checking.ground import Floor, Indices
@@ -131,8 +130,11 @@ def _out_of_reach(motion: Motion, legs: LegModel, ground: Floor) -> list[Violati
     sample = np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)
     sample = sample + np.repeat(first, count)
     leg = motion.footholds[which, 2].astype(np.int64)
-    away = _distances(motion, legs, ground, which, sample)
-    away = np.where(_needed(motion.phase[sample], leg), away, 0.0)
+    # In take-off the front legs, in landing the rear ones may hang, and all in flight.
+    phase = motion.phase[sample]
+    hanging = ((phase == TAKE_OFF) & (leg < 2)) | ((phase == LANDING) & (leg >= 2))
+    hanging |= phase == FLIGHT
+    away = np.where(hanging, 0.0, _distances(motion, legs, ground, which, sample))
     limit = STRETCH * legs.h_max
     longest = np.zeros(len(count))
     np.maximum.at(longest, which, away)
@@ -143,12 +145,6 @@ def _out_of_reach(motion: Motion, legs: LegModel, ground: Floor) -> list[Violati
     moment = float(motion.time[sample[(which == k) & (away > limit)][0]])
     text = f"is {longest[k]:.3f} m from its hip; the leg reaches {limit:.3f} m"
     return [replace(_violation(motion, k, text, longest[k], limit), time=moment)]
-
-
-def _needed(phase: Indices, leg: Indices) -> NDArray[np.bool_]:
-    """Whether the leg must reach: in take-off the front, in landing the rear may hang."""
-    hanging = ((phase == TAKE_OFF) & (leg < 2)) | ((phase == LANDING) & (leg >= 2))
-    return ~hanging & (phase != FLIGHT)
 
 
 def _distances(

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.checking.arrival import DISTANCE, TURN
+from cavalcade.checking.arrival import IDEAL
 from cavalcade.checking.contact import bodies, common_clock, find_contacts
 from cavalcade.checking.heights import Heights, floor_of, read_heights
 from cavalcade.checking.limits import with_own_limits
-from cavalcade.checking.plans.body import belly_clearance, check_body
+from cavalcade.checking.plans.body import check_body
 from cavalcade.checking.plans.drives import check_driven
 from cavalcade.checking.plans.footholds import check_footholds
 from cavalcade.checking.plans.legged import check_legged
@@ -100,10 +100,9 @@ def _alone(
     places = np.vstack((motion.position[:, :2], motion.footholds[:, 3:5]))
     ground = floor_of(heights, places)
     violations += check_legged(motion, model.legs, scenario.planner.variant == "published")
-    clearance = belly_clearance(motion, model.legs, ground)
-    bellies.append(float(clearance.min()))
-    violations += check_body(motion, model.legs, ground, clearance)
-    return violations + check_footholds(motion, model.legs, ground)
+    found, clearance = check_body(motion, model.legs, ground)
+    bellies.append(clearance)
+    return violations + found + check_footholds(motion, model.legs, ground)
 
 
 def _contacts(
@@ -172,12 +171,12 @@ def _check_goal(motion: Motion, model: RobotModel, goal: Pose) -> list[Violation
     distance, turn = np.hypot(x, y), np.abs(wrap_angle(motion.yaw[-1] - goal[2]))
     end, robot = motion.time[-1], motion.robot
     result = []
-    if distance > DISTANCE + _SLACK:
+    if distance > IDEAL.distance + _SLACK:
         text = f"robot {robot} ends {distance:.3f} m from its goal"
-        result.append(broken("arrival", end, robot, text, distance, DISTANCE))
-    if _heads(model) and turn > TURN + _SLACK:
+        result.append(broken("arrival", end, robot, text, distance, IDEAL.distance))
+    if _heads(model) and turn > IDEAL.turn + _SLACK:
         text = f"robot {robot} ends turned by {turn:.3f} rad from its goal"
-        result.append(broken("arrival", end, robot, text, turn, TURN))
+        result.append(broken("arrival", end, robot, text, turn, IDEAL.turn))
     return result
 
 

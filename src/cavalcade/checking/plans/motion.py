@@ -112,17 +112,12 @@ class Motion:
         limit: Array | float,
         words: str,
         slack: Array | float = 0.0,
+        *,
+        excess: Array | None = None,
     ) -> list[Violation]:
-        """As `stretches.excesses`, of values at samples `(T,)` or over intervals `(T - 1,)`."""
+        """As `report.excesses`, of values at samples `(T,)` or over intervals `(T - 1,)`."""
         time = self.time[: len(value)]
-        return excesses(kind, self.robot, time, value, limit, words, slack)
-
-    def shortfalls(
-        self, kind: Kind, value: Array, least: float, words: str, slack: float
-    ) -> list[Violation]:
-        """Likewise where `value < least - slack`."""
-        time, short = self.time[: len(value)], least - value - slack
-        return excesses(kind, self.robot, time, value, least, words, excess=short)
+        return excesses(kind, self.robot, time, value, limit, words, slack, excess=excess)
 
 
 def read_plan(path: str | Path) -> dict[str, NDArray[Any]]:
