@@ -18,8 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from cavalcade.checking.heights import Heights
-from cavalcade.checking.physics.floor import floor_of
+from cavalcade.checking.heights import Heights, floor_of
 from cavalcade.checking.physics.leaps import Leap, LeapVerdict, judge_leap
 from cavalcade.checking.physics.record import RobotRecord, Touch
 from cavalcade.execution.leaping import leaps_of, request_of

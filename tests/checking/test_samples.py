@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cavalcade.checking.check import judge
-from cavalcade.checking.samples import disordered, incomplete, misplaced
-from cavalcade.checking.tracks import Track
+from cavalcade.checking.tracks import Track, disordered, incomplete, misplaced
 
 
 def still(time):

@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from cavalcade.checking.check import judge_planar
 from cavalcade.checking.mapfile import Ground, read_ros_map
 from cavalcade.checking.report import Report, make_report
-from cavalcade.checking.solids import Solid, outline, scene_on
+from cavalcade.checking.solids import Scene, Solid, outline
 from cavalcade.checking.tracks import Track
 from cavalcade.errors import InputError
 from cavalcade.robots import RobotModel
@@ -50,9 +50,8 @@ def check_motion(
         RecordingError: The map file cannot be read.
     """
     tracks = _tracks(np.asarray(time, dtype=float), np.asarray(poses, dtype=float), len(models))
-    scene = scene_on(
-        _ground(size, map), tuple(_solid(k, words) for k, words in enumerate(obstacles))
-    )
+    ground = _ground(size, map)
+    scene = Scene(tuple(_solid(k, words) for k, words in enumerate(obstacles)), ground)
     return make_report(*judge_planar(scene, tracks, tuple(models)))
 
 

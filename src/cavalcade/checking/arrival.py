@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cavalcade.checking.report import Violation
+from cavalcade.checking.report import Violation, broken
 from cavalcade.checking.tracks import Track
 from cavalcade.geometry import Array, transform_points, wrap_angle
 from cavalcade.scenario import FormationSection, Scenario
@@ -38,8 +38,6 @@ class Criterion:
 
 IDEAL = Criterion()
 """The contract's."""
-
-DISTANCE, TURN = IDEAL.distance, IDEAL.turn
 
 PHYSICS = Criterion(distance=0.15, turn=0.2, speed=0.05, mean=True)
 """The contract's for robots in physics."""
@@ -108,13 +106,13 @@ def check_commands(scenario: Scenario, tracks: tuple[Track, ...]) -> list[Violat
     places: list[tuple[float, float] | None] = [None] * len(tracks)
     for command in task.commands or ():
         for robot in range(len(tracks)):
-            if command.robot is None or command.robot == robot:
+            if command.robot in (None, robot):
                 places[robot] = command.to
     for robot, (place, track) in enumerate(zip(places, tracks, strict=True)):
         away = 0.0 if place is None else math.dist(place, track.pose[-1, :2])
         if away > AWAY:
             text = f"robot {robot} claims to have arrived but ends {away:.3f} m from its point"
-            result.append(Violation("arrival", end, (robot,), text, away, AWAY))
+            result.append(broken("arrival", end, robot, text, away, AWAY))
     return result
 
 
@@ -139,14 +137,14 @@ def _standing(
         where = f"robot {robot} claims to have arrived"
         if error > limit + _SLACK:
             text = f"{where} but stands {error:.3f} m from {words}"
-            result.append(Violation("arrival", end, (robot,), text, float(error), limit))
+            result.append(broken("arrival", end, robot, text, error, limit))
         if turn > criterion.turn + _SLACK:
             text = f"{where} but is turned by {turn:.3f} rad from the goal's heading"
-            result.append(Violation("arrival", end, (robot,), text, float(turn), criterion.turn))
+            result.append(broken("arrival", end, robot, text, turn, criterion.turn))
         speed = _late_speed(tracks[robot], 1.0 / scenario.execution.rate, criterion)
         if speed > criterion.speed + _SLACK:
             text = f"{where} but moved at {speed:.3f} m/s in the last {criterion.still:g} s"
-            result.append(Violation("arrival", end, (robot,), text, speed, criterion.speed))
+            result.append(broken("arrival", end, robot, text, speed, criterion.speed))
     return result
 
 
@@ -165,8 +163,7 @@ def _task_at(
             lost.add(event.lose)
         if event.rejoin is not None:
             lost.discard(event.rejoin)
-    present = tuple(k for k in range(len(scenario.robots)) if k not in lost)
-    return goals[-1], formation, present
+    return goals[-1], formation, tuple(k for k in range(len(scenario.robots)) if k not in lost)
 
 
 def _late_speed(track: Track, cycle: float, criterion: Criterion) -> float:

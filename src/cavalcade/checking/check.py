@@ -16,18 +16,16 @@ from cavalcade.checking.arrival import (
     check_commands,
     check_own_arrival,
 )
-from cavalcade.checking.contact import find_contacts
+from cavalcade.checking.contact import bodies, common_clock, find_contacts
 from cavalcade.checking.heights import read_heights
 from cavalcade.checking.limits import TOLERANCE, Effort, exceeded, measure, with_own_limits
-from cavalcade.checking.motion import bodies, common_clock
 from cavalcade.checking.physics.leaps import check_leaps
 from cavalcade.checking.physics.record import RobotRecord, read_records
 from cavalcade.checking.physics.run import judge_motion
 from cavalcade.checking.plans import judge_plan, read_plan
 from cavalcade.checking.report import Figures, Report, Violation, make_report
-from cavalcade.checking.samples import disordered, incomplete, misplaced
 from cavalcade.checking.solids import Scene, build_scene
-from cavalcade.checking.tracks import Track, read_tracks
+from cavalcade.checking.tracks import Track, disordered, incomplete, misplaced, read_tracks
 from cavalcade.errors import InputError, RecordingError
 from cavalcade.robots import RobotModel
 from cavalcade.scenario import Scenario, load_scenario, resolve_scenario
@@ -110,13 +108,7 @@ def judge_physics(
     records: tuple[RobotRecord, ...],
     summary: dict[str, Any],
 ) -> Report:
-    """The verdict on motion recorded in physics.
-
-    Bodies, joints and contacts are judged instead of footprints and limits of planning.
-
-    Args:
-        scenario, tracks, summary: As of `judge`.
-        records: Bodies, joints and forces of each robot.
+    """As `judge` with `records`: bodies, joints and contacts instead of footprints and limits.
 
     Raises:
         RecordingError: The map file cannot be read, or a robot has no description.

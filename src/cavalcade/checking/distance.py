@@ -27,9 +27,14 @@ def seen_from(pose: Array, points: Array) -> Array:
 def corners(pose: Array, half: Array) -> Array:
     """Corners `(M, 4, 2)`, counter-clockwise, of rectangles `half` `(2,)` at poses `(M, 3)`."""
     local = half * np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
+    return beside(pose, local[:, 0], local[:, 1])
+
+
+def beside(pose: Array, forward: Array, left: Array) -> Array:
+    """Points `(M, P, 2)` in m, `(M, P)` or `(P,)` m forward and to the left of poses `(M, 3)`."""
     c, s = np.cos(pose[:, 2])[:, None], np.sin(pose[:, 2])[:, None]
-    x = pose[:, 0, None] + c * local[:, 0] - s * local[:, 1]
-    y = pose[:, 1, None] + s * local[:, 0] + c * local[:, 1]
+    x = pose[:, 0, None] + c * forward - s * left
+    y = pose[:, 1, None] + s * forward + c * left
     return np.stack((x, y), axis=-1)
 
 

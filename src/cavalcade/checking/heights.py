@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cavalcade.checking.ground import Floor, Ground, Origin
 from cavalcade.errors import InputError, RecordingError
 from cavalcade.geometry import Array, inverse_transform_points
 from cavalcade.scenario import Scenario, build_world
@@ -30,9 +31,6 @@ PIT_DEPTH, PIT_WIDTH = 0.5, 1.25
 
 _MARGIN = 1.5
 """Around the places asked for, m: further than any of the above reaches."""
-
-Origin = tuple[float, float, float]
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,59 +57,6 @@ class Heights:
         return cols * self.cell, rows * self.cell
 
 
-@dataclass(frozen=True, eq=False)
-class Ground:
-    """Layers of part of the ground; places are given in the map frame.
-
-    Attributes:
-        cell, origin: As of `Heights`, of this part.
-        height: `(rows, cols)` m, finite: holes without a height are filled from around.
-        slope_x, slope_y: `(rows, cols)` of the smoothed height along the grid's axes.
-        best: `(rows, cols)` the largest traversability in a cell and its eight neighbours.
-    """
-
-    cell: float
-    origin: Origin
-    height: Array
-    slope_x: Array
-    slope_y: Array
-    best: Array
-
-    def heights_at(self, places: Array) -> Array:
-        """Heights `(...)` in m at places `(..., 2)`, bilinear."""
-        return _bilinear(self.height, self._cells(places))
-
-    def highest_at(self, places: Array, reach: float) -> Array:
-        """The largest height `(...)` within about `reach` m of places `(..., 2)`."""
-        around = reach * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]], dtype=float)
-        return self.heights_at(places[..., None, :] + around).max(axis=-1)
-
-    def range_at(self, places: Array) -> tuple[Array, Array]:
-        """Lowest and highest `(...)` of the four cells around places `(..., 2)`, m."""
-        row, col, right, above = _around(self.height.shape, self._cells(places))[:4]
-        four = np.stack(
-            [self.height[r, c] for r, c in ((row, col), (row, right), (above, col), (above, right))]
-        )
-        return four.min(axis=0), four.max(axis=0)
-
-    def slope_at(self, places: Array, yaw: Array) -> Array:
-        """Slope `(...)` of the smoothed height along headings `(...)` at places `(..., 2)`."""
-        cells, heading = self._cells(places), yaw - self.origin[2]
-        x, y = _bilinear(self.slope_x, cells), _bilinear(self.slope_y, cells)
-        return np.cos(heading) * x + np.sin(heading) * y
-
-    def best_at(self, places: Array) -> Array:
-        """The kindest traversability `(...)` next to places `(..., 2)`."""
-        cells = np.rint(self._cells(places)).astype(np.int64)
-        rows, cols = self.best.shape
-        return self.best[cells[..., 1].clip(0, rows - 1), cells[..., 0].clip(0, cols - 1)]
-
-    def _cells(self, places: Array) -> Array:
-        """Places in cells from the centre of cell [0, 0], x and y."""
-        local = inverse_transform_points(self.origin, places.reshape(-1, 2))
-        return local.reshape(places.shape) / self.cell - 0.5
-
-
 def read_heights(scenario: Scenario) -> Heights | None:
     """The raw heights of a scenario's ground; None where it is level.
 
@@ -135,6 +80,11 @@ def read_heights(scenario: Scenario) -> Heights | None:
     margin = disc(HOLE / terrain.resolution)
     holes = binary_erosion(terrain.traversability <= 0.0, margin, border_value=1)
     return Heights(terrain.height, terrain.resolution, terrain.origin, holes)
+
+
+def floor_of(heights: Heights | None, places: Array) -> Floor:
+    """The ground around places `(N, 2)` of the map frame; level without heights."""
+    return Floor() if heights is None else ground_around(heights, places)
 
 
 def ground_around(heights: Heights, places: Array) -> Ground:
@@ -163,7 +113,8 @@ def _layers(raw: Array, holes: NDArray[np.bool_], cell: float, origin: Origin) -
     height = _filled(raw, np.isnan(raw))
     holes = holes | _pits(height, cell)
     over = _filled(height, holes)
-    smooth = _mean(over, SMOOTH / cell)
+    around = disc(SMOOTH / cell).astype(float)
+    smooth = _convolved(over, around / around.sum()) + over.mean()
     x, y = _slopes(over, STEEP / cell, cell)
     steep = np.arctan(np.hypot(x, y))
     along, across = _slopes(smooth, LEVEL / cell, cell)
@@ -208,11 +159,6 @@ def disc(radius: float) -> NDArray[np.bool_]:
     return x * x + y * y <= radius * radius + 1e-9
 
 
-def _mean(field: Array, radius: float) -> Array:
-    kernel = disc(radius).astype(float)
-    return _convolved(field, kernel / kernel.sum()) + field.mean()
-
-
 def _slopes(field: Array, radius: float, cell: float) -> tuple[Array, Array]:
     """Slopes along x and y of the planes that fit the discs around each cell best."""
     within = disc(radius)
@@ -231,22 +177,3 @@ def _convolved(field: Array, kernel: Array) -> Array:
 
     wide = np.pad(field - field.mean(), kernel.shape[0] // 2, mode="edge")
     return oaconvolve(wide, kernel, mode="valid")
-
-
-def _around(
-    shape: tuple[int, ...], cells: Array
-) -> tuple[Indices, Indices, Indices, Indices, Array, Array]:
-    """Row, column, next column, next row and fractions along x and y of the four cells around."""
-    rows, cols = shape
-    u = np.clip(cells[..., 0], 0.0, cols - 1.0)
-    v = np.clip(cells[..., 1], 0.0, rows - 1.0)
-    col = np.minimum(u.astype(np.int64), cols - 2)
-    row = np.minimum(v.astype(np.int64), rows - 2)
-    return row, col, col + 1, row + 1, u - col, v - row
-
-
-def _bilinear(field: Array, cells: Array) -> Array:
-    row, col, right, above, s, t = _around(field.shape, cells)
-    low = field[row, col] * (1.0 - s) + field[row, right] * s
-    high = field[above, col] * (1.0 - s) + field[above, right] * s
-    return low * (1.0 - t) + high * t

@@ -13,8 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cavalcade.checking.report import Kind, Violation
-from cavalcade.checking.stretches import beyond_by
+from cavalcade.checking.report import Kind, Violation, excesses
 from cavalcade.checking.tracks import Track
 from cavalcade.geometry import GRAVITY, Array
 from cavalcade.robots import RobotModel
@@ -90,7 +89,7 @@ def exceeded(
         tolerance = speeding if kind in ("speed", "yaw-rate") else TOLERANCE
         too_much = np.where(value > limit * (1.0 + tolerance), value, 0.0)
         words = f"reaches {{value:.3f}} {unit}; the limit is {{limit:g}}"
-        result += beyond_by(too_much, kind, robot, effort.time, value, limit, words)
+        result += excesses(kind, robot, effort.time, value, limit, words, excess=too_much)
     return result
 
 

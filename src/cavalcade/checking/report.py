@@ -2,45 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, SupportsFloat
 
-Kind = Literal[
-    "robot-robot",
-    "robot-obstacle",
-    "robot-map",
-    "speed",
-    "yaw-rate",
-    "acceleration",
-    "yaw-acceleration",
-    "start",
-    "samples",
-    "arrival",
-    "plan",
-    "phase",
-    "dynamics",
-    "ballistics",
-    "force",
-    "heading",
-    "belly",
-    "reach",
-    "traversability",
-    "foothold",
-    "flight-over-robot",
-    "summary",
-    "weight",
-    "momentum",
-    "angular-momentum",
-    "torque",
-    "joint",
-    "footing",
-    "friction",
-    "slide",
-    "contact",
-    "fall",
-    "pose",
-    "leap",
-]
+import numpy as np
+from numpy.typing import NDArray
+
+from cavalcade.geometry import Array
+
+_Contact = Literal["robot-robot", "robot-obstacle", "robot-map"]
+_Limit = Literal["speed", "yaw-rate", "acceleration", "yaw-acceleration"]
+_Claim = Literal["start", "samples", "arrival", "summary"]
+_Plan = Literal["plan", "phase", "dynamics", "ballistics", "force", "heading"]
+_PlanOnGround = Literal["belly", "reach", "traversability", "foothold", "flight-over-robot"]
+_Force = Literal["weight", "momentum", "angular-momentum", "torque", "friction"]
+_Body = Literal["joint", "footing", "slide", "contact", "fall", "pose", "leap"]
+
+Kind = _Contact | _Limit | _Claim | _Plan | _PlanOnGround | _Force | _Body
 """`robot-map` is contact with an occupied cell of the map or with its border. Those from `plan`
 to `flight-over-robot` are about plans only; `plan` is an array that is missing or malformed.
 Those from `weight` on are about robots in physics only."""
@@ -139,3 +118,55 @@ class Report:
 def make_report(violations: list[Violation], figures: Figures | None = None) -> Report:
     """The violations in order of time; without figures the motion could not be measured."""
     return Report(tuple(sorted(violations, key=lambda violation: violation.time)), figures)
+
+
+def broken(
+    kind: Kind,
+    time: SupportsFloat,
+    robot: int,
+    message: str,
+    value: SupportsFloat = 0.0,
+    limit: SupportsFloat = 0.0,
+) -> Violation:
+    """What one robot did; figures may be NumPy's."""
+    return Violation(kind, float(time), (robot,), message, float(value), float(limit))
+
+
+def stretches(beyond: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
+    """Begin and end (exclusive) of every stretch of `beyond` `(T,)` that holds."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], beyond.astype(np.int8), [0]))))
+    for begin, end in zip(edges[::2], edges[1::2], strict=True):
+        yield int(begin), int(end)
+
+
+def excesses(
+    kind: Kind,
+    robot: int,
+    time: Array,
+    value: Array,
+    limit: Array | float,
+    words: str,
+    slack: Array | float = 0.0,
+    *,
+    excess: Array | None = None,
+) -> list[Violation]:
+    """One violation per stretch with `value > limit + slack`, at its first moment.
+
+    Args:
+        kind, robot: As in `Violation`.
+        time: `(K,)` s, when each value holds.
+        value: `(K,)` in SI units.
+        limit: `(K,)` or one for all.
+        words: What the robot does; `{value:.3f}` and `{limit:.3f}` are those of the worst moment.
+        slack: `(K,)` or one for all.
+        excess: `(K,)` what is positive in such a stretch instead, and largest in its worst moment.
+    """
+    limits = np.broadcast_to(limit, value.shape)
+    beyond = value - limit - slack if excess is None else excess
+    result = []
+    for begin, end in stretches(beyond > 0.0):
+        worst = begin + int(beyond[begin:end].argmax())
+        reached, wanted = float(value[worst]), float(limits[worst])
+        text = f"robot {robot} {words.format(value=reached, limit=wanted)}"
+        result.append(broken(kind, time[begin], robot, text, reached, wanted))
+    return result

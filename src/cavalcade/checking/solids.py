@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ import numpy as np
 from cavalcade.checking.heights import Heights
 from cavalcade.checking.mapfile import Ground, read_movingai, read_ros_map
 from cavalcade.geometry import Array, rectangle_corners, rotation
-from cavalcade.scenario import Obstacle, ObstacleSpan, Scenario, obstacle_spans
+from cavalcade.scenario import Obstacle, Scenario, obstacle_spans
 
 
 @dataclass(frozen=True)
@@ -58,15 +59,18 @@ class Scene:
 
     Attributes:
         solids: The obstacles of the scenario.
-        blocks: `(K, 4, 2)` corners of the map's occupied rectangles in the map frame, m.
-        size: Width and height of the ground in m, along its own axes.
-        origin: Pose (x, y, yaw) of the ground's lower left corner in the map frame.
+        ground: What they stand on, with its border and occupied rectangles.
     """
 
     solids: tuple[Solid, ...]
-    blocks: Array
-    size: tuple[float, float]
-    origin: tuple[float, float, float]
+    ground: Ground
+
+    @cached_property
+    def blocks(self) -> Array:
+        """`(K, 4, 2)` corners of the ground's occupied rectangles in the map frame, m."""
+        x0, y0, x1, y1 = self.ground.blocks.T
+        corners = np.stack((x0, y0, x1, y0, x1, y1, x0, y1), axis=1).reshape(-1, 4, 2)
+        return corners @ rotation(self.ground.origin[2]).T + self.ground.origin[:2]
 
 
 def build_scene(scenario: Scenario, heights: Heights | None = None) -> Scene:
@@ -78,19 +82,12 @@ def build_scene(scenario: Scenario, heights: Heights | None = None) -> Scene:
     """
     ground = _ground(scenario) if heights is None else Ground(heights.size, heights.origin)
     fixed = len(scenario.world.obstacles)
-    solids = tuple(
-        _solid(span, f"world.obstacles[{k}]" if k < fixed else f"event at {span.start:g} s")
-        for k, span in enumerate(obstacle_spans(scenario))
-    )
-    return scene_on(ground, solids)
-
-
-def scene_on(ground: Ground, solids: tuple[Solid, ...]) -> Scene:
-    """The scene of these obstacles on this ground."""
-    x0, y0, x1, y1 = ground.blocks.T
-    corners = np.stack((x0, y0, x1, y0, x1, y1, x0, y1), axis=1).reshape(-1, 4, 2)
-    blocks = corners @ rotation(ground.origin[2]).T + ground.origin[:2]
-    return Scene(solids, blocks, ground.size, ground.origin)
+    solids = []
+    for k, span in enumerate(obstacle_spans(scenario)):
+        key = f"world.obstacles[{k}]" if k < fixed else f"event at {span.start:g} s"
+        time, offset = np.array(span.time, dtype=float), np.array(span.offset, dtype=float)
+        solids.append(Solid(key, *outline(span.obstacle), span.start, span.end, time, offset))
+    return Scene(tuple(solids), ground)
 
 
 def _ground(scenario: Scenario) -> Ground:
@@ -102,11 +99,6 @@ def _ground(scenario: Scenario) -> Ground:
     if world.empty is None:
         raise ValueError("the scenario is not resolved")
     return Ground(world.empty.size, (*(world.empty.origin or (0.0, 0.0)), 0.0))
-
-
-def _solid(span: ObstacleSpan, key: str) -> Solid:
-    time, offset = np.array(span.time, dtype=float), np.array(span.offset, dtype=float)
-    return Solid(key, *outline(span.obstacle), span.start, span.end, time, offset)
 
 
 def outline(obstacle: Obstacle) -> tuple[Array, float]:

@@ -1,4 +1,7 @@
-"""Recorded motion: the true poses of each robot, read from the recording and nothing else."""
+"""Recorded motion: the true poses of each robot, read from the recording and nothing else.
+
+And whether they show the whole run: time stamps, gaps, the same samples for all.
+"""
 
 from __future__ import annotations
 
@@ -10,13 +13,21 @@ from typing import Any
 
 import numpy as np
 
+from cavalcade.checking.report import Violation, broken
 from cavalcade.errors import RecordingError
-from cavalcade.geometry import Array
+from cavalcade.geometry import Array, wrap_angle
 
 _TOPIC = re.compile(r"/robot_(\d+)/pose")
 _TYPE = "geometry_msgs/msg/PoseStamped"
 _LARGEST = 1e10
 """Of any figure in a sample: it must leave room for squares, and for seconds since 1970."""
+
+
+Pose = tuple[float, float, float]
+
+_SLACK = 1e-6
+_START = (0.05, 0.05)
+"""How far the first sample may lie from the scenario's start, m and rad: one cycle of motion."""
 
 
 @dataclass(frozen=True)
@@ -143,3 +154,66 @@ def table_of(samples: list[tuple[float, ...]], path: Path, topic: str) -> Array:
             f"sample {int(bad.argmax())} is not finite or beyond all measure", file=path, key=topic
         )
     return table
+
+
+def disordered(tracks: tuple[Track, ...]) -> list[Violation]:
+    """Time stamps that do not increase; such tracks can be judged no further."""
+    result = []
+    for robot, track in enumerate(tracks):
+        steps = np.diff(track.time)
+        for k in np.flatnonzero(steps <= 0.0)[:1]:
+            text = f"the time stamps of robot {robot} do not increase"
+            result.append(broken("samples", track.time[k + 1], robot, text, steps[k]))
+    return result
+
+
+def incomplete(tracks: tuple[Track, ...], rate: float, end: float | None) -> list[Violation]:
+    """Samples that are missing: between others, at the end, or for some robots only.
+
+    Args:
+        tracks: With increasing time stamps.
+        rate: Of the planner, Hz: there is at least a sample per cycle.
+        end: Simulated time that the summary claims, s, if it does.
+    """
+    result = []
+    cycle = 1.0 / rate
+    samples = np.unique(np.concatenate([track.time for track in tracks]))
+    for robot, track in enumerate(tracks):
+        gaps = np.diff(track.time)
+        for k in np.flatnonzero(gaps > cycle * (1.0 + 1e-3) + _SLACK):
+            text = f"robot {robot} has no samples for {gaps[k]:.3f} s; a cycle lasts {cycle:.3f} s"
+            result.append(broken("samples", track.time[k], robot, text, gaps[k], cycle))
+        if len(track.time) != len(samples):
+            missing = float(np.setdiff1d(samples, track.time)[0])
+            have, most = len(track.time), len(samples)
+            text = f"robot {robot} has {have} samples of {most}"
+            result.append(Violation("samples", missing, (robot,), text, have, most))
+    if end is not None and samples[-1] - samples[0] < end - 2.0 * cycle - _SLACK:
+        duration = float(samples[-1] - samples[0])
+        everyone = tuple(range(len(tracks)))
+        text = f"the recording covers {duration:.2f} s, the summary says {end:.2f} s"
+        result.append(Violation("samples", float(samples[-1]), everyone, text, duration, end))
+    return result
+
+
+def misplaced(tracks: tuple[Track, ...], starts: tuple[Pose, ...]) -> list[Violation]:
+    """Robots that do not begin where the scenario says."""
+    result = []
+    for robot, (track, start) in enumerate(zip(tracks, starts, strict=True)):
+        result += off_start(robot, track.time[0], track.pose[0], start, _START)
+    return result
+
+
+def off_start(
+    robot: int, time: float, pose: Array, start: Pose, most: tuple[float, float], heads: bool = True
+) -> list[Violation]:
+    """A robot that begins further from its start than `most`, m and rad.
+
+    It does not matter how it is turned unless it `heads` anywhere.
+    """
+    x, y, yaw = pose - start
+    distance, turn = np.hypot(x, y), np.abs(wrap_angle(yaw))
+    if distance <= most[0] and (turn <= most[1] or not heads):
+        return []
+    text = f"robot {robot} begins {distance:.3f} m and {turn:.3f} rad from its start"
+    return [broken("start", time, robot, text, distance, most[0])]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cavalcade.checking.physics import LevelFloor, RobotRecord, Touch, judge_robots
+from cavalcade.checking.physics import Floor, RobotRecord, Touch, judge_robots
 from cavalcade.checking.physics.joints import holding_torques
 from cavalcade.checking.physics.kinematics import posture
 from cavalcade.checking.report import Violation
@@ -77,7 +77,7 @@ def verdict() -> Callable[..., list[Violation]]:
     """Judge Go1s on level ground."""
 
     def give(*records: RobotRecord, **more: Any) -> list[Violation]:
-        return judge_robots(records, [GO1] * len(records), LevelFloor(), **more)
+        return judge_robots(records, [GO1] * len(records), Floor(), **more)
 
     return give
 

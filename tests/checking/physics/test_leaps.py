@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cavalcade.checking.physics import Leap, LevelFloor, Touch, judge_leap
+from cavalcade.checking.physics import Floor, Leap, Touch, judge_leap
 
 from .conftest import GO1, GRAVITY, still
 
@@ -30,7 +30,7 @@ def leapt(far=1.0, height=0.0, seconds=3.0):
 
 
 def verdict(record, leap=GAP):
-    return judge_leap(record, GO1, leap, LevelFloor())
+    return judge_leap(record, GO1, leap, Floor())
 
 
 def pitched(record, angle, begin, end):

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from cavalcade.checking.plans.structure import read_motions
+from cavalcade.checking.plans.motion import read_motions
 from cavalcade.robots import MODELS
 
 NAMES = ["t", "position", "velocity", "yaw", "phase", "footholds"]

@@ -7,8 +7,7 @@ import pytest
 
 pytest.importorskip("mujoco")
 
-from cavalcade.checking.heights import Heights
-from cavalcade.checking.physics.floor import floor_of
+from cavalcade.checking.heights import Heights, floor_of
 from cavalcade.checking.physics.leaps import Leap, judge_leap
 from cavalcade.checking.physics.record import RobotRecord, Touch
 from cavalcade.errors import InputError

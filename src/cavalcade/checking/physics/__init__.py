@@ -4,7 +4,8 @@ Shares nothing with controllers, simulators and planners: forward kinematics, mo
 geometry and the criterion of a leap are its own. What it knows of robots is their description.
 """
 
-from cavalcade.checking.physics.floor import Floor, LevelFloor, floor_of
+from cavalcade.checking.ground import Floor
+from cavalcade.checking.heights import floor_of
 from cavalcade.checking.physics.judge import Conditions, Push, judge_robots
 from cavalcade.checking.physics.leaps import Leap, LeapVerdict, judge_leap
 from cavalcade.checking.physics.record import RobotRecord, Touch, records_from
@@ -14,7 +15,6 @@ __all__ = [
     "Floor",
     "Leap",
     "LeapVerdict",
-    "LevelFloor",
     "Push",
     "RobotRecord",
     "Touch",

@@ -11,17 +11,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.checking.physics.floor import Floor
+from cavalcade.checking.ground import Floor
 from cavalcade.checking.physics.record import RobotRecord, Touch
 from cavalcade.checking.physics.touching import Overlap
-from cavalcade.checking.report import Kind, Violation
-from cavalcade.checking.stretches import stretches
+from cavalcade.checking.report import Kind, Violation, broken, stretches
 from cavalcade.robots.description import QuadrupedDescription
 
 DEEP = 0.001
 """Parts that lie deeper in something than this, m, touch it."""
-
-_CALF = ("calf", "ground")
 
 TOGETHER = 0.1
 """Contacts of the same things with shorter breaks are one, s."""
@@ -53,7 +50,7 @@ def recorded_contacts(record: RobotRecord) -> list[Violation]:
         last[what] = touch.time
         if touch.time > before + TOGETHER:
             result.append(_violation(record, touch))
-    calves = [touch for touch in record.touches if (touch.part, touch.other) == _CALF]
+    calves = [touch for touch in record.touches if (touch.part, touch.other) == ("calf", "ground")]
     if calves:
         part = float(touched(replace(record, touches=tuple(calves))).mean())
         if part > ON_CALVES:
@@ -70,7 +67,8 @@ def hidden_contacts(record: RobotRecord, overlaps: Iterable[Overlap]) -> list[Vi
             continue
         for begin, end in stretches(overlap.depth > DEEP):
             first, last = record.time[begin], record.time[end - 1]
-            if _told(record.touches, overlap.other, first - TOGETHER, last + TOGETHER):
+            low, high = first - TOGETHER, last + TOGETHER
+            if overlap.other in {t.other for t in record.touches if low <= t.time <= high}:
                 continue
             depth = float(overlap.depth[begin:end].max())
             words = f", {depth:.3f} m deep, and the recording says nothing of it"
@@ -99,9 +97,7 @@ def check_upright(
         how = f"tilted by {tilt[begin]:.2f} rad" if tipped else f"{height[begin]:.2f} of its height"
         text = f"robot {record.robot} has fallen: its trunk is {how}"
         value, limit = (tilt[begin], TIPPED) if tipped else (height[begin], LOW)
-        result.append(
-            Violation("fall", float(record.time[begin]), (record.robot,), text, float(value), limit)
-        )
+        result.append(broken("fall", record.time[begin], record.robot, text, value, limit))
     return result
 
 
@@ -114,10 +110,6 @@ def touched(record: RobotRecord) -> NDArray[np.bool_]:
         for shift in (-1, 0, 1):
             result[np.clip(at + shift, 0, len(result) - 1)] = True
     return result
-
-
-def _told(touches: tuple[Touch, ...], other: str, begin: float, end: float) -> bool:
-    return any(touch.other == other and begin <= touch.time <= end for touch in touches)
 
 
 def _violation(

@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.checking.physics.floor import Floor
+from cavalcade.checking.ground import Floor
 from cavalcade.checking.physics.kinematics import CALVES, Posture, middles
 from cavalcade.checking.physics.record import RobotRecord
 from cavalcade.checking.physics.rotations import turns
-from cavalcade.checking.report import Violation
-from cavalcade.checking.stretches import excesses, stretches
+from cavalcade.checking.report import Violation, broken, excesses, stretches
 from cavalcade.geometry import GRAVITY, Array
 from cavalcade.robots.description import LEGS
 
@@ -92,9 +91,9 @@ def _creeping(record: RobotRecord, posture: Posture) -> list[Violation]:
     speed = float(path.sum() / (firm * record.steps[:, None]).sum())
     if speed <= CREEP:
         return []
-    worst = float(record.time[int(path.sum(axis=1).argmax())])
+    worst = record.time[path.sum(axis=1).argmax()]
     text = f"robot {record.robot} slides on its standing feet at {speed:.3f} m/s in the mean"
-    return [Violation("slide", worst, (record.robot,), text, speed, CREEP)]
+    return [broken("slide", worst, record.robot, text, speed, CREEP)]
 
 
 def standing(record: RobotRecord, posture: Posture) -> NDArray[np.bool_]:

@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 from cavalcade.checking.physics.feet import standing
 from cavalcade.checking.physics.kinematics import Posture, middles
 from cavalcade.checking.physics.record import RobotRecord
-from cavalcade.checking.report import Violation
-from cavalcade.checking.stretches import excesses
+from cavalcade.checking.report import Violation, broken, excesses
 from cavalcade.geometry import GRAVITY, Array
 from cavalcade.robots.description import JOINTS, LEGS, QuadrupedDescription
 
@@ -61,13 +60,12 @@ def _check_rates(record: RobotRecord) -> list[Violation]:
     difference, limit = _rms(amiss), RATE[0] + RATE[1] * _rms(found)
     result = []
     for j in np.flatnonzero(difference > limit):
-        when = float(record.time[int(np.abs(amiss)[:, j].argmax())])
+        when = record.time[np.abs(amiss)[:, j].argmax()]
         text = (
             f"the rates recorded of robot {record.robot}'s {LEGS[j // 3]} {JOINTS[j % 3]} differ "
             f"by {difference[j]:.2f} rad/s in the mean from those of its angle"
         )
-        value, most = float(difference[j]), float(limit[j])
-        result.append(Violation("joint", when, (record.robot,), text, value, most))
+        result.append(broken("joint", when, record.robot, text, difference[j], limit[j]))
     return result
 
 
@@ -86,12 +84,12 @@ def _check_holding(
         size = float(_rms(np.where(stands, held, 0.0)[:, mine].reshape(-1)))
         limit = HOLDING[0] + HOLDING[1] * size
         if difference > limit:
-            when = float(record.time[int(np.abs(amiss[:, mine]).max(axis=1).argmax())])
+            when = record.time[np.abs(amiss[:, mine]).max(axis=1).argmax()]
             text = (
                 f"the torques recorded of robot {record.robot}'s leg {name} differ by "
                 f"{difference:.2f} N m in the mean from those that hold its foot's force"
             )
-            result.append(Violation("torque", when, (record.robot,), text, difference, limit))
+            result.append(broken("torque", when, record.robot, text, difference, limit))
     return result
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cavalcade.checking.ground import Floor
 from cavalcade.checking.physics.contacts import (
     check_upright,
     hidden_contacts,
@@ -14,7 +15,6 @@ from cavalcade.checking.physics.contacts import (
     touched,
 )
 from cavalcade.checking.physics.feet import FRICTION, check_feet
-from cavalcade.checking.physics.floor import Floor
 from cavalcade.checking.physics.joints import check_joints
 from cavalcade.checking.physics.kinematics import Posture, posture
 from cavalcade.checking.physics.momentum import carried_part, check_momentum
@@ -28,8 +28,6 @@ from cavalcade.checking.report import Violation
 from cavalcade.checking.solids import Scene
 from cavalcade.geometry import Array
 from cavalcade.robots.description import QuadrupedDescription
-
-_BOTH = np.array([-1.0, 1.0])
 
 
 @dataclass(frozen=True)
@@ -112,7 +110,8 @@ def _links(
     if conditions.variation <= 0.0:
         return links
     part = carried_part(record, links, _pushed(record, conditions.pushes), touched(record))
-    scale = np.clip(1.0 if part is None else part, *(1.0 + conditions.variation * _BOTH))
+    least, most = 1.0 - conditions.variation, 1.0 + conditions.variation
+    scale = np.clip(1.0 if part is None else part, least, most)
     return posture(record, description, float(scale), floor)
 
 

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.checking.physics.floor import Floor, LevelFloor
+from cavalcade.checking.ground import Floor
 from cavalcade.checking.physics.record import RobotRecord
 from cavalcade.checking.physics.rotations import about, turns
 from cavalcade.geometry import Array
@@ -94,7 +94,7 @@ def posture(
 
     Masses and inertias are `mass_scale` times those of the description.
     """
-    floor = floor or LevelFloor()
+    floor = floor or Floor()
     count = len(record.time)
     place = np.empty((count, 13, 3))
     turn = np.empty((count, 13, 3, 3))

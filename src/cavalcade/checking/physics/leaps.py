@@ -10,18 +10,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cavalcade.checking.heights import Ground, Heights, ground_around
+from cavalcade.checking.ground import Floor
+from cavalcade.checking.heights import Heights, floor_of
 from cavalcade.checking.physics.contacts import BODY, hidden_contacts
 from cavalcade.checking.physics.feet import TOUCHING
-from cavalcade.checking.physics.floor import Floor, floor_of
 from cavalcade.checking.physics.kinematics import posture
 from cavalcade.checking.physics.record import RobotRecord
 from cavalcade.checking.physics.rotations import roll_pitch_yaw
 from cavalcade.checking.physics.touching import ground_overlaps
-from cavalcade.checking.report import Violation
-from cavalcade.checking.stretches import stretches
+from cavalcade.checking.report import Violation, broken, stretches
 from cavalcade.geometry import Array
 from cavalcade.robots.description import QuadrupedDescription
 from cavalcade.scenario import Scenario
@@ -120,16 +118,20 @@ def judge_leap(
     late = record.time >= leap.begin
     past = leap.past(links.feet[..., :2])
     carries = record.forces[..., 2] > TOUCHING
-    flight = _longest(record.time, late & ~carries.any(axis=1))
+    flying = stretches(late & ~carries.any(axis=1))
+    flights = [float(record.time[end - 1] - record.time[max(k - 1, 0)]) for k, end in flying]
     bottom = links.feet[..., 2] - links.radius
     landed = late[:, None] & carries & (past > 0.0) & (np.abs(bottom - leap.beyond) < LANDED)
-    touch_down = _touch_down(record.time, landed)
+    # When the last of the four feet lands for the first time.
+    touch_down = float(record.time[landed.argmax(axis=0)].max())
+    if not landed.any(axis=0).all():
+        touch_down = math.nan
     surface = np.where(past > 0.0, leap.beyond, min(leap.before, leap.beyond))
     sunk = float((surface - bottom)[late].max(initial=-np.inf))
     pitch = float(np.abs(roll_pitch_yaw(record.turn)[late, 1]).max(initial=0.0))
 
     def verdict(reason: str) -> LeapVerdict:
-        return LeapVerdict(not reason, reason, flight, touch_down, sunk, pitch)
+        return LeapVerdict(not reason, reason, max(flights, default=0.0), touch_down, sunk, pitch)
 
     if not np.isfinite(touch_down):
         feet = int(landed.any(axis=0).sum())
@@ -158,7 +160,7 @@ def judge_leap(
     return verdict("")
 
 
-def find_leap(ground: Ground, start: Array, end: Array, begin: float) -> Leap | None:
+def find_leap(ground: Floor, start: Array, end: Array, begin: float) -> Leap | None:
     """What is to be leapt on a straight way; None where the ground does not break.
 
     The way goes from `start` to `end`, `(2,)` m; the take-off begins at `begin` s at the earliest.
@@ -178,15 +180,11 @@ def find_leap(ground: Ground, start: Array, end: Array, begin: float) -> Leap | 
     if (np.abs(heights - beyond) <= BREAK).all():
         return None
     off = np.abs(heights - beyond) > LEVEL
-    far = [_last(column, marks) for column in off.T]
+    far = [float(marks[column].max()) + GRAIN if column.any() else 0.0 for column in off.T]
     turn = -math.atan((far[2] - far[0]) / (2.0 * SIDE))
     edge = start + far[1] * along
     heading = math.atan2(along[1], along[0]) + turn
     return Leap((float(edge[0]), float(edge[1])), heading, before, float(beyond[1]), begin)
-
-
-def _last(off: NDArray[np.bool_], marks: Array) -> float:
-    return float(marks[np.flatnonzero(off)[-1]]) + GRAIN if off.any() else 0.0
 
 
 def check_leaps(
@@ -205,7 +203,7 @@ def check_leaps(
             reason = leap_reason(part, model.description, heights, point, command.at)
             if reason:
                 text = f"robot {record.robot} does not leap as it should: {reason}"
-                result.append(Violation("leap", command.at, (record.robot,), text, 0.0, 1.0))
+                result.append(broken("leap", command.at, record.robot, text, 0.0, 1.0))
     return result
 
 
@@ -223,22 +221,9 @@ def leap_reason(
     first = int(np.searchsorted(record.time, begin))
     start = record.base[min(first, len(record.time) - 1), :2]
     around = np.concatenate([record.base[:, :2], [end]])
-    leap = find_leap(ground_around(heights, around), start, end, begin)
-    if leap is None:
-        return ""
-    return judge_leap(record, description, leap, floor_of(heights, around)).reason
-
-
-def _longest(time: Array, holds: NDArray[np.bool_]) -> float:
-    spans = [float(time[end - 1] - time[max(begin - 1, 0)]) for begin, end in stretches(holds)]
-    return max(spans, default=0.0)
-
-
-def _touch_down(time: Array, landed: NDArray[np.bool_]) -> float:
-    """When the last of the four feet lands for the first time."""
-    if not landed.any(axis=0).all():
-        return float("nan")
-    return float(time[landed.argmax(axis=0)].max())
+    ground = floor_of(heights, around)
+    leap = find_leap(ground, start, end, begin)
+    return "" if leap is None else judge_leap(record, description, leap, ground).reason
 
 
 def _between(record: RobotRecord, begin: float, end: float) -> RobotRecord:

@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 from cavalcade.checking.physics.kinematics import Posture, middles
 from cavalcade.checking.physics.record import RobotRecord
-from cavalcade.checking.report import Kind, Violation
-from cavalcade.checking.stretches import excesses, stretches
+from cavalcade.checking.report import Kind, Violation, broken, excesses, stretches
 from cavalcade.geometry import GRAVITY, Array
 
 WEIGHT = 0.03
@@ -65,8 +64,7 @@ def check_momentum(
     part = _carried(middle, linear, weight, unknown)
     if part is not None and abs(part - 1.0) > WEIGHT:
         text = f"the feet of robot {record.robot} carry {100.0 * part:.1f} % of what moves it"
-        begin = float(record.time[0])
-        result.append(Violation("weight", begin, (record.robot,), text, part, 1.0))
+        result.append(broken("weight", record.time[0], record.robot, text, part, 1.0))
     edge = _grain(record, pushes, weight) + _steps(record, posture)
     rules: tuple[tuple[Kind, Array, Array, float], ...] = (
         ("momentum", linear, edge, DRIFT * weight),

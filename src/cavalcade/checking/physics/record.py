@@ -108,7 +108,7 @@ def records_from(
             rates[:, k],
             torques[:, k],
             forces[:, k],
-            tuple(sorted(own, key=lambda touch: touch.time)),
+            _in_order(own),
         )
         for k, own in enumerate(touches)
     )
@@ -180,7 +180,11 @@ def _touches(texts: list[str], robots: int, path: Path) -> list[tuple[Touch, ...
         except (KeyError, TypeError, ValueError):
             raise RecordingError(f"not a contact: {text[:80]}", file=path, key=CONTACTS) from None
         result[robot].append(touch)
-    return [tuple(sorted(touches, key=lambda touch: touch.time)) for touches in result]
+    return [_in_order(touches) for touches in result]
+
+
+def _in_order(touches: Sequence[Touch]) -> tuple[Touch, ...]:
+    return tuple(sorted(touches, key=lambda touch: touch.time))
 
 
 def _kind(topic: str) -> str:

@@ -10,20 +10,18 @@ from typing import Any
 
 import numpy as np
 
-from cavalcade.checking.contact import FARTHEST, find_contacts
-from cavalcade.checking.heights import Heights
-from cavalcade.checking.motion import bodies, common_clock
+from cavalcade.checking.contact import FARTHEST, bodies, common_clock, find_contacts
+from cavalcade.checking.ground import Floor
+from cavalcade.checking.heights import Heights, floor_of
 from cavalcade.checking.physics.contacts import touched
 from cavalcade.checking.physics.feet import slides
-from cavalcade.checking.physics.floor import Floor, floor_of
 from cavalcade.checking.physics.judge import Conditions, Push, judge_robots
 from cavalcade.checking.physics.kinematics import posture
 from cavalcade.checking.physics.momentum import carried_part
 from cavalcade.checking.physics.record import RobotRecord
 from cavalcade.checking.physics.rotations import roll_pitch_yaw
-from cavalcade.checking.report import PhysicsFigures, Violation
+from cavalcade.checking.report import PhysicsFigures, Violation, broken, excesses
 from cavalcade.checking.solids import Scene
-from cavalcade.checking.stretches import excesses
 from cavalcade.checking.tracks import Track
 from cavalcade.errors import RecordingError
 from cavalcade.geometry import Array, wrap_angle
@@ -120,14 +118,11 @@ def _descriptions(scenario: Scenario) -> list[QuadrupedDescription]:
 
 
 def _sparse(records: tuple[RobotRecord, ...]) -> list[Violation]:
-    gaps = records[0].steps
-    wide = np.flatnonzero(gaps > SPARSE + 1e-6)
-    if not len(wide):
-        return []
-    text = f"bodies have no samples for {gaps[wide[0]]:.3f} s"
-    everyone = tuple(range(len(records)))
-    time = float(records[0].time[wide[0]])
-    return [Violation("samples", time, everyone, text, float(gaps[wide[0]]), SPARSE)]
+    time, gaps, everyone = records[0].time, records[0].steps, tuple(range(len(records)))
+    for k in np.flatnonzero(gaps > SPARSE + 1e-6)[:1]:
+        text, gap = f"bodies have no samples for {gaps[k]:.3f} s", float(gaps[k])
+        return [Violation("samples", float(time[k]), everyone, text, gap, SPARSE)]
+    return []
 
 
 def _short(record: RobotRecord, track: Track) -> list[Violation]:
@@ -136,7 +131,7 @@ def _short(record: RobotRecord, track: Track) -> list[Violation]:
     if missing <= SPARSE + 1e-6:
         return []
     text = f"robot {record.robot} has poses for {missing:.2f} s without its body"
-    return [Violation("samples", float(record.time[-1]), (record.robot,), text, missing, SPARSE)]
+    return [broken("samples", record.time[-1], record.robot, text, missing, SPARSE)]
 
 
 def _check_poses(record: RobotRecord, track: Track) -> list[Violation]:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.checking.physics.floor import Floor
+from cavalcade.checking.ground import Floor
 from cavalcade.checking.physics.kinematics import Posture
 from cavalcade.checking.physics.rotations import matrices
 from cavalcade.checking.solids import Scene, Solid
@@ -94,8 +94,8 @@ def obstacle_overlaps(
             block = Solid("map", corners)
             yield from _in_outline(balls, rows, block, block.offset, len(time))
     for one in balls:
-        local = inverse_transform_points(scene.origin, one.places[..., :2].reshape(-1, 2))
-        beyond = np.maximum(-local, local - np.array(scene.size)).max(axis=1)
+        local = inverse_transform_points(scene.ground.origin, one.places[..., :2].reshape(-1, 2))
+        beyond = np.maximum(-local, local - np.array(scene.ground.size)).max(axis=1)
         depth = (beyond.reshape(one.places.shape[:2]) + one.radius).max(axis=1)
         yield Overlap(one.shape.part, "obstacle", "border", depth)
 

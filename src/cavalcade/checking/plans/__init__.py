@@ -5,6 +5,6 @@ forces are computed here, from raw heights and the robots' figures alone.
 """
 
 from cavalcade.checking.plans.judge import judge_plan
-from cavalcade.checking.plans.structure import read_plan
+from cavalcade.checking.plans.motion import read_plan
 
 __all__ = ["judge_plan", "read_plan"]

@@ -6,17 +6,13 @@ both ends and limits of speed and yaw rate are checked for robots with legs as w
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
+from cavalcade.checking.limits import TOLERANCE
 from cavalcade.checking.plans.motion import POSITION_ROUNDING, SPEED_ROUNDING, Motion
-from cavalcade.checking.report import Violation
+from cavalcade.checking.report import Violation, broken
 from cavalcade.geometry import Array
 from cavalcade.robots import RobotModel
-
-TOLERANCE = 0.02
-"""Limits may be exceeded by this fraction."""
 
 SIDEWAYS = 0.02
 """A unicycle's sideways speed as a fraction of its largest speed: rounding, and the turning
@@ -31,9 +27,7 @@ def check_driven(motion: Motion, model: RobotModel) -> list[Violation]:
     turning = model.drive.startswith("unicycle")
     violations = _level(motion)
     if second:
-        violations += check_rest(
-            motion, [float(np.hypot(*motion.velocity[k, :2])) for k in (0, -1)]
-        )
+        violations += check_rest(motion, motion.speed)
     if len(motion.time) > 1:
         violations += _integrated(motion, model, second)
         violations += check_speed(motion, model.max_speed_x)
@@ -47,14 +41,14 @@ def check_driven(motion: Motion, model: RobotModel) -> list[Violation]:
     return violations
 
 
-def check_rest(motion: Motion, speeds: Sequence[float]) -> list[Violation]:
-    """A plan begins and ends at rest, with speeds in m/s: what comes after it is standing."""
+def check_rest(motion: Motion, speeds: Array) -> list[Violation]:
+    """A plan begins and ends at rest, of speeds `(T,)` m/s: what comes after it is standing."""
     result = []
-    for k, words, speed in zip((0, -1), ("begins", "ends"), speeds, strict=True):
+    for k, words in ((0, "begins"), (-1, "ends")):
+        speed = speeds[k]
         if speed > _REST:
             text = f"robot {motion.robot} {words} its plan at {speed:.3f} m/s instead of at rest"
-            time = float(motion.time[k])
-            result.append(Violation("dynamics", time, (motion.robot,), text, speed, _REST))
+            result.append(broken("dynamics", motion.time[k], motion.robot, text, speed, _REST))
     return result
 
 
@@ -129,10 +123,8 @@ def _accelerations(motion: Motion, model: RobotModel, turning: bool) -> list[Vio
     else:
         step = np.diff(velocity, axis=0)
         change = np.hypot(step[:, 0], step[:, 1])
-    most, words = (
-        model.max_acceleration,
-        "accelerates with {value:.3f} m/s²; the limit is {limit:.3f}",
-    )
+    words = "accelerates with {value:.3f} m/s²; the limit is {limit:.3f}"
+    most = model.max_acceleration
     slack = TOLERANCE * most + SPEED_ROUNDING / dt
     result = motion.excesses("acceleration", change / dt, most, words, slack)
     if not turning:

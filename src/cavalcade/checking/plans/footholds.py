@@ -8,13 +8,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cavalcade.checking.heights import Ground
+from cavalcade.checking.distance import beside
+from cavalcade.checking.ground import Floor, Indices
 from cavalcade.checking.plans.body import GROUND_BAND, LEAST_TRAVERSABILITY
 from cavalcade.checking.plans.motion import FLIGHT, LANDING, TAKE_OFF, Motion
-from cavalcade.checking.report import Violation
-from cavalcade.checking.stretches import stretches
+from cavalcade.checking.report import Violation, broken, stretches
 from cavalcade.geometry import Array
 from cavalcade.robots.model import LegModel
 
@@ -33,15 +32,12 @@ _FORWARD = np.array([1.0, 1.0, -1.0, -1.0])
 _LEFT = np.array([1.0, -1.0, 1.0, -1.0])
 
 
-def check_footholds(motion: Motion, legs: LegModel, ground: Ground | None) -> list[Violation]:
-    """What is wrong with a legged robot's footholds; None is level ground at height 0."""
+def check_footholds(motion: Motion, legs: LegModel, ground: Floor) -> list[Violation]:
+    """What is wrong with a legged robot's footholds."""
     if not len(motion.footholds):
         text = f"robot {motion.robot} has no footholds"
-        return [Violation("foothold", 0.0, (motion.robot,), text, 0.0, 1.0)]
-    malformed = _malformed(motion)
-    if malformed:
-        return malformed
-    return (
+        return [broken("foothold", 0.0, motion.robot, text, 0.0, 1.0)]
+    return _malformed(motion) or (
         _order(motion)
         + _on_ground(motion, ground)
         + _in_flight(motion)
@@ -51,9 +47,9 @@ def check_footholds(motion: Motion, legs: LegModel, ground: Ground | None) -> li
 
 
 def _violation(motion: Motion, k: int, text: str, value: float, limit: float) -> Violation:
-    time, leg = float(motion.footholds[k, 0]), int(motion.footholds[k, 2])
-    said = f"robot {motion.robot}: the foot of leg {leg} put down at {time:.2f} s {text}"
-    return Violation("foothold", time, (motion.robot,), said, value, limit)
+    time, _, leg = motion.footholds[k, :3]
+    said = f"robot {motion.robot}: the foot of leg {int(leg)} put down at {time:.2f} s {text}"
+    return broken("foothold", time, motion.robot, said, value, limit)
 
 
 def _malformed(motion: Motion) -> list[Violation]:
@@ -73,29 +69,24 @@ def _order(motion: Motion) -> list[Violation]:
         mine = mine[np.argsort(motion.footholds[mine, 0], kind="stable")]
         down, up = motion.footholds[mine, 0], motion.footholds[mine, 1]
         twice = np.flatnonzero(down[1:] < up[:-1] - _TINY)
-        if len(twice):
-            k = int(twice[0])
+        for k in twice[:1]:
             text = "comes before the leg has left its last place"
-            return [_violation(motion, int(mine[k + 1]), text, float(down[k + 1]), float(up[k]))]
+            return [_violation(motion, mine[k + 1], text, down[k + 1], up[k])]
     return []
 
 
-def _on_ground(motion: Motion, ground: Ground | None) -> list[Violation]:
+def _on_ground(motion: Motion, ground: Floor) -> list[Violation]:
     place, height = motion.footholds[:, 3:5], motion.footholds[:, 5]
-    if ground is None:
-        low = high = np.zeros(len(height))
-    else:
-        low, high = ground.range_at(place)
+    low, high = ground.range_at(place)
     away = np.maximum(np.maximum(low - height, height - high), 0.0)
     result = [
         _violation(motion, k, f"is {away[k]:.3f} m off the ground", away[k], 0.0)
         for k in np.flatnonzero(away > ON_GROUND)[:1]
     ]
-    if ground is not None:
-        best, least = ground.best_at(place), LEAST_TRAVERSABILITY
-        for k in np.flatnonzero(best < least - GROUND_BAND)[:1]:
-            text = f"is on ground of traversability {best[k]:.2f}; the least is {least}"
-            result.append(_violation(motion, k, text, best[k], least))
+    best, least = ground.best_at(place), LEAST_TRAVERSABILITY
+    for k in np.flatnonzero(best < least - GROUND_BAND)[:1]:
+        text = f"is on ground of traversability {best[k]:.2f}; the least is {least}"
+        result.append(_violation(motion, k, text, best[k], least))
     return result
 
 
@@ -104,10 +95,9 @@ def _in_flight(motion: Motion) -> list[Violation]:
     down, up = motion.footholds[:, 0], motion.footholds[:, 1]
     for begin, end in _flights(motion):
         stand = np.flatnonzero(np.minimum(up, end) - np.maximum(down, begin) > _TINY)
-        if len(stand):
-            k = int(stand[0])
+        for k in stand[:1]:
             text = f"stands in the flight of {begin:.2f} to {end:.2f} s"
-            return [_violation(motion, k, text, float(up[k]), begin)]
+            return [_violation(motion, k, text, up[k], begin)]
     return []
 
 
@@ -125,13 +115,13 @@ def _unsupported(motion: Motion) -> list[Violation]:
     for begin, end in [*stands, (last, last)]:
         if begin - reached > UNSUPPORTED:
             text = f"robot {motion.robot} stands on no foot from {reached:.2f} to {begin:.2f} s"
-            gap = float(begin) - reached
-            return [Violation("foothold", reached, (motion.robot,), text, gap, UNSUPPORTED)]
+            gap = begin - reached
+            return [broken("foothold", reached, motion.robot, text, gap, UNSUPPORTED)]
         reached = max(reached, float(end))
     return []
 
 
-def _out_of_reach(motion: Motion, legs: LegModel, ground: Ground | None) -> list[Violation]:
+def _out_of_reach(motion: Motion, legs: LegModel, ground: Floor) -> list[Violation]:
     """The longest way from hip to foot over each stance, at the samples within it."""
     first = np.searchsorted(motion.time, motion.footholds[:, 0] - _TINY)
     last = np.searchsorted(motion.time, motion.footholds[:, 1] + _TINY)
@@ -140,42 +130,30 @@ def _out_of_reach(motion: Motion, legs: LegModel, ground: Ground | None) -> list
     sample = np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)
     sample = sample + np.repeat(first, count)
     leg = motion.footholds[which, 2].astype(np.int64)
-    away = _distances(motion, legs, ground, which, sample)
-    away = np.where(_needed(motion.phase[sample], leg), away, 0.0)
+    # In take-off the front legs, in landing the rear ones may hang, and all in flight.
+    phase = motion.phase[sample]
+    hanging = ((phase == TAKE_OFF) & (leg < 2)) | ((phase == LANDING) & (leg >= 2))
+    hanging |= phase == FLIGHT
+    away = np.where(hanging, 0.0, _distances(motion, legs, ground, which, sample))
     limit = STRETCH * legs.h_max
     longest = np.zeros(len(count))
     np.maximum.at(longest, which, away)
     wrong = np.flatnonzero(longest > limit)
     if not len(wrong):
         return []
-    k = int(wrong[0])
+    k = wrong[0]
     moment = float(motion.time[sample[(which == k) & (away > limit)][0]])
     text = f"is {longest[k]:.3f} m from its hip; the leg reaches {limit:.3f} m"
-    found = _violation(motion, k, text, float(longest[k]), limit)
-    return [replace(found, time=moment)]
-
-
-def _needed(phase: NDArray[np.int64], leg: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Whether the leg must reach: in take-off the front, in landing the rear may hang."""
-    hanging = ((phase == TAKE_OFF) & (leg < 2)) | ((phase == LANDING) & (leg >= 2))
-    return ~hanging & (phase != FLIGHT)
+    return [replace(_violation(motion, k, text, longest[k], limit), time=moment)]
 
 
 def _distances(
-    motion: Motion,
-    legs: LegModel,
-    ground: Ground | None,
-    which: NDArray[np.int64],
-    sample: NDArray[np.int64],
+    motion: Motion, legs: LegModel, ground: Floor, which: Indices, sample: Indices
 ) -> Array:
     """Of foot `which` `(K,)` from its leg's hip at samples `(K,)`, m."""
     leg = motion.footholds[which, 2].astype(np.int64)
-    place, yaw = motion.position[sample], motion.yaw[sample]
+    foot, pose = motion.footholds[which, 3:], motion.track.pose[sample]
     forward, left = legs.hip_x * _FORWARD[leg], legs.hip_y * _LEFT[leg]
-    x = place[:, 0] + np.cos(yaw) * forward - np.sin(yaw) * left
-    y = place[:, 1] + np.sin(yaw) * forward + np.cos(yaw) * left
-    z = place[:, 2]
-    if ground is not None:
-        z = z + ground.slope_at(place[:, :2], yaw) * forward
-    foot = motion.footholds[which, 3:]
+    x, y = beside(pose, forward[:, None], left[:, None])[:, 0].T
+    z = motion.position[sample, 2] + ground.slope_at(pose[:, :2], pose[:, 2]) * forward
     return np.sqrt((x - foot[:, 0]) ** 2 + (y - foot[:, 1]) ** 2 + (z - foot[:, 2]) ** 2)

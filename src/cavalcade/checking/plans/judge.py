@@ -10,19 +10,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.checking.arrival import DISTANCE, TURN
-from cavalcade.checking.contact import find_contacts
-from cavalcade.checking.heights import Heights, ground_around, read_heights
-from cavalcade.checking.motion import bodies, common_clock
-from cavalcade.checking.plans.body import belly_clearance, check_body
+from cavalcade.checking.arrival import IDEAL
+from cavalcade.checking.contact import bodies, common_clock, find_contacts
+from cavalcade.checking.heights import Heights, floor_of, read_heights
+from cavalcade.checking.limits import with_own_limits
+from cavalcade.checking.plans.body import check_body
 from cavalcade.checking.plans.drives import check_driven
 from cavalcade.checking.plans.footholds import check_footholds
-from cavalcade.checking.plans.legged import check_legged, top_speed
-from cavalcade.checking.plans.motion import FLIGHT, Motion
-from cavalcade.checking.plans.structure import read_motions
-from cavalcade.checking.report import Figures, Report, Violation, make_report
-from cavalcade.checking.samples import Pose, off_start
+from cavalcade.checking.plans.legged import check_legged
+from cavalcade.checking.plans.motion import FLIGHT, Motion, read_motions
+from cavalcade.checking.report import Figures, Report, Violation, broken, make_report
 from cavalcade.checking.solids import Scene, build_scene
+from cavalcade.checking.tracks import Pose, off_start
 from cavalcade.geometry import Array, wrap_angle
 from cavalcade.robots import RobotModel
 from cavalcade.scenario import Scenario
@@ -74,7 +73,7 @@ def judge_plan(
         for motion in known:
             violations += _check_goal(motion, models[motion.robot], scenario.goals[motion.robot])
         violations += [
-            Violation("plan", 0.0, (robot,), f"robot {robot} has no plan", 0.0, 1.0)
+            broken("plan", 0.0, robot, f"robot {robot} has no plan", 0.0, 1.0)
             for robot, motion in enumerate(motions)
             if motion is None and robot not in spoken_of
         ]
@@ -98,15 +97,12 @@ def _alone(
     violations = off_start(robot, 0.0, pose, scenario.starts[robot], START, _heads(model))
     if model.legs is None or model.drive != "legged":
         return violations + check_driven(motion, model)
-    ground = None
-    if heights is not None:
-        places = np.vstack((motion.position[:, :2], motion.footholds[:, 3:5]))
-        ground = ground_around(heights, places)
-    violations += check_legged(motion, model, scenario.planner.variant == "published")
-    clearance = belly_clearance(motion, model.legs, ground)
-    bellies.append(float(clearance.min()))
-    violations += check_body(motion, model.legs, ground, clearance)
-    return violations + check_footholds(motion, model.legs, ground)
+    places = np.vstack((motion.position[:, :2], motion.footholds[:, 3:5]))
+    ground = floor_of(heights, places)
+    violations += check_legged(motion, model.legs, scenario.planner.variant == "published")
+    found, clearance = check_body(motion, model.legs, ground)
+    bellies.append(clearance)
+    return violations + found + check_footholds(motion, model.legs, ground)
 
 
 def _contacts(
@@ -146,11 +142,12 @@ def _figures(
     def largest(values: Array) -> float:
         return float(values.max(initial=0.0))
 
+    top_speeds = [with_own_limits(model, False).max_speed_x for model in models]
     return Figures(
         robots=len(motions),
         duration_s=max(_duration(motion) for motion in motions),
         min_footprint_gap_m=gap,
-        max_speed_ratio=max(largest(m.speed) / top_speed(models[m.robot]) for m in motions),
+        max_speed_ratio=max(largest(m.speed) / top_speeds[m.robot] for m in motions),
         max_yaw_rate=max(largest(np.abs(m.yaw_rate)) for m in motions),
         max_acceleration=max(largest(np.hypot(*m.acceleration[:, :2].T)) for m in motions),
         max_yaw_acceleration=max(largest(_yaw_accelerations(m)) for m in motions),
@@ -171,15 +168,15 @@ def _heads(model: RobotModel) -> bool:
 def _check_goal(motion: Motion, model: RobotModel, goal: Pose) -> list[Violation]:
     """A plan that is said to solve the problem, but ends elsewhere."""
     x, y = motion.position[-1, :2] - goal[:2]
-    distance, turn = float(np.hypot(x, y)), float(np.abs(wrap_angle(motion.yaw[-1] - goal[2])))
-    end, robot = float(motion.time[-1]), motion.robot
+    distance, turn = np.hypot(x, y), np.abs(wrap_angle(motion.yaw[-1] - goal[2]))
+    end, robot = motion.time[-1], motion.robot
     result = []
-    if distance > DISTANCE + _SLACK:
+    if distance > IDEAL.distance + _SLACK:
         text = f"robot {robot} ends {distance:.3f} m from its goal"
-        result.append(Violation("arrival", end, (robot,), text, distance, DISTANCE))
-    if _heads(model) and turn > TURN + _SLACK:
+        result.append(broken("arrival", end, robot, text, distance, IDEAL.distance))
+    if _heads(model) and turn > IDEAL.turn + _SLACK:
         text = f"robot {robot} ends turned by {turn:.3f} rad from its goal"
-        result.append(Violation("arrival", end, (robot,), text, turn, TURN))
+        result.append(broken("arrival", end, robot, text, turn, IDEAL.turn))
     return result
 
 

@@ -10,7 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.checking.plans.drives import TOLERANCE, check_rest, check_speed, check_yaw_rate
+from cavalcade.checking.limits import TOLERANCE
+from cavalcade.checking.plans.drives import check_rest, check_speed, check_yaw_rate
 from cavalcade.checking.plans.motion import (
     FLIGHT,
     POSITION_ROUNDING,
@@ -18,10 +19,8 @@ from cavalcade.checking.plans.motion import (
     WALK,
     Motion,
 )
-from cavalcade.checking.report import Violation
-from cavalcade.checking.stretches import excesses, stretches
+from cavalcade.checking.report import Violation, excesses, stretches
 from cavalcade.geometry import GRAVITY, wrap_angle
-from cavalcade.robots import RobotModel
 from cavalcade.robots.model import LegModel
 
 YAW_TOLERANCE = 0.05
@@ -47,18 +46,13 @@ WINDOW = 0.15
 Bools = NDArray[np.bool_]
 
 
-def check_legged(motion: Motion, model: RobotModel, published: bool) -> list[Violation]:
+def check_legged(motion: Motion, legs: LegModel, published: bool) -> list[Violation]:
     """Everything about a body's motion, with increasing times, that needs no ground.
 
     If the published model holds, vertical speed may jump before and after a leap, and yaw follows
     the velocity however fast that turns.
     """
-    if model.legs is None:
-        raise ValueError(f"{model.name} has no legs")
-    legs = model.legs
-    violations = check_rest(
-        motion, [float(np.sqrt((motion.velocity[k] ** 2).sum())) for k in (0, -1)]
-    )
+    violations = check_rest(motion, np.sqrt((motion.velocity**2).sum(axis=1)))
     if len(motion.time) < 2:
         return violations
     seam = _seams(motion) if published else np.zeros(len(motion.time) - 1, dtype=bool)
@@ -70,13 +64,6 @@ def check_legged(motion: Motion, model: RobotModel, published: bool) -> list[Vio
     if not published:
         violations += check_yaw_rate(motion, legs.yaw_rate, YAW_TOLERANCE)
     return violations + _heading(motion)
-
-
-def top_speed(model: RobotModel) -> float:
-    """The largest speed of a robot with a goal of its own, m/s."""
-    if model.drive == "legged" and model.legs is not None:
-        return model.legs.v_max
-    return model.max_speed_x
 
 
 def _seams(motion: Motion) -> Bools:
