@@ -7,9 +7,10 @@ Cluttered Environments", with deadlock resolution and a safety filter of our own
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cavalcade.errors import InputError
 from cavalcade.formation import modes
@@ -101,8 +102,8 @@ class FormationPlanner:
         self._filter = SafetyFilter(self.model, period, self._expected)
         self._obstacles: tuple[DynamicObstacle, ...] = ()
         self._mode = modes.Navigator(
-            self.variant, self.settings, self.model, period, np.random.default_rng(seed),
-            self._expected.error(period, self.model.length / 2.0),
+            self._team, self.variant, self.settings, self.model, period,
+            np.random.default_rng(seed), self._expected.error(period, self.model.length / 2.0),
         )  # fmt: skip
         self._paused = False
         self._bodies: tuple[PlanningMaps, Array, PlanningMaps] | None = None
@@ -231,9 +232,8 @@ class FormationPlanner:
         if self._paused:
             wanted = np.zeros_like(local)
         else:
-            wanted = self._mode.step(
-                self._routes(local), self._team, local, velocities, float(time), boxes
-            )
+            routes = self._routes(local)
+            wanted = self._mode.step(routes, local, velocities, float(time), boxes)
         commands = self._commands(local, velocities, wanted, boxes)
         self._tracker.commanded(commands)
         self._status = self._make_status(poses)
@@ -264,11 +264,10 @@ class FormationPlanner:
     ) -> Array:
         frozen = ~self._team.present
         if self.variant.filter:
-            count = self._team.size
-            evading = self._mode.evading(count)
+            evading = self._mode.evading()
             # In an emergency it is footprints that are kept off obstacles, not circles.
             clearances = np.where(evading, 0.0, self._mode.radius)
-            rank = self._mode.rank(count)
+            rank = self._mode.rank()
             around = Surroundings(self._maps.distance, self._maps.cell, *boxes)
             team = TeamState(local, velocities, wanted, rank, frozen, evading, clearances)
             commands, _ = self._filter.apply(SafetyInputs(team, around))
@@ -279,38 +278,31 @@ class FormationPlanner:
 
     def _make_status(self, poses: Array) -> PlannerStatus:
         origin = np.asarray(self._map.origin, dtype=float)
-        view = self._mode.view(self._team)
-        goal = None
-        if view.goal is not None:
-            centre = transform_points(origin, view.goal[None, :2])[0]
-            goal = np.array([*centre, wrap_angle(view.goal[2] + origin[2])])
+        status = self._mode.status
+        goal = status.goal
+        if goal is not None:
+            centre = transform_points(origin, goal[None, :2])[0]
+            goal = np.array([*centre, wrap_angle(goal[2] + origin[2])])
         goals = poses[:, :2].copy()
-        if view.targets is not None:
-            known = np.isfinite(view.targets).all(axis=1)
-            goals[known] = transform_points(origin, view.targets[known])
-        roles: NDArray[np.int64] = view.roles
-        return PlannerStatus(
-            state="paused" if self._paused else view.state,
-            leader=view.leader,
-            roles=roles,
+        known = np.isfinite(status.goals).all(axis=1)
+        goals[known] = transform_points(origin, status.goals[known])
+        paths = status.paths
+        if origin.any():
+            paths = tuple(transform_points(origin, path) for path in paths)
+        return replace(
+            status,
+            state="paused" if self._paused else status.state,
             slots=np.array(self._team.formation.slots),
             goals=goals,
             goal=goal,
-            paths=tuple(transform_points(origin, path) for path in view.paths)
-            if origin.any()
-            else view.paths,
-            connections=self._team.joined(roles) if self.variant.springs else _NO_PAIRS,
-            eta=view.eta,
-            arrived=view.arrived,
-            waypoint=view.waypoint,
-            goal_moved=view.goal_moved,
-            involved=view.involved,
-            message=view.message,
+            paths=paths,
+            connections=self._team.joined(status.roles)
+            if self.variant.springs
+            else status.connections,
         )
 
 
 _SETTLED = 0.05  # m and rad that a lost robot may move before paths are planned anew
-_NO_PAIRS: NDArray[np.int64] = np.empty((0, 2), np.int64)
 
 
 def _departed(before: Array, now: Array) -> bool:
