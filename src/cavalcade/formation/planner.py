@@ -17,13 +17,12 @@ from cavalcade.formation import modes
 from cavalcade.formation._clearance import ObstacleBoxes, Surroundings
 from cavalcade.formation._least_change import TeamState
 from cavalcade.formation.dynamic_obstacles import DynamicObstacle, obstacle_boxes
-from cavalcade.formation.estimation import Imperfections, StateEstimator
+from cavalcade.formation.estimation import Imperfections, StateEstimator, VelocityTracker
 from cavalcade.formation.planning_maps import PlanningMaps
 from cavalcade.formation.safety_filter import SafetyFilter, SafetyInputs
 from cavalcade.formation.settings import PRESETS, FormationSettings
 from cavalcade.formation.shapes import Formation
 from cavalcade.formation.team import Team
-from cavalcade.formation.tracking import VelocityTracker
 from cavalcade.formation.variants import default_settings, variant_named
 from cavalcade.geometry import (
     Array,
@@ -97,8 +96,10 @@ class FormationPlanner:
         period = 1.0 / self.rate
         self._expected = expected or Imperfections()
         self._tracker: VelocityTracker | StateEstimator = VelocityTracker(self.model, period)
+        self._late = 0.0  # s from a cycle to the moment that poses are told for
         if self.variant.filter and not self._expected.none:
             self._tracker = StateEstimator(self.model, period, self._expected)
+            self._late = self._expected.delay
         self._filter = SafetyFilter(self.model, period, self._expected)
         self._obstacles: tuple[DynamicObstacle, ...] = ()
         self._mode = modes.Navigator(
@@ -127,9 +128,8 @@ class FormationPlanner:
         if poses.ndim != 2 or poses.shape[1:] != (3,) or not np.isfinite(poses).all():
             raise InputError("expected finite poses (x, y, yaw)", key="goal")
         origin = np.asarray(self._map.origin, dtype=float)
-        local = np.column_stack(
-            [inverse_transform_points(origin, poses[:, :2]), wrap_angle(poses[:, 2] - origin[2])]
-        )
+        local = _into_grid(poses, origin)
+        local[:, 2] = wrap_angle(local[:, 2])
         self._mode.set_goals(local)
 
     def cancel(self) -> None:
@@ -180,11 +180,8 @@ class FormationPlanner:
             old, new = np.asarray(self._map.origin), np.asarray(map.origin)
             self._maps = PlanningMaps(map.occupied, map.resolution, self.settings)
             if len(goals):
-                there = transform_points(old, goals[:, :2])
-                yaw = goals[:, 2] + old[2] - new[2]
-                self._mode.set_goals(
-                    np.column_stack([inverse_transform_points(new, there), yaw]), keep=True
-                )
+                there = np.column_stack([transform_points(old, goals[:, :2]), goals[:, 2] + old[2]])
+                self._mode.set_goals(_into_grid(there, new), keep=True)
         self._map = map
         self._mode.refresh()
 
@@ -219,16 +216,12 @@ class FormationPlanner:
             if stamps.shape != (len(poses),) or not np.isfinite(stamps).all():
                 raise InputError(f"expected ({len(poses)},) finite times", key="stamps")
         origin = self._map.origin
-        poses, velocities, late = self._located(poses, float(time), stamps)
-        local = poses
-        if any(origin):
-            local = np.column_stack(
-                [inverse_transform_points(origin, poses[:, :2]), poses[:, 2] - origin[2]]
-            )
+        poses, velocities = self._tracker.update(poses, float(time), stamps)
+        local = _into_grid(poses, origin) if any(origin) else poses
         if origin[2]:
             velocities[:, :2] = velocities[:, :2] @ rotation(origin[2])
         boxes = obstacle_boxes(self._obstacles, origin)
-        boxes.poses[:, :2] += late * boxes.velocities
+        boxes.poses[:, :2] += self._late * boxes.velocities
         if self._paused:
             wanted = np.zeros_like(local)
         else:
@@ -238,14 +231,6 @@ class FormationPlanner:
         self._tracker.commanded(commands)
         self._status = self._make_status(poses)
         return commands
-
-    def _located(
-        self, poses: Array, time: float, stamps: Array | None
-    ) -> tuple[Array, Array, float]:
-        """Poses and velocities `(N, 3)` when this cycle's commands arrive, and in how many s."""
-        if isinstance(self._tracker, VelocityTracker):
-            return poses, self._tracker.update(poses, time), 0.0
-        return *self._tracker.update(poses, time, stamps), self._expected.delay
 
     def _routes(self, local: Array) -> PlanningMaps:
         """The maps to find paths on: lost robots are obstacles there."""
@@ -303,6 +288,13 @@ class FormationPlanner:
 
 
 _SETTLED = 0.05  # m and rad that a lost robot may move before paths are planned anew
+
+
+def _into_grid(poses: Array, origin: Sequence[float] | Array) -> Array:
+    """Poses `(N, 3)` of the map's frame in that of its grid, whose origin is (x, y, yaw)."""
+    return np.column_stack(
+        [inverse_transform_points(origin, poses[:, :2]), poses[:, 2] - origin[2]]
+    )
 
 
 def _departed(before: Array, now: Array) -> bool:
