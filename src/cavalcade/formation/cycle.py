@@ -64,6 +64,12 @@ class Cycle:
         self.roles = np.full(count, -1, dtype=np.int64)
         self.paths = (EMPTY_PATH,) * count
 
+    def go_to_slots(self, roles: NDArray[np.int64]) -> None:
+        """Take up final slots `(N,)`."""
+        self.final, self.roles = True, roles
+        self.targets = by_robot(self.plan.places, roles)
+        self.away = distances(self.points, self.targets)
+
     def headings(self) -> Array:
         """Directions of motion `(N,)`, rad; the present heading of a robot that stands."""
         velocity = np.zeros_like(self.points) if self.velocity is None else self.velocity

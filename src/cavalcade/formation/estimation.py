@@ -193,12 +193,9 @@ class StateEstimator:
         self._current = np.zeros_like(poses)
 
     def _carried(self, states: Array, start: float, end: float, use_up: bool) -> Array:
-        """The states after the commands that take effect from `start` to `end`.
+        """States `(N, 6)` at `start` carried on to `end`, s, by the commands that take effect.
 
-        Args:
-            states: `(N, 6)` poses and velocities at `start`.
-            start, end: s.
-            use_up: Forget the commands that are in the past then.
+        Those that are in the past then are forgotten if `use_up` says so.
         """
         current = self._current
         for due, commands in self._coming:

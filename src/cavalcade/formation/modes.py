@@ -248,10 +248,7 @@ class Navigator:
         """Step 7: everyone to the nearest slots at the goal."""
         if self._variant.adaptive_roles or len(self._roles) == 0:
             self._roles = assign_goals(cycle.points, cycle.plan.places, cycle.active)
-        cycle.final = True
-        cycle.targets = by_robot(cycle.plan.places, self._roles)
-        cycle.away = distances(cycle.points, cycle.targets)
-        cycle.roles = self._roles
+        cycle.go_to_slots(self._roles)
         if self._variant.recovery and self._recovery.update(cycle):
             self._deadlock.refresh()
         self._drive(cycle, {})
@@ -260,10 +257,7 @@ class Navigator:
         """One by one along each robot's own field."""
         single = self._deadlock.single_file(cycle)
         self._roles, self._rank = single.roles, single.rank
-        cycle.final = True
-        cycle.roles = self._roles
-        cycle.targets = by_robot(cycle.plan.places, self._roles)
-        cycle.away = distances(cycle.points, cycle.targets)
+        cycle.go_to_slots(self._roles)
         if self._recovery.update(cycle, single.paths):
             self._deadlock.refresh()
         paths, courses = list(single.paths), single.courses
@@ -271,8 +265,7 @@ class Navigator:
             paths[k], _ = local_path(cycle.plan.maps, cycle.points[k], place)
             courses[k] = direction(paths[k])
         cycle.paths = tuple(paths)
-        desired = courses * self._shaper.top
-        self._shaper.shape(cycle, desired, springs=False)
+        self._shaper.shape(cycle, courses * self._shaper.top, springs=False)
 
     def _drive(self, cycle: Cycle, known: dict[int, Array]) -> None:
         """Desired velocities along paths (local ones but for `known`), then steps 9 to 11."""
@@ -309,9 +302,8 @@ class Navigator:
         self._shaper.shape(cycle, desired, springs=False)
 
     def _advance_waypoint(self, cycle: Cycle) -> None:
-        if not cycle.final or self._waypoint >= len(self.goals) - 1:
-            return
-        if cycle.away[cycle.active].max() < _PASSED:
+        last = self._waypoint >= len(self.goals) - 1
+        if cycle.final and not last and cycle.away[cycle.active].max() < _PASSED:
             self._waypoint += 1
             status = self.status
             self.restart()
