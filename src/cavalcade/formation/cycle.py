@@ -144,9 +144,7 @@ def path_heading(path: Array) -> float | None:
 
 def order_of(eta: Array) -> NDArray[np.int64]:
     """Precedence `(N,)`: 0 for the least time."""
-    rank = np.empty(len(eta), dtype=np.int64)
-    rank[np.argsort(eta, kind="stable")] = np.arange(len(eta))
-    return rank
+    return np.argsort(np.argsort(eta, kind="stable"))
 
 
 def named(robots: tuple[int, ...]) -> str:

@@ -167,13 +167,8 @@ class FormationPlanner:
 
     def update_map(self, map: OccupancyMap) -> None:
         """Replace the map; where only some cells differ, only their surroundings are renewed."""
-        same = (
-            map.rows == self._map.rows
-            and map.cols == self._map.cols
-            and map.resolution == self._map.resolution
-            and tuple(map.origin) == tuple(self._map.origin)
-        )
-        if same:
+        before, after = ((m.rows, m.cols, m.resolution, *m.origin) for m in (self._map, map))
+        if before == after:
             self._maps = self._maps.changed(map.occupied)
         else:
             goals = self._mode.goals
