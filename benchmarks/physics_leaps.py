@@ -84,12 +84,11 @@ def carry_out(robots: MujocoFleet, request: LeapRequest, place: Place) -> tuple[
 
 def record(robots: MujocoFleet) -> RobotRecord:
     """What the fleet kept of its robot."""
-    kept = robots.samples()
+    kept = robots.track()
     touches = tuple(Touch(touch.time, touch.part, touch.other) for touch in kept.contacts)
-    qpos = kept.qpos[:, 0]
     return RobotRecord(
-        0, kept.time, qpos[:, :7], qpos[:, 7:], kept.joint_rates[:, 0], kept.torques[:, 0],
-        kept.foot_forces[:, 0], touches,
+        0, kept.time, kept.base[:, 0], kept.joints[:, 0], kept.joint_rates[:, 0],
+        kept.torques[:, 0], kept.foot_forces[:, 0], touches,
     )  # fmt: skip
 
 

@@ -41,7 +41,7 @@ def read_head(path: Path, count: int, kind: type[InputError] = MapError) -> byte
         with path.open("rb") as stream:
             return stream.read(count)
     except (OSError, ValueError) as error:  # ValueError: a null byte in the name
-        raise kind(f"cannot be read: {_reason(error)}", file=path) from None
+        raise kind(f"cannot be read: {reason_of(error)}", file=path) from None
 
 
 @contextmanager
@@ -59,7 +59,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
         yield temporary
         os.replace(temporary, path)
     except OSError as error:
-        raise OutputError(f"cannot be written: {_reason(error)}", file=path) from error
+        raise OutputError(f"cannot be written: {reason_of(error)}", file=path) from error
     finally:
         with suppress(OSError):
             temporary.unlink(missing_ok=True)
@@ -100,7 +100,7 @@ def make_folders(folder: Path) -> list[Path]:
             raise OutputError(f"{folder}: expected a folder, this is a file")
     except OSError as error:
         remove_folders(made)
-        raise OutputError(f"{folder}: cannot be written: {_reason(error)}") from None
+        raise OutputError(f"{folder}: cannot be written: {reason_of(error)}") from None
     return made
 
 
@@ -111,5 +111,6 @@ def remove_folders(made: Sequence[Path]) -> None:
             folder.rmdir()
 
 
-def _reason(error: OSError | ValueError) -> str:
+def reason_of(error: OSError | ValueError) -> str:
+    """What went wrong, in a few words."""
     return (isinstance(error, OSError) and error.strerror) or str(error)

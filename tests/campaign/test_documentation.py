@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from cavalcade.campaign.shipped import load_suite, suite_names
-from cavalcade.campaign.suite import parse_suite, sampler_kinds
+from cavalcade.campaign.samplers import SAMPLERS
+from cavalcade.campaign.suite import load_suite, parse_suite, suite_names
 from cavalcade.campaign.table import COLUMNS
 
 TEXT = (Path(__file__).resolve().parents[2] / "docs" / "campaigns.md").read_text(encoding="utf-8")
@@ -41,9 +41,9 @@ def test_the_numbers_of_trials_are_those_of_the_suites() -> None:
         assert said[name] == runs * (len(suite.disturbances) or 1)
 
 
-@pytest.mark.parametrize("kind", sorted(sampler_kinds()))
+@pytest.mark.parametrize("kind", sorted(SAMPLERS))
 def test_every_key_of_a_sampler_is_listed(kind: str) -> None:
-    keys = set(sampler_kinds()[kind].model_fields) - {"sampler"}
+    keys = set(SAMPLERS[kind].model_fields) - {"sampler"}
     said = set(re.findall(r"`(\w+)`", section(f"sampler: {kind}")))
     assert not keys - said
 

@@ -13,7 +13,7 @@ import pytest
 
 from cavalcade.campaign.definition import define_campaign
 from cavalcade.campaign.engines.local import LocalEngine
-from cavalcade.campaign.planned import judged_plan, measured_plan
+from cavalcade.campaign.judging import judged_plan, measured_plan
 from cavalcade.campaign.repeat import repeat_trial
 from cavalcade.campaign.runner import run_campaign
 from cavalcade.campaign.suite import parse_suite

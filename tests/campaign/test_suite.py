@@ -9,9 +9,8 @@ import pytest
 import yaml
 
 from cavalcade.campaign.definition import check_definition, define_campaign, difference
-from cavalcade.campaign.samplers import DataFolder
-from cavalcade.campaign.shipped import load_suite, suite_names
-from cavalcade.campaign.suite import parse_suite, sampler_kinds
+from cavalcade.campaign.samplers import SAMPLERS, DataFolder
+from cavalcade.campaign.suite import load_suite, parse_suite, suite_names
 from cavalcade.campaign.trial import trials_of
 from cavalcade.errors import InputError
 
@@ -212,7 +211,7 @@ def test_no_such_suite(name: str, message: str) -> None:
 
 
 def test_draws_have_names() -> None:
-    assert {"generated", "barn", "maps", "events", "shipped"} <= set(sampler_kinds())
+    assert {"generated", "barn", "maps", "events", "shipped"} <= set(SAMPLERS)
 
 
 def test_the_data_may_be_absent(tmp_path: Path) -> None:

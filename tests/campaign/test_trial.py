@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +14,7 @@ import numpy as np
 import pytest
 
 from cavalcade.campaign import judging
+from cavalcade.campaign.avoidable import CONTACT, lost_since
 from cavalcade.campaign.definition import Definition, define_campaign
 from cavalcade.campaign.runner import run_campaign
 from cavalcade.campaign.trial import TIMES, Trial, without_times
@@ -187,8 +189,6 @@ class TestVerdict:
 
     @pytest.fixture
     def verdict(self, scenario: Scenario, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
-        import cavalcade.campaign.avoidable as avoidable
-
         def make(
             violations: list[Violation], avoid: bool = True, events: bool = True, **summary: Any
         ) -> judging.Verdict:
@@ -205,9 +205,9 @@ class TestVerdict:
             found = [
                 SimpleNamespace(violation=v, avoidable=avoid, why="too near to brake")
                 for v in violations
-                if v.kind in judging.CONTACT
+                if v.kind in CONTACT
             ]
-            monkeypatch.setattr(avoidable, "audit", lambda *_: found)
+            monkeypatch.setattr(judging, "audit", lambda *_: found)
             execution = scenario.execution.model_copy(update={} if events else {"events": ()})
             ran = scenario.model_copy(update={"execution": execution})
             nothing: Any = None
@@ -254,8 +254,10 @@ class TestVerdict:
         assert (done.outcome, done.success, done.contacts) == ("collision", False, 0)
 
 
-def test_who_is_lost_at_the_end(tiny_plan: Definition) -> None:
+def test_who_is_lost_since_when(tiny_plan: Definition) -> None:
     trial = tiny_plan.trials[0]
     events = "execution.events=[{at: 1, lose: 0}, {at: 2, rejoin: 0}, {at: 3, lose: 1}]"
     scenario = replace(trial, overrides=(events,)).scenario(trial.instance())
-    assert judging.lost_at_the_end(scenario) == {1}
+    found = scenario.execution.events
+    assert [lost_since(found, robot, math.inf) for robot in (0, 1)] == [None, 3.0]
+    assert [lost_since(found, robot, 1.5) for robot in (0, 1)] == [1.0, None]

@@ -10,7 +10,7 @@ import pytest
 
 from cavalcade.coordination import PlanSettings, TeamProblem, plan_team
 from cavalcade.coordination.conflicts import conflicts_of
-from cavalcade.coordination.inflation import inflated
+from cavalcade.coordination.plan import inflated
 from cavalcade.errors import InputError
 from cavalcade.lattice.ground import make_ground
 from cavalcade.robots import MODELS

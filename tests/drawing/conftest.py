@@ -73,7 +73,7 @@ def made_up_run(cycles: int = 240, duration: float = 30.0, robots: int = 4) -> R
     )
     shapes = tuple(shape_from_mapping(mapping) for mapping in OBSTACLES)
     base = OccupancyMap.empty((14.0, 10.0), 0.05)
-    world = World(base.with_shapes(shapes), base, shapes, (), None)
+    world = World(base.with_shapes(shapes), base, shapes, ())
     time = np.linspace(0.0, duration, cycles)
     poses, part = _motion(time / duration, slots, robots)
     status = tuple(

@@ -12,7 +12,7 @@ from cavalcade import eikonal
 from cavalcade.drawing.figures import make_figures
 from cavalcade.drawing.formation.sequence import choose_moments
 from cavalcade.drawing.overview import draw_scenario
-from cavalcade.drawing.scene import scene_of
+from cavalcade.drawing.scene import Scene
 from cavalcade.errors import OutputError
 from cavalcade.scenario import World, build_world, load_scenario
 from cavalcade.world import OccupancyMap
@@ -124,7 +124,7 @@ def test_a_map_with_unknown_ground_and_a_turned_origin(make_run, tmp_path):
     grid = np.zeros((200, 280), dtype=np.int8)
     grid[:20], grid[90:100, 200:230] = -1, 100
     ground = OccupancyMap(grid, 0.05, (0.5, -0.5, 0.1))
-    world = World(ground.with_shapes(run.world.shapes), ground, run.world.shapes, (), None)
+    world = World(ground.with_shapes(run.world.shapes), ground, run.world.shapes, ())
     assert len(make_figures(run.scenario, world, run.recording, tmp_path)) == 4
 
 
@@ -168,11 +168,11 @@ def test_importing_the_package_does_not_import_matplotlib():
 
 
 def test_moments_start_and_end_with_the_run_and_rise(run):
-    scene = scene_of(run.scenario, run.world, run.recording)
+    scene = Scene(run.scenario, run.world, run.recording)
     moments = choose_moments(scene)
     assert len(moments) == 6
     assert moments[0] == 0
-    assert moments[-1] == len(scene.time) - 1
+    assert moments[-1] == len(scene.recording.time) - 1
     assert (np.diff(moments) > 0).all()
 
 
@@ -184,17 +184,17 @@ def test_moments_do_not_crowd_where_the_team_waits(run):
         poses=run.recording.poses[waiting],
         status=tuple(run.recording.status[i] for i in waiting),
     )
-    moments = waiting[choose_moments(scene_of(run.scenario, run.world, recording))]
+    moments = waiting[choose_moments(Scene(run.scenario, run.world, recording))]
     assert (moments == 120).sum() <= 1
 
 
 def test_the_whole_map_is_shown_unless_the_team_used_little_of_it(make_run):
     run = make_run(cycles=20)
-    scene = scene_of(run.scenario, run.world, run.recording)
+    scene = Scene(run.scenario, run.world, run.recording)
     assert scene.view() == pytest.approx([0.0, 0.0, 14.0, 10.0])
     big = OccupancyMap.empty((60.0, 60.0), 0.1)
-    world = World(big, big, (), (), None)
-    view = scene_of(run.scenario, world, run.recording).view()
+    world = World(big, big, (), ())
+    view = Scene(run.scenario, world, run.recording).view()
     width, height = view[2:] - view[:2]
     assert width < 20.0
     assert height >= 0.49 * width

@@ -21,7 +21,7 @@ SIZE = (8.0, 6.0)
 
 def world_of(*shapes: Shape, base: OccupancyMap | None = None) -> World:
     base = base or OccupancyMap.empty(SIZE)
-    return World(base.with_shapes(shapes), base, shapes, (), None)
+    return World(base.with_shapes(shapes), base, shapes, ())
 
 
 def recording_of(poses: Any, *tracks: ObstacleTrack, dt: float = 0.05) -> Recording:
@@ -142,7 +142,7 @@ def test_cells_of_a_map_file_are_squares(
     ]
     boundless = OccupancyMap.empty((30.0, 30.0), 1.0)
     boundless = OccupancyMap(boundless.grid, 1.0, (-10.0, -10.0, 0.0))
-    world = World(boundless, boundless, (*cells, *walls), (), None)
+    world = World(boundless, boundless, (*cells, *walls), ())
     same = judged(world, recording_of(poses))
     assert near.obstacle_distance == pytest.approx(same.obstacle_distance, abs=1e-9)
     assert near.footprint_gap == pytest.approx(same.footprint_gap, abs=1e-9)

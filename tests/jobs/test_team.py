@@ -9,7 +9,7 @@ import pytest
 from cavalcade.execution.formation_policy import formation_of, make_planner, settings_of
 from cavalcade.formation.settings import LABORATORY, LABORATORY_SPRINGS, SIMULATION_SPRINGS
 from cavalcade.jobs.reporter import JobReporter
-from cavalcade.jobs.tasks import task_of
+from cavalcade.jobs.tasks import TASKS
 from cavalcade.scenario import (
     FormationSection,
     PlannerSection,
@@ -82,7 +82,9 @@ def test_settings_are_the_preset_s_unless_said_otherwise() -> None:
 def test_the_fleet_fits_the_scenario(make_scenario: Callable[..., Scenario]) -> None:
     scenario = make_scenario(noise={"position": 0.1}, seed=4)
     resolved = resolve_scenario(scenario)
-    fleet = task_of(resolved, build_world(resolved), JobReporter("a", quiet=True)).make_fleet()
+    fleet = TASKS["formation"](
+        resolved, build_world(resolved), JobReporter("a", quiet=True)
+    ).make_fleet()
     assert fleet.size == 4
     assert np.allclose(fleet.true_poses(), scenario.starts)
     assert not np.allclose(fleet.observe().poses, scenario.starts)

@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cavalcade.errors import InputError
-from cavalcade.kinodynamic._grid_path import grid_path
 from cavalcade.kinodynamic._validity import (
     covered_slack,
     solid_free,
@@ -19,6 +18,7 @@ from cavalcade.kinodynamic._validity import (
     turn_on_spot,
     wrapped,
 )
+from cavalcade.kinodynamic.obstruction import grid_path
 from cavalcade.kinodynamic.parameters import GROUND, OK, SOLID, make_body, make_space
 from cavalcade.kinodynamic.random import normal, uniform
 from cavalcade.lattice.surface import bilinear, surface

@@ -160,7 +160,7 @@ def test_the_mirror_image_of_a_problem_costs_the_same(cluttered, name, goal):
     others = _for_good([track], [robot_model("go1")])
     other, _, _ = SpaceTimePlanner(image).plan(model, _mirrored(start), _mirrored(end), others)
     # Bins are not symmetric: which of two states is the first in its bin is a matter of rounding.
-    assert planner.cost(other) == pytest.approx(planner.cost(path), rel=0.12)
+    assert other.cost == pytest.approx(path.cost, rel=0.12)
 
 
 @settings(max_examples=50, deadline=None)
@@ -173,7 +173,7 @@ def test_on_free_ground_it_does_not_matter_where_one_goes(name, yaw, last, angle
     c, s = math.cos(angle), math.sin(angle)
     turned = np.array([6.0 + 3.0 * c - 0.5 * s, 6.0 + 3.0 * s + 0.5 * c, last + angle])
     other, _, _ = planner.plan(model, a + (0.0, 0.0, angle), turned)
-    assert planner.cost(other) == pytest.approx(planner.cost(path), abs=1e-6)
+    assert other.cost == pytest.approx(path.cost, abs=1e-6)
 
 
 def test_the_goal_is_worth_a_detour_but_not_a_long_one():

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from cavalcade.geometry.trajectory import FLIGHT, WALK, Trajectory
 from cavalcade.locomotion import FRONT_LEFT, FRONT_RIGHT, REAR_LEFT, REAR_RIGHT, stances
-from cavalcade.robots.legs import GO1, SPIRIT
+from cavalcade.robots.catalogue import GO1, SPIRIT
 
 
 def standing(found: np.ndarray, time: float) -> set[int]:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from cavalcade.errors import InputError
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY
 from cavalcade.locomotion._leap_horizon import foothold, leap_reference
 from cavalcade.locomotion.leap import LeapManoeuvre, LeapSettings, plan_leap
 from cavalcade.locomotion.parameters import robot_parameters

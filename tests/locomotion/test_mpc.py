@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cavalcade.errors import InputError
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY
 from cavalcade.locomotion import MpcProblem, solve_mpc
 from cavalcade.locomotion._mpc import build_qp, solve
 

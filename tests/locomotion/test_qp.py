@@ -6,8 +6,16 @@ import numpy as np
 import pytest
 from scipy.optimize import nnls
 
-from cavalcade.locomotion._qp import combine, hold, release, solve_qp, split
-from cavalcade.locomotion._qp_factor import backward, factorise, forward
+from cavalcade.locomotion._qp import (
+    backward,
+    combine,
+    factorise,
+    forward,
+    hold,
+    release,
+    solve_qp,
+    split,
+)
 
 MU, MOST, MANY = 0.5, 150.0, 100_000
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from cavalcade.robots.inertial import Inertial, combined
+from cavalcade.robots.description import Inertial, combined
 
 NUMBER = st.floats(-1.0, 1.0)
 

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from cavalcade.errors import ScenarioError
 from cavalcade.geometry import inverse_transform_points, rectangle_corners, transform_points
 from cavalcade.scenario import build_world, parse_scenario
-from cavalcade.scenario.placement import _overlap
+from cavalcade.scenario.worlds import _overlap
 from cavalcade.world import Box, Circle, OccupancyMap, Polygon, Shape, save_map
 
 Data = dict[str, Any]

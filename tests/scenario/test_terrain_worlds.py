@@ -59,7 +59,6 @@ def test_map_and_terrain_share_one_grid(heights: Path, tmp_path: Path) -> None:
     assert world.map.resolution == world.terrain.resolution
     assert not world.base.occupied.any()
     assert world.map.occupied.sum() == pytest.approx(0.5 / 0.05**2, rel=0.25)
-    assert world.source_map is None
 
 
 def test_level_worlds_have_no_terrain() -> None:

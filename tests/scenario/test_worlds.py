@@ -25,7 +25,6 @@ def test_shapes_are_exact_and_rasterised_on_the_base(data: Data) -> None:
     )
     assert world.base == OccupancyMap.empty((8.0, 5.0), 0.05)
     assert world.map == world.base.with_shapes(world.shapes)
-    assert world.source_map is None
     assert [span.obstacle for span in world.spans] == list(parse_scenario(data).world.obstacles)
 
 
@@ -37,7 +36,6 @@ def test_a_map_file_with_its_place_and_its_unknown_cells(tmp_path: Path, data: D
     data["robots"][1]["start"] = [0.7, 1.0, 0.0]
     scenario = parse_scenario(data, tmp_path / "s.yaml")
     world = build_world(scenario)
-    assert world.source_map == tmp_path / "m.yaml"
     assert world.map.occupied[:, :10].all()
     data["world"]["unknown"] = "free"
     assert not build_world(parse_scenario(data, tmp_path / "s.yaml")).map.occupied.any()

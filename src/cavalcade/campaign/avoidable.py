@@ -22,13 +22,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from cavalcade.campaign.escape import Scene, Thing
-from cavalcade.campaign.verdict import CONTACT
 from cavalcade.checking.report import Report, Violation
 from cavalcade.recording.frames import Recording
 from cavalcade.scenario import Event, Scenario, World
 
+CONTACT = ("robot-robot", "robot-obstacle", "robot-map", "flight-over-robot")
+"""The checker's kinds of violation that are collisions."""
+
 WARNING = 3.0
-"""s"""
+"""So long before a contact with what moves a robot has to give way, s."""
 
 AFTERWARDS = 8.0
 """How long after the contact the obstacle is followed at most, s."""
@@ -50,31 +52,23 @@ _STEP = 0.02
 
 @dataclass(frozen=True)
 class Collision:
-    """A contact with its verdict.
-
-    Attributes:
-        violation: The checker's.
-        avoidable: Whether it could have been avoided.
-        why: In a few words.
-    """
+    """A contact that the checker found, whether it could have been avoided, and why."""
 
     violation: Violation
     avoidable: bool
     why: str
 
 
+def contacts_of(report: Report) -> list[Violation]:
+    """Those of the checker's violations that are collisions."""
+    return [violation for violation in report.violations if violation.kind in CONTACT]
+
+
 def audit(
     scenario: Scenario, world: World, recording: Recording, report: Report
 ) -> list[Collision]:
-    """The verdict on every contact that the checker found, in order of time.
-
-    Args:
-        scenario: The resolved one that was run.
-        world: Its world.
-        recording: What happened.
-        report: The checker's.
-    """
-    contacts = [violation for violation in report.violations if violation.kind in CONTACT]
+    """The verdict on every contact that the checker found, in order of time."""
+    contacts = contacts_of(report)
     if not contacts:
         return []
     scene, events = Scene(scenario, world, recording), scenario.execution.events
@@ -103,7 +97,7 @@ def _verdict(scene: Scene, events: Sequence[Event], contact: Violation) -> tuple
     thing = _thing(scene, contact)
     if thing is None:
         return True, contact.obstacle
-    lost = _lost_since(events, robot, contact.time)
+    lost = lost_since(events, robot, contact.time)
     if lost is not None:
         # What stands may not be rolled into, by a robot that has lost its orders either.
         if _changed(thing, lost, contact.time):
@@ -135,7 +129,7 @@ def _thing(scene: Scene, contact: Violation) -> Thing | None:
     return next((thing for thing in scene.things if thing.name == contact.obstacle), None)
 
 
-def _lost_since(events: Sequence[Event], robot: int, time: float) -> float | None:
+def lost_since(events: Sequence[Event], robot: int, time: float) -> float | None:
     """When it was lost, if it still is."""
     lost = None
     for event in events:

@@ -6,15 +6,21 @@ import difflib
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from cavalcade.campaign.methods import changed, check_variant
 from cavalcade.campaign.samplers import DataFolder
-from cavalcade.campaign.shipped import find_suite, load_suite
-from cavalcade.campaign.suite import MOST_SEEDS, Suite, parse_suite, with_current_names
+from cavalcade.campaign.suite import (
+    MOST_SEEDS,
+    Suite,
+    find_suite,
+    load_suite,
+    parse_suite,
+    with_current_names,
+)
 from cavalcade.campaign.trial import Trial, check_worlds, trials_of
 from cavalcade.errors import InputError, RecordingError, ScenarioError
 from cavalcade.scenario.rules import BACKENDS
@@ -49,11 +55,7 @@ class Definition:
         return tuple(trials_of(self.suite, self.overrides, self.data))
 
     def trial(self, trial_id: str) -> Trial:
-        """One of them.
-
-        Raises:
-            InputError: There is none of that ID.
-        """
+        """The one of that ID; InputError if there is none."""
         for trial in self.trials:
             if trial.id == trial_id:
                 return trial
@@ -61,18 +63,11 @@ class Definition:
         hint = f"; did you mean {' or '.join(near)}?" if near else ""
         raise InputError(f"no such trial: {ascii(trial_id)[:80]}{hint}", key="ID")
 
-    def identity(self) -> dict[str, Any]:
-        """What makes two campaigns the same, as plain data."""
-        return {
-            "suite": self.suite.to_dict(),
-            "overrides": list(self.overrides),
-            "version": self.version,
-        }
-
     @property
     def fingerprint(self) -> str:
-        """Of the definition: the same for the same campaign, on every machine."""
-        text = json.dumps(self.identity(), sort_keys=True, ensure_ascii=True)
+        """Of suite, overrides and version: the same for the same campaign, on every machine."""
+        identity = {"suite": self.suite.to_dict(), "overrides": list(self.overrides)}
+        text = json.dumps({**identity, "version": self.version}, sort_keys=True, ensure_ascii=True)
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
     def to_dict(self) -> dict[str, Any]:
@@ -121,12 +116,9 @@ def define_campaign(
 
 
 def check_definition(definition: Definition) -> None:
-    """See that there is something to run and that worlds and overrides fit, before anything is run.
+    """Refuse what has nothing to run, or worlds and overrides that do not fit.
 
     The suite's data must be there.
-
-    Raises:
-        InputError: Something does not fit.
     """
     if not definition.trials:
         raise InputError(
@@ -137,11 +129,7 @@ def check_definition(definition: Definition) -> None:
 
 
 def read_definition(folder: Path, data: str | Path | None = None) -> Definition:
-    """The definition of the campaign in a folder.
-
-    Args:
-        folder: Of the campaign.
-        data: The folder with the data of other projects; None for the one that was used.
+    """The definition of the campaign in a folder; None stands for the data that were used.
 
     Raises:
         RecordingError: There is none, or it cannot be read.
@@ -160,11 +148,7 @@ def read_definition(folder: Path, data: str | Path | None = None) -> Definition:
 
 
 def read_definition_file(folder: Path) -> dict[str, Any]:
-    """The content of `campaign.json`.
-
-    Raises:
-        RecordingError: There is none, or it cannot be read.
-    """
+    """The content of `campaign.json`; raises as `read_definition`."""
     file = folder / FILE
     if not file.is_file():
         raise RecordingError(f"expected the folder of a campaign; it has no {FILE}", file=folder)
@@ -210,8 +194,9 @@ def _changed(suite: Suite, seed: int | None, seeds: int | None) -> Suite:
             text = f"expected a whole number from {least} to {most}, got {value}"
             raise InputError(text, key=key)
     if seeds is not None:
-        suite = replace(suite, worlds=tuple(replace(group, seeds=seeds) for group in suite.worlds))
-    return suite if seed is None else replace(suite, seed=seed)
+        groups = tuple(group.model_copy(update={"seeds": seeds}) for group in suite.worlds)
+        suite = suite.model_copy(update={"worlds": groups})
+    return suite if seed is None else suite.model_copy(update={"seed": seed})
 
 
 def _with_overrides(suite: Suite, overrides: Sequence[str]) -> tuple[Suite, tuple[str, ...]]:
@@ -225,7 +210,7 @@ def _with_overrides(suite: Suite, overrides: Sequence[str]) -> tuple[Suite, tupl
     for text in map(str, overrides):
         key, separator, value = (part.strip() for part in text.partition("="))
         if key == _BACKEND and value in BACKENDS:
-            suite = replace(suite, backend="mujoco" if value == "mujoco" else "ideal")
+            suite = suite.model_copy(update={"backend": value})
         elif separator and (key == _VARIANT or (key == _METHOD and methods)):
             said[key] = parse_yaml(value, key=f"--set {key}")
         else:
@@ -242,9 +227,10 @@ def _with_overrides(suite: Suite, overrides: Sequence[str]) -> tuple[Suite, tupl
             variant = current_value(_VARIANT, variant)
             check_variant(str(variant), False, f"--set {_VARIANT}")
             names = (str(variant),)
-        groups.append(replace(group, variants=names))
+        groups.append(group.model_copy(update={"variants": names}))
     variants = tuple(dict.fromkeys(name for group in groups for name in group.variants))
-    return replace(suite, worlds=tuple(groups), variants=variants, references={}), tuple(rest)
+    said = {"worlds": tuple(groups), "variants": variants, "references": {}}
+    return suite.model_copy(update=said), tuple(rest)
 
 
 def _nearest(word: str, ids: Sequence[str]) -> list[str]:

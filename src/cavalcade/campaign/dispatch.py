@@ -52,14 +52,12 @@ def dispatch(
 
     Args:
         engine: Started.
-        trials: What to carry out, in this order.
+        trials: In this order.
         limit: Of wall clock per trial, s.
-        work: What to do with a trial.
         first_alone: Let the first trial finish before the others start, with more time: it
             compiles the numerical kernels for all.
         prepare: A function and its arguments: a job that has to end, however it does, before the
             first trial begins; it may take `COMPILING` s.
-        tick: Called now and then.
     """
     coming = iter(trials)
     again: deque[_Job] = deque()

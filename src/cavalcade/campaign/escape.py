@@ -31,13 +31,7 @@ _SMALL = 1e-6
 
 @dataclass(frozen=True)
 class Thing:
-    """An obstacle over time.
-
-    Attributes:
-        name: As the checker calls it.
-        span: When it is where.
-        shape: At its first place, map frame, m.
-    """
+    """An obstacle over time, as the checker calls it; `shape` is in the map frame, at first."""
 
     name: str
     span: ObstacleSpan
@@ -62,11 +56,6 @@ class Scene:
         models: Of the robots.
         time: `(T,)` of the cycles, s.
         poses: `(T, N, 3)` true ones, m and rad.
-
-    Args:
-        scenario: The resolved one that was run.
-        world: Its world.
-        recording: What happened.
     """
 
     def __init__(self, scenario: Scenario, world: World, recording: Recording) -> None:

@@ -1,21 +1,17 @@
-"""The verdict on one trial's run, by the independent checker; nothing is written or read back."""
+"""Verdicts on trials by the independent checker, and figures; nothing is written or read back."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from cavalcade.campaign.verdict import (
-    COLLISION,
-    CONTACT,
-    FALLEN,
-    INVALID,
-    Verdict,
-    count_contacts,
-    lines_of,
-)
+from cavalcade.campaign.avoidable import audit, contacts_of, lost_since
+from cavalcade.campaign.samplers import EXPECTED, SOLVED
+from cavalcade.checking import judge_plan
 from cavalcade.checking.check import judge, judge_physics
 from cavalcade.checking.heights import read_heights
 from cavalcade.checking.physics.leaps import leap_reason
@@ -24,15 +20,59 @@ from cavalcade.checking.report import Report
 from cavalcade.checking.tracks import Track
 from cavalcade.execution.arrival import tolerance_of
 from cavalcade.geometry import Array
+from cavalcade.jobs import JobResult
+from cavalcade.jobs.planning import settings_of
 from cavalcade.recording.frames import Recording
 from cavalcade.recording.physics_track import PhysicsTrack
+from cavalcade.recording.plan_file import plan_arrays
 from cavalcade.scenario import Scenario, World
+
+MOST_VIOLATIONS = 5
+"""So many of the checker's lines are kept."""
 
 _BREAKS = ("gap", "step")
 """Terrain with one break, across the whole width."""
 
 _BEFORE = 0.9
 """A leap is judged from when the robot was last so far before the far edge, m."""
+
+_ALONE = "cbs"
+"""Of a single robot: the course that all methods but the joint one begin with."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What the checker and the audit say of a run or a plan.
+
+    Attributes:
+        outcome: Its own reason, `collision` or `invalid`.
+        detail: One line.
+        success: As it should be, without an avoidable collision or another violation.
+        contacts: How many collisions there were.
+        avoidable: How many of them could have been avoided.
+        violations: The checker's lines, the first few.
+    """
+
+    outcome: str
+    detail: str
+    success: bool
+    contacts: int
+    avoidable: int
+    violations: tuple[str, ...]
+
+
+def verdict_of(
+    report: Report, reason: str, detail: str, *, success: bool, avoidable: int
+) -> Verdict:
+    """The verdict on what ended for a `reason` of its own, unless the checker knows better."""
+    contacts = contacts_of(report)
+    if reason == "fallen" or not report.violations:  # whatever was touched in a fall
+        outcome = reason
+    else:
+        outcome = "collision" if contacts else "invalid"
+    first = report.violations[:MOST_VIOLATIONS]
+    lines = tuple(f"{v.time:.2f} s {v.kind}: {v.message}" for v in first)
+    return Verdict(outcome, detail, success, len(contacts), avoidable, lines)
 
 
 def tracks_of(recording: Recording) -> tuple[Track, ...]:
@@ -62,15 +102,8 @@ def records_of(track: PhysicsTrack) -> tuple[RobotRecord, ...]:
         ]
         for robot in range(track.size)
     ]
-    return records_from(
-        time,
-        track.base,
-        track.joints,
-        track.joint_rates,
-        track.torques,
-        track.foot_forces,
-        touches,
-    )
+    motion = (track.base, track.joints, track.joint_rates, track.torques, track.foot_forces)
+    return records_from(time, *motion, touches)
 
 
 def _as_stamped(time: Array) -> Array:
@@ -84,37 +117,25 @@ def _as_stamped(time: Array) -> Array:
 def judged(
     scenario: Scenario, world: World, recording: Recording, summary: Mapping[str, Any]
 ) -> Verdict:
-    """The verdict on a run.
-
-    Args:
-        scenario: The resolved one that was run.
-        world: Its world.
-        recording: What happened.
-        summary: What the run says of itself.
-    """
+    """The verdict on a run of a resolved scenario; `summary` is what it says of itself."""
     tracks = tracks_of(recording)
     if recording.physics is None:
         report = judge(scenario, tracks, dict(summary))
     else:
         report = judge_physics(scenario, tracks, records_of(recording.physics), dict(summary))
-    contacts = count_contacts(report)
-    other = len(report.violations) - contacts
-    avoidable, why = _avoidable(scenario, world, recording, report) if contacts else (0, "")
-    outcome = str(summary["reason"])
-    if outcome == FALLEN:  # whatever was touched then
-        pass
+    contacts = contacts_of(report)
+    avoidable, why = 0, ""
+    if contacts and not scenario.execution.events:  # all could have been avoided
+        avoidable, why = len(contacts), contacts[0].message
     elif contacts:
-        outcome = COLLISION
-    elif other:
-        outcome = INVALID
-    arrived = bool(summary["success"]) or (contacts > 0 and _ended_there(scenario, summary))
-    return Verdict(
-        outcome=outcome,
-        detail=str(summary["detail"] or why),
-        success=arrived and not avoidable and not other,
-        contacts=contacts,
-        avoidable=avoidable,
-        violations=lines_of(report),
+        found = audit(scenario, world, recording, report)
+        avoidable = sum(one.avoidable for one in found)
+        why = "; ".join(dict.fromkeys(one.why for one in found))
+    arrived = bool(summary["success"]) or (bool(contacts) and _ended_there(scenario, summary))
+    clean = not avoidable and len(contacts) == len(report.violations)
+    detail = str(summary["detail"] or why)
+    return verdict_of(
+        report, str(summary["reason"]), detail, success=arrived and clean, avoidable=avoidable
     )
 
 
@@ -163,19 +184,6 @@ def crossings(scenario: Scenario, recording: Recording) -> dict[str, int]:
     return found
 
 
-def _avoidable(
-    scenario: Scenario, world: World, recording: Recording, report: Report
-) -> tuple[int, str]:
-    """How many collisions could have been avoided; without events all of them could."""
-    contacts = [violation for violation in report.violations if violation.kind in CONTACT]
-    if not scenario.execution.events:
-        return len(contacts), contacts[0].message
-    from cavalcade.campaign.avoidable import audit
-
-    found = audit(scenario, world, recording, report)
-    return sum(one.avoidable for one in found), "; ".join(dict.fromkeys(one.why for one in found))
-
-
 def _ended_there(scenario: Scenario, summary: Mapping[str, Any]) -> bool:
     """Whether the team was at its goal in the end; with a collision the run does not say so.
 
@@ -185,18 +193,76 @@ def _ended_there(scenario: Scenario, summary: Mapping[str, Any]) -> bool:
         return False
     if summary["sim_time_s"] >= scenario.execution.timeout:
         return False
-    lost = lost_at_the_end(scenario)
-    errors = [e for k, e in enumerate(summary["goal_error_m"]) if k not in lost]
+    events = scenario.execution.events
+    errors = [
+        error
+        for robot, error in enumerate(summary["goal_error_m"])
+        if lost_since(events, robot, math.inf) is None
+    ]
     within = tolerance_of(scenario).position
     return all(error is not None and error <= within for error in errors)
 
 
-def lost_at_the_end(scenario: Scenario) -> frozenset[int]:
-    """The robots that were lost and did not come back."""
-    lost: set[int] = set()
-    for event in scenario.execution.events:
-        if event.lose is not None:
-            lost.add(event.lose)
-        if event.rejoin is not None:
-            lost.discard(event.rejoin)
-    return frozenset(lost)
+def judged_plan(result: JobResult, expected: str = SOLVED) -> Verdict:
+    """The verdict on a plan; where none is expected, see `Instance`, refusing is the success."""
+    # Also of a plan whose own summary finds contact, all that the coordinator claims is judged.
+    claimed = {**result.summary, "success": result.plan is not None and result.plan.solved}
+    arrays = plan_arrays(result.trajectories, result.footholds)
+    report = judge_plan(result.scenario, arrays, claimed)
+    solved = result.solved and not report.violations
+    detail, avoidable = result.summary.detail or "", len(contacts_of(report))
+    found = verdict_of(report, result.reason, detail, success=solved, avoidable=avoidable)
+    if expected == SOLVED:
+        return found
+    return replace(found, success=found.outcome in EXPECTED[expected])
+
+
+def measured_plan(result: JobResult) -> dict[str, float | None]:
+    """Figures beside those of the summary; null where there is no plan, or only one robot.
+
+    `length_ratio`: the summed lengths over the summed lower bounds; `makespan_ratio`: the
+    makespan over that of the slowest robot planned alone with the same options;
+    `single_time_ratio`: the planning time over that of all these single plans.
+    """
+    summary = result.summary
+    found: dict[str, float | None] = {
+        "time_ratio": None,
+        "length_ratio": None,
+        "makespan_ratio": None,
+        "single_time_ratio": None,
+    }
+    if not result.solved:
+        return found
+    lengths, bounds = summary["path_length_m"], summary["lower_bound_m"]
+    if None not in bounds and sum(bounds) > 0.0:
+        found["length_ratio"] = round(sum(lengths) / sum(bounds), 6)
+    if len(result.scenario.robots) < 2:
+        return found
+    durations, seconds = _alone(result.scenario, result.world)
+    slowest = max((time for time in durations if time is not None), default=0.0)
+    if None not in durations and slowest > 0.0:
+        found["makespan_ratio"] = round(summary["makespan_s"] / slowest, 6)
+    if seconds > 0.0:
+        found["single_time_ratio"] = round(summary["planning_time_s"] / seconds, 6)
+    return found
+
+
+def _alone(scenario: Scenario, world: World) -> tuple[list[float | None], float]:
+    """Durations of the robots' plans if each were alone, s, and the time to plan them all, s."""
+    from cavalcade.coordination import TeamProblem, plan_team, problem_of
+
+    problem, settings = problem_of(scenario, world), settings_of(scenario)
+    durations: list[float | None] = []
+    seconds = 0.0
+    for k in range(len(problem.models)):
+        single: TeamProblem = replace(
+            problem,
+            models=problem.models[k : k + 1],
+            starts=problem.starts[k : k + 1],
+            goals=problem.goals[k : k + 1],
+        )
+        found = plan_team(single, _ALONE, settings, scenario.seed)
+        seconds += found.planning_time
+        path = found.trajectories[0]
+        durations.append(path.duration if found.solved and path is not None else None)
+    return durations, seconds

@@ -24,29 +24,18 @@ METHODS = ("auto", "cbs", "joint", "sequential")
 METHOD_VARIANTS: tuple[str, ...] = (*METHODS, *(f"{method}{_SUFFIX}" for method in METHODS))
 """Of groups whose robots have goals of their own."""
 
+VARIANTS = {False: FORMATION_VARIANTS, True: METHOD_VARIANTS}
+"""What the variants of a group may be, by whether its goals are individual."""
+
 _TASKS = {True: "individual goals", False: "formations"}
 
 
-def choices(individual_goals: bool) -> tuple[str, ...]:
-    """What the variants of a group may be."""
-    return METHOD_VARIANTS if individual_goals else FORMATION_VARIANTS
-
-
-def default(individual_goals: bool) -> tuple[str, ...]:
-    """The variants of a group for which the suite names none."""
-    return ("auto",) if individual_goals else ("cavalcade",)
-
-
 def check_variant(name: str, individual_goals: bool, key: str) -> None:
-    """Refuse a variant that a group cannot be run with.
-
-    Raises:
-        ScenarioError: It cannot.
-    """
-    known = choices(individual_goals)
+    """Refuse a variant that a group cannot be run with."""
+    known = VARIANTS[individual_goals]
     if name in known:
         return
-    if name in choices(not individual_goals):
+    if name in VARIANTS[not individual_goals]:
         other, this = _TASKS[not individual_goals], _TASKS[individual_goals]
         text = f"{short(name)} is for {other}, not for {this}"
     else:
@@ -63,12 +52,7 @@ def planner_settings(name: str, individual_goals: bool) -> dict[str, Any]:
 
 
 def changed(names: Iterable[str], method: str | None, variant: str | None) -> tuple[str, ...]:
-    """Methods with another method, another variant or both in their place; each once.
-
-    Args:
-        names: Some of `METHOD_VARIANTS`.
-        method: In the place of all methods; None keeps them.
-        variant: In the place of all variants; None keeps them.
+    """Some of `METHOD_VARIANTS` with another method, another variant or both; each once.
 
     Raises:
         ScenarioError: There is no such method or variant.
@@ -78,8 +62,7 @@ def changed(names: Iterable[str], method: str | None, variant: str | None) -> tu
         ("planner.variant", variant, TEAM_VARIANTS),
     ):
         if said is not None and said not in known:
-            hint = did_you_mean(str(said), known)
-            text = f"unknown value {short(said)}{hint}"
+            text = f"unknown value {short(said)}{did_you_mean(str(said), known)}"
             raise ScenarioError(text, key=f"--set {key}", choices=known)
     found = ((method or own, variant or plain) for own, plain in (_parts(name) for name in names))
     return tuple(dict.fromkeys(f"{a}{_SUFFIX}" if b == PUBLISHED else a for a, b in found))

@@ -16,12 +16,7 @@ PLAIN_PERIOD, PLAIN_SHARE, PLAIN_LEAST = 30.0, 0.05, 5.0
 class CampaignReporter(Reporter):
     """Says on stdout how far a campaign is. Use it as a context; with `quiet` it says nothing.
 
-    Args:
-        name: Of the suite.
-        total: How many trials there are.
-        done: How many were done before.
-        quiet: Say nothing.
-        now: The clock, s.
+    Of `total` trials `done` were done before; `now` is the clock, s.
     """
 
     def __init__(
@@ -81,19 +76,15 @@ class CampaignReporter(Reporter):
             text = f"{done} of {self._total} trials ({percent:.0f} %), {self._failures()}"
             self.say(f"{text}{self._left()}")
 
-    def seconds_left(self) -> float | None:
-        """How much longer it will take at the pace so far, s; None before the first trial."""
-        if not self._finished:
-            return None
-        pace = (self._now() - self._started) / self._finished
-        return pace * (self._total - self._before - self._finished)
-
     def _failures(self) -> str:
         return f"{self._failed} failed" if self._failed else "none failed"
 
     def _left(self) -> str:
-        seconds = self.seconds_left()
-        return "" if seconds is None else f", {duration(seconds)} left"
+        """How much longer it will take at the pace so far; nothing before the first trial."""
+        if not self._finished:
+            return ""
+        pace = (self._now() - self._started) / self._finished
+        return f", {duration(pace * (self._total - self._before - self._finished))} left"
 
 
 def duration(seconds: float) -> str:

@@ -46,14 +46,12 @@ def repeat_trial(
     force: bool = False,
     quiet: bool = True,
 ) -> Repeated:
-    """Run one trial of a campaign with recording, figures and replay.
+    """Run one trial of the campaign in `folder`, with recording, figures and replay in `out`.
 
     Args:
-        folder: Of the campaign.
         trial_id: As it stands in `trials.jsonl`.
-        out: The folder for the results, missing or empty.
+        out: Missing or empty, unless what it holds is to be replaced by `force`.
         data: The folder with the data of other projects, if not where the campaign had it.
-        force: Replace what `out` holds.
         quiet: Print nothing.
 
     Raises:

@@ -25,12 +25,7 @@ Report = Callable[[Path, Suite, Sequence[Line]], Sequence[Path]]
 
 
 class CampaignInterrupted(KeyboardInterrupt):
-    """Ctrl-C; every finished trial is kept.
-
-    Attributes:
-        done: How many trials have their line.
-        total: How many there are.
-    """
+    """Ctrl-C; of `total` trials the finished ones, `done`, are kept."""
 
     def __init__(self, done: int, total: int) -> None:
         super().__init__()
@@ -39,12 +34,7 @@ class CampaignInterrupted(KeyboardInterrupt):
 
 @dataclass(frozen=True)
 class CampaignResult:
-    """What a campaign came to.
-
-    Attributes:
-        summary: Counts over all trials, as plain data.
-        files: What was written, in a reader's order.
-    """
+    """Counts over all trials, as plain data, and what was written, in a reader's order."""
 
     summary: dict[str, Any]
     files: tuple[Path, ...]
@@ -69,8 +59,7 @@ def run_campaign(
         engine: Not started; it is not started if nothing is left to do.
         resume: Go on with what `out` holds.
         quiet: Print nothing but warnings.
-        work: What a worker does with a trial.
-        report: Writes table and report; `write_report` if not given.
+        report: `write_report` if not given.
         command: That was given, for the report.
 
     Raises:
@@ -122,7 +111,7 @@ def _compiles(reporter: CampaignReporter, formations: bool, plans: bool) -> bool
 
     first = formations and not kernels_are_cached()
     long = "about 20 s" if first else ""
-    if plans and not kernels_are_cached("coordination", "_conflicts.find_conflicts"):
+    if plans and not kernels_are_cached("coordination", "conflicts.find_conflicts"):
         long = "a few minutes"
     if long:
         reporter.say(f"compiling the numerical kernels, once after installation ({long}) ...")

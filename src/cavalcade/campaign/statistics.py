@@ -141,14 +141,9 @@ def paired_proportions(first: Sequence[bool], second: Sequence[bool]) -> PairedP
         return None
     both, first_only = int(np.sum(a & b)), int(np.sum(a & ~b))
     second_only, neither = int(np.sum(~a & b)), int(np.sum(~a & ~b))
-    return PairedProportions(
-        both,
-        first_only,
-        second_only,
-        neither,
-        newcombe_paired(both, first_only, second_only, neither),
-        mcnemar_exact(first_only, second_only),
-    )
+    counts = (both, first_only, second_only, neither)
+    p_value = mcnemar_exact(first_only, second_only)
+    return PairedProportions(*counts, newcombe_paired(*counts), p_value)
 
 
 def newcombe_paired(both: int, first_only: int, second_only: int, neither: int) -> Estimate:

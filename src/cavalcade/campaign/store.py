@@ -23,6 +23,9 @@ class Store:
 
     Use it as a context.
 
+    Attributes:
+        done: The IDs of the trials that have their line.
+
     Args:
         folder: Missing or empty, or with this very campaign in it if `resume`.
         definition: Of the campaign.
@@ -46,7 +49,7 @@ class Store:
         self.folder = Path(folder)
         self._trials = definition.trials
         self._order = {trial.id: place for place, trial in enumerate(definition.trials)}
-        self._done: set[str] = set()
+        self.done: set[str] = set()
         self._lock = -1
         self._file = -1
         self._size = 0
@@ -75,11 +78,6 @@ class Store:
                 raise self._failed(error) from None
             raise
 
-    @property
-    def done(self) -> frozenset[str]:
-        """The IDs of the trials that have their line."""
-        return frozenset(self._done)
-
     def count(self) -> int:
         """How many lines there are on the disk; after Ctrl-C in `append` it may be one more."""
         with (self.folder / LINES).open("rb") as stream:
@@ -106,14 +104,10 @@ class Store:
                 os.ftruncate(self._file, self._size)
             raise self._failed(error) from None
         self._size += len(data)
-        self._done.add(str(line["trial"]))
+        self.done.add(str(line["trial"]))
 
     def lines(self) -> Iterator[Line]:
-        """All lines in the order of the trials, whatever order they were finished in.
-
-        Raises:
-            OutputError: They cannot be read.
-        """
+        """All lines in the order of the trials, whatever order they were finished in."""
         try:
             # Only the places of the lines are sorted: the lines themselves may be many.
             starts: list[tuple[int, int]] = []
@@ -152,8 +146,8 @@ class Store:
         with file.open("rb") as stream:
             for number, raw in enumerate(stream, 1):
                 trial = self._trial_of(raw)
-                if trial is not None and trial not in self._done:
-                    self._done.add(trial)
+                if trial is not None and trial not in self.done:
+                    self.done.add(trial)
                     kept.append(raw)
                     continue
                 fault = f"not a trial of this campaign; moved to {CORRUPT}, its trial is repeated"
@@ -198,8 +192,8 @@ class Store:
     def _failed(self, error: OSError, what: str = "written") -> OutputError:
         place = Path(error.filename) if error.filename else self.folder / LINES
         text = f"{place}: cannot be {what}: {error.strerror or error}"
-        if self._done:
-            text += f"; the {len(self._done)} trials so far are kept, go on with --resume"
+        if self.done:
+            text += f"; the {len(self.done)} trials so far are kept, go on with --resume"
         return OutputError(text)
 
 

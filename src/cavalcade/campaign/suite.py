@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, get_args
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, Field, Strict, ValidationError, model_validator
 
-from cavalcade.campaign.methods import check_variant, choices, default
-from cavalcade.campaign.samplers import DataFolder, Sampler, SamplerSection
+from cavalcade.campaign.methods import VARIANTS, check_variant
+from cavalcade.campaign.samplers import SAMPLERS, DataFolder, Sampler
 from cavalcade.errors import InputError, ScenarioError
 from cavalcade.scenario.fields import Positive, Section, Seed, expected
 from cavalcade.scenario.messages import did_you_mean, scenario_error, short
 from cavalcade.scenario.settings import Delay, Noise, PhysicsSection
+from cavalcade.scenario.shipped import read_text
 from cavalcade.scenario.spellings import current_value
+from cavalcade.yaml_text import parse_yaml
+
+SUITES = Path(__file__).parent / "suites"
+"""The files of those that come with the package."""
 
 LONGEST_NAME = 60
 Name = Annotated[str, Field(pattern=rf"^[A-Za-z0-9][A-Za-z0-9_-]{{0,{LONGEST_NAME - 1}}}$")]
@@ -49,13 +54,20 @@ class Disturbance(Section):
     delay: Delay | None = None
     physics: PhysicsSection | None = None
 
-    def over(self, execution: Mapping[str, Any]) -> dict[str, Any]:
-        """The plain data of a scenario's `execution` with these values over its own."""
-        return {**execution, **self.model_dump(mode="json", exclude_none=True)}
 
+class _Settings(Section):
+    """What a suite says beside its worlds.
 
-class _Head(Section):
-    """A suite's file but for the insides of its worlds, which depend on their `sampler`."""
+    Attributes:
+        suite: Its name.
+        about: One line.
+        time_limit: Of wall clock for one trial, s.
+        seed: The first seed of every group.
+        backend: Who moves the robots of every world; None leaves it to the worlds.
+        variants: All that there are, in the order of the report.
+        references: What a variant is compared with; for those that are not in it the first one.
+        disturbances: By name; empty where the suite names none.
+    """
 
     version: Literal[1]
     suite: Name
@@ -66,6 +78,11 @@ class _Head(Section):
     variants: Variants | None = None
     references: dict[str, str] = Field(default_factory=dict)
     disturbances: dict[Name, Disturbance] = Field(default_factory=dict)
+
+
+class _File(_Settings):
+    """A suite's file but for the insides of its worlds, which depend on their `sampler`."""
+
     worlds: Annotated[tuple[dict[str, Any], ...], Field(min_length=1)]
 
     @model_validator(mode="after")
@@ -83,31 +100,18 @@ class _GroupHead(Section):
     variants: Variants | None = None
 
 
-def _missing_physics() -> str | None:
-    from cavalcade.fleet.mujoco.engine import load_mujoco
-
-    try:
-        load_mujoco()
-    except InputError as error:
-        return str(error)
-    return None
-
-
-@dataclass(frozen=True)
-class Group:
+class Group(_GroupHead):
     """Worlds of one kind.
 
     Attributes:
         name: What the trials' lines call `scenario`.
         seeds: How many worlds are sampled; None for all that there are, which must have an end.
-        sampler: Where they come from.
         variants: Every world is run with each.
+        sampler: Where they come from.
     """
 
-    name: str
-    seeds: int | None
-    sampler: Sampler
     variants: tuple[str, ...]
+    sampler: Sampler
 
     def numbers(self, first: int, data: DataFolder) -> range:
         """The seeds of its worlds, beginning with `first`."""
@@ -117,30 +121,10 @@ class Group:
         return range(first, max(min(ends, default=first), first))
 
 
-@dataclass(frozen=True)
-class Suite:
-    """A validated suite; immutable.
+class Suite(_Settings):
+    """A validated suite; immutable."""
 
-    Attributes:
-        suite: Its name.
-        about: One line.
-        time_limit: Of wall clock for one trial, s.
-        seed: The first seed of every group.
-        backend: Who moves the robots of every world; None leaves it to the worlds.
-        variants: All that there are, in the order of the report.
-        references: What a variant is compared with; for those that are not in it the first one.
-        disturbances: By name; empty where the suite names none.
-        worlds: The groups.
-    """
-
-    suite: str
-    about: str
-    time_limit: float
-    seed: int
-    backend: Backend | None
     variants: tuple[str, ...]
-    references: Mapping[str, str]
-    disturbances: Mapping[str, Disturbance]
     worlds: tuple[Group, ...]
 
     @property
@@ -162,23 +146,19 @@ class Suite:
             head: dict[str, Any] = {"name": group.name, "seeds": group.seeds}
             if group.variants != self.variants:
                 head["variants"] = list(group.variants)
-            section: Any = group.sampler
-            worlds.append({**head, **section.model_dump(mode="json")})
-        return {
-            "version": 1,
-            "suite": self.suite,
-            "about": self.about,
-            "time_limit": self.time_limit,
-            "seed": self.seed,
-            **({} if self.backend is None else {"backend": self.backend}),
-            "variants": list(self.variants),
-            "references": dict(self.references),
-            "disturbances": {
-                name: disturbance.model_dump(mode="json", exclude_none=True)
-                for name, disturbance in self.disturbances.items()
-            },
-            "worlds": worlds,
-        }
+            worlds.append({**head, **group.sampler.model_dump(mode="json")})
+        said = self.model_dump(mode="json", exclude={"worlds"}, exclude_none=True)
+        return {**said, "worlds": worlds}
+
+
+def _missing_physics() -> str | None:
+    from cavalcade.fleet.mujoco.engine import load_mujoco
+
+    try:
+        load_mujoco()
+    except InputError as error:
+        return str(error)
+    return None
 
 
 _FORMER_KEY, _FORMER_KINDS = "draw", {"hopeless": "infeasible"}
@@ -199,18 +179,13 @@ def with_current_names(data: Any) -> Any:
 def _with_sampler(group: Any) -> Any:
     if not isinstance(group, Mapping) or _FORMER_KEY not in group or "sampler" in group:
         return group
-    kind = group[_FORMER_KEY]
-    current = _FORMER_KINDS.get(kind, kind) if isinstance(kind, str) else kind
-    rest = {key: value for key, value in group.items() if key != _FORMER_KEY}
-    return {**rest, "sampler": current}
+    rest = dict(group)
+    kind = rest.pop(_FORMER_KEY)
+    return {**rest, "sampler": _FORMER_KINDS.get(kind, kind) if isinstance(kind, str) else kind}
 
 
 def parse_suite(data: Mapping[str, Any], file: str | Path | None = None) -> Suite:
-    """A suite from the plain data of its file.
-
-    Args:
-        data: What the file holds.
-        file: Named in errors; file names in the suite are relative to it.
+    """A suite from the plain data of its file; file names in it are relative to it.
 
     Raises:
         ScenarioError: It does not fit the schema.
@@ -224,7 +199,7 @@ def parse_suite(data: Mapping[str, Any], file: str | Path | None = None) -> Suit
 
 def _parsed(data: Mapping[str, Any], base: Path) -> Suite:
     """The suite; errors do not name its file. File names in it are relative to `base`."""
-    head: _Head = _validated(_Head, data, base, "")
+    head: _File = _validated(_File, data, base, "")
     references = {
         current_value("planner.variant", name): current_value("planner.variant", other)
         for name, other in head.references.items()
@@ -236,20 +211,11 @@ def _parsed(data: Mapping[str, Any], base: Path) -> Suite:
     every = [*(head.variants or ()), *(name for group in groups for name in group.variants)]
     variants = tuple(dict.fromkeys(every))
     for index, name in enumerate(head.variants or ()):
-        if all(name not in choices(group.sampler.individual_goals) for group in groups):
+        if all(name not in VARIANTS[group.sampler.individual_goals] for group in groups):
             check_variant(name, groups[0].sampler.individual_goals, f"variants[{index}]")
     _check_references(references, variants)
-    return Suite(
-        suite=head.suite,
-        about=head.about,
-        time_limit=head.time_limit,
-        seed=head.seed,
-        backend=head.backend,
-        variants=variants,
-        references=references,
-        disturbances=dict(head.disturbances),
-        worlds=groups,
-    )
+    changed = {"variants": variants, "references": references, "worlds": groups}
+    return Suite(**{**dict(head), **changed})
 
 
 def _check_references(references: Mapping[str, str], variants: tuple[str, ...]) -> None:
@@ -269,28 +235,20 @@ def _group(
     rest = dict(given)
     of_head = {key: rest.pop(key) for key in _GroupHead.model_fields if key in rest}
     head: _GroupHead = _validated(_GroupHead, of_head, base, place)
-    kinds = sampler_kinds()
     kind = given.get("sampler")
-    if not isinstance(kind, str) or kind not in kinds:
-        text = f"unknown value {short(kind)}{did_you_mean(str(kind), kinds)}"
+    if not isinstance(kind, str) or kind not in SAMPLERS:
+        text = f"unknown value {short(kind)}{did_you_mean(str(kind), SAMPLERS)}"
         if "sampler" not in given:
             text = "missing"
-        raise ScenarioError(text, key=f"{place}.sampler", choices=kinds)
-    sampler: Any = _validated(kinds[kind], rest, base, place)
-    individual_goals = bool(sampler.individual_goals)
-    for where, names in ((f"{place}.variants", head.variants), ("variants", variants)):
-        if names is not None:
-            for index, name in enumerate(names):
-                check_variant(name, individual_goals, f"{where}[{index}]")
-            return Group(head.name, head.seeds, sampler, names)
-    return Group(head.name, head.seeds, sampler, default(individual_goals))
-
-
-def sampler_kinds() -> dict[str, type[BaseModel]]:
-    """What a group's `sampler` may say, and the section that goes with it."""
-    union = get_args(SamplerSection)[0]
-    members = get_args(union) or (union,)
-    return {str(get_args(kind.model_fields["sampler"].annotation)[0]): kind for kind in members}
+        raise ScenarioError(text, key=f"{place}.sampler", choices=SAMPLERS)
+    sampler: Sampler = _validated(SAMPLERS[kind], rest, base, place)
+    where, names = "variants", variants
+    if head.variants is not None:
+        where, names = f"{place}.variants", head.variants
+    for index, name in enumerate(names or ()):
+        check_variant(name, sampler.individual_goals, f"{where}[{index}]")
+    names = names or (("auto",) if sampler.individual_goals else ("cavalcade",))
+    return Group(name=head.name, seeds=head.seeds, variants=names, sampler=sampler)
 
 
 def _validated(model: type[BaseModel], data: Mapping[str, Any], base: Path, place: str) -> Any:
@@ -303,3 +261,41 @@ def _validated(model: type[BaseModel], data: Mapping[str, Any], base: Path, plac
         found = ScenarioError(str(error))
     key = ".".join(part for part in (place, found.key) if part)
     raise found.at(key=key or None)
+
+
+def suite_names() -> tuple[str, ...]:
+    """The shipped suites' names, sorted."""
+    return tuple(sorted(path.stem for path in SUITES.glob("*.yaml")))
+
+
+def load_suite(name_or_path: str | Path) -> Suite:
+    """Read a suite by its name, if it is shipped, or from its file.
+
+    Raises:
+        ScenarioError: It does not exist or does not fit the schema.
+    """
+    file = find_suite(name_or_path)
+    data = parse_yaml(read_text(file), file=str(file))
+    if not isinstance(data, dict):
+        raise ScenarioError("expected a mapping with version, suite, worlds, …", file=file)
+    suite = parse_suite(data, file)
+    if with_current_names(data) != data:
+        text = "`draw` of worlds is called `sampler` now, and its value `hopeless` `infeasible`"
+        warnings.warn(f"{file}: {text}", FutureWarning, stacklevel=2)
+    return suite
+
+
+def find_suite(name_or_path: str | Path) -> Path:
+    """The file of a shipped suite, or the file itself."""
+    name = str(name_or_path)
+    names = suite_names()
+    if name in names:
+        return SUITES / f"{name}.yaml"
+    try:
+        if name.isprintable() and Path(name).is_file():
+            return Path(name)
+    except OSError:  # such as a name that is too long
+        pass
+    hint = did_you_mean(name, names)
+    shown = name if name.isprintable() and 0 < len(name) <= 200 else ascii(name)[:60]
+    raise ScenarioError(f"no such file or shipped suite{hint}", file=shown, choices=names)

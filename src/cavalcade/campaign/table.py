@@ -92,14 +92,9 @@ def columns_and_rows(
 
 
 def write_table(folder: str | Path, lines: Sequence[Mapping[str, Any]]) -> Path:
-    """Write `trials.parquet` into the folder, whole or not at all.
+    """Write `trials.parquet` into the campaign's folder, whole or not at all.
 
-    Args:
-        folder: Of the campaign.
-        lines: The trials, as in `trials.jsonl`.
-
-    Returns:
-        The file. Lines with the same content give the same bytes, whatever their order.
+    Lines with the same content give the same bytes, whatever their order.
 
     Raises:
         OutputError: It cannot be written.
@@ -121,7 +116,8 @@ def write_table(folder: str | Path, lines: Sequence[Mapping[str, Any]]) -> Path:
     except OSError as error:
         raise OutputError(f"cannot write {path}: {error.strerror or error}") from error
     except duckdb.IOException as error:
-        raise OutputError(f"cannot write {path}: {_first_line(error)}") from error
+        said = str(error).splitlines() or [type(error).__name__]
+        raise OutputError(f"cannot write {path}: {said[0]}") from error
     return path
 
 
@@ -217,10 +213,6 @@ def _rank(row: Mapping[str, Any]) -> tuple[Any, ...]:
     texts = [row[name] or "" for name in ("suite", "scenario", "disturbance", "variant", "trial")]
     seed = row["seed"]
     return (*texts[:2], -1 if seed is None else seed, *texts[2:])
-
-
-def _first_line(error: Exception) -> str:
-    return (str(error).splitlines() or [type(error).__name__])[0]
 
 
 _PATH = re.compile(

@@ -77,7 +77,8 @@ class Trial:
         data: dict[str, Any] = copy.deepcopy(dict(instance.scenario))
         words = planner_settings(self.variant, self.sampler.individual_goals)
         data["planner"] = {**data.get("planner", {}), **words}
-        data["execution"] = self.disturbed.over({"seed": self.seed, **data.get("execution", {})})
+        disturbed = self.disturbed.model_dump(mode="json", exclude_none=True)
+        data["execution"] = {"seed": self.seed, **data.get("execution", {}), **disturbed}
         if self.backend is not None:
             data["execution"]["backend"] = self.backend
         apply_overrides(data, self.overrides, None)
@@ -117,15 +118,10 @@ def trials_of(suite: Suite, overrides: tuple[str, ...], data: DataFolder) -> Ite
 
 
 def check_worlds(suite: Suite, overrides: tuple[str, ...], data: DataFolder) -> None:
-    """See that worlds can be sampled and that the overrides fit them, before any trial is run.
-
-    The first world of each group is tried.
-
-    Raises:
-        InputError: One cannot be sampled, or an override does not fit.
-    """
+    """Refuse overrides that do not fit, and groups whose first world cannot be sampled."""
     for index, group in enumerate(suite.worlds):
-        first = replace(suite, worlds=(replace(group, seeds=1, sampler=unplanned(group.sampler)),))
+        one = group.model_copy(update={"seeds": 1, "sampler": unplanned(group.sampler)})
+        first = suite.model_copy(update={"worlds": (one,)})
         instance: Instance | None = None
         for trial in trials_of(first, (), data):
             try:

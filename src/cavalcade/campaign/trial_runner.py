@@ -18,7 +18,7 @@ from cavalcade.campaign.trial import CRASHED, REFUSED, UNKNOWN, Line, Trial, fai
 from cavalcade.errors import InputError, OutputError
 
 if TYPE_CHECKING:
-    from cavalcade.campaign.verdict import Verdict
+    from cavalcade.campaign.judging import Verdict
     from cavalcade.jobs import JobResult
     from cavalcade.scenario import Scenario
 
@@ -46,13 +46,7 @@ def lost_line(trial: Trial, outcome: str, detail: str) -> Line:
 def run_trial_into(
     trial: Trial, out: Path | None, *, force: bool = False, quiet: bool = True
 ) -> tuple[Line, JobResult | None]:
-    """Run one trial and judge it.
-
-    Args:
-        trial: Which one.
-        out: A folder for recording, figures and replay; None for none of them.
-        force: Replace what `out` holds.
-        quiet: Print nothing.
+    """Run one trial and judge it; recording, figures and replay go to `out`, if there is one.
 
     Returns:
         The trial's line, and the run unless there was none.
@@ -121,7 +115,7 @@ def _carried_out(
 
 
 def _planned(known: _Known, out: Path | None, force: bool, quiet: bool) -> tuple[Line, JobResult]:
-    from cavalcade.campaign.planned import judged_plan, measured_plan
+    from cavalcade.campaign.judging import judged_plan, measured_plan
     from cavalcade.campaign.warming import warm
     from cavalcade.jobs import plan
 

@@ -47,8 +47,8 @@ def warm_all(wanted: Sequence[Warmth]) -> None:
 @cache
 def warm(variant: str, uneven: bool) -> None:
     """Plan a small problem once in this process, and have it judged."""
+    from cavalcade.campaign.judging import judged_plan
     from cavalcade.campaign.methods import planner_settings
-    from cavalcade.campaign.planned import judged_plan
     from cavalcade.jobs import plan
     from cavalcade.scenario import parse_scenario
 

@@ -16,8 +16,7 @@ import numpy as np
 from cavalcade.checking.report import Kind, Violation
 from cavalcade.checking.stretches import beyond_by
 from cavalcade.checking.tracks import Track
-from cavalcade.geometry import Array
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY, Array
 from cavalcade.robots import RobotModel
 
 TOLERANCE = 0.02

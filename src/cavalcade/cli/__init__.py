@@ -9,14 +9,7 @@ __all__ = ["main"]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command.
-
-    Args:
-        arguments: Without the program's name; those of the process if None.
-
-    Returns:
-        The exit code.
-    """
+    """Run one command, by default that of the process, and give its exit code."""
     try:
         # Here and not above, so that Ctrl-C may come from the first moment on.
         from cavalcade.cli.commands import run_command

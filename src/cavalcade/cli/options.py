@@ -47,11 +47,7 @@ Json = Annotated[bool, typer.Option("--json", help="The result as JSON on stdout
 def load(
     scenario: str, overrides: list[str] | None, seed: int | None, backend: str | None
 ) -> Scenario:
-    """The scenario with everything the command line says over its file.
-
-    Raises:
-        ScenarioError: It cannot be used.
-    """
+    """The scenario with everything the command line says over its file."""
     from cavalcade.scenario import load_scenario
 
     said = list(overrides or [])
@@ -66,12 +62,7 @@ def file_name(name: str) -> str:
 
 
 def check_picture(path: Path) -> None:
-    """Refuse a picture that cannot be written, before any work is done.
-
-    Raises:
-        InputError: The ending is none of a picture.
-        OutputError: There is no such folder, or a folder of that name.
-    """
+    """Refuse a picture that cannot be written, before any work is done."""
     if path.suffix.lower() not in PICTURES:
         raise InputError("expected the name of a picture", key="--out", choices=PICTURES)
     if path.is_dir():

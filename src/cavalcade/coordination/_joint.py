@@ -50,24 +50,13 @@ class TeamScene(NamedTuple):
 
 @njit(cache=True)
 def word_between(team, k, a, b):
-    """The cheapest word of robot `k` from rest at `a` to rest at `b` on free ground; whether any.
-
-    Args:
-        team: `TeamScene`.
-        k: The robot.
-        a, b: `(3,)` poses.
-
-    Returns:
-        Moves `(M, 6)`, and whether there is such a word.
-    """
+    """The cheapest word `(M, 6)` of robot `k` from rest at `a` to rest at `b`; whether any."""
     limits = member(team.team, k)
     scene = Scene(team.grid, team.nobody, limits, team.margins, team.metre_cost)
     words = no_words()
     number = connect(a, 0.0, b, 0.0, limits, team.metre_cost, words)
     for _ in range(number):
         pick, count = take_cheapest(words, number)
-        if pick < 0:
-            break
         word = words.moves[pick, :count]
         if moves_free(scene, (a[0], a[1], a[2]), word, 0.0, False):
             return word.copy(), True
@@ -165,16 +154,10 @@ def _towards(node, point, share, forward, out):
 
 @njit(cache=True)
 def search_joint(team, starts, goals, rng, most):
-    """Poses of all robots to stop at on their paths from the starts to the goals.
-
-    Args:
-        team: `TeamScene`.
-        starts, goals: `(N, 3)`.
-        rng: State of the generator `(1,)`.
-        most: Extensions.
+    """Poses of all robots to stop at on their paths from the starts to the goals `(N, 3)`.
 
     Returns:
-        FOUND or SPENT; poses `(M, N, 3)`, starts and goals included; extensions.
+        FOUND or SPENT; poses `(M, N, 3)`, starts and goals included; extensions, at most `most`.
     """
     n = len(team.team)
     if edge_free(team, starts, goals):
@@ -219,26 +202,19 @@ def search_joint(team, starts, goals, rng, most):
 @njit(cache=True)
 def _path(nodes, parents, first, last):
     """From the root of the first tree over the two nodes to the root of the second tree."""
-    ahead = 0
-    node = first
-    while node >= 0:
+    ahead, behind = 0, 0
+    path = np.empty((2 * nodes.shape[1], nodes.shape[2], 3))
+    # The first tree's part is written from the middle back, the second one's from there on.
+    middle = nodes.shape[1]
+    while first >= 0:
         ahead += 1
-        node = parents[0, node]
-    behind = 0
-    node = last
-    while node >= 0:
+        path[middle - ahead] = nodes[0, first]
+        first = parents[0, first]
+    while last >= 0:
+        path[middle + behind] = nodes[1, last]
         behind += 1
-        node = parents[1, node]
-    path = np.empty((ahead + behind, nodes.shape[2], 3))
-    node = first
-    for k in range(ahead - 1, -1, -1):
-        path[k] = nodes[0, node]
-        node = parents[0, node]
-    node = last
-    for k in range(behind):
-        path[ahead + k] = nodes[1, node]
-        node = parents[1, node]
-    return path
+        last = parents[1, last]
+    return path[middle - ahead : middle + behind].copy()
 
 
 @njit(cache=True)

@@ -7,18 +7,14 @@ and a short one in the product space. Then all three at length.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-import numpy as np
-
-from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.cbs import conflict_search
 from cavalcade.coordination.conflicts import conflicts_of
+from cavalcade.coordination.joint import solve_merged
 from cavalcade.coordination.prioritised import improved, in_order, mended_orders
-from cavalcade.coordination.problem import PlanSettings
-from cavalcade.coordination.robot_planner import EFFORT, RobotPlanner
-from cavalcade.coordination.solution import Paths, RobotPath, Solution, total_cost
+from cavalcade.coordination.result import Paths, Solution, total_cost
+from cavalcade.coordination.robot_planner import EFFORT, TeamSearch
 
 _FEW = 4
 """So few robots in conflict are searched for conflicts and planned as one, with a share of the
@@ -26,75 +22,44 @@ budget, before orders are tried at length."""
 
 _SHARE = 0.05
 
-Together = Callable[[Budget], Paths | None]
-"""Plans the robots in conflict as one and the others past them; None if it finds nothing."""
 
-
-def solve_auto(
-    planner: RobotPlanner,
-    settings: PlanSettings,
-    alone: Paths,
-    budget: Budget,
-    rng: np.random.Generator,
-    together: Together | None = None,
-) -> Solution:
-    """Paths without conflicts, or the best that is known.
-
-    Args:
-        planner: Of one robot.
-        settings: Of the methods.
-        alone: Each robot's path regardless of the others.
-        budget: Of the call.
-        rng: Draws orders once mending goes round in circles.
-        together: The search in the product space.
-    """
-    team = dict(enumerate(alone))
-    conflicts = conflicts_of([path.track for path in alone], planner.problem.models, 1)
+def solve_auto(search: TeamSearch) -> Solution:
+    """Paths without conflicts, or the best that is known."""
+    alone, budget, problem = search.alone, search.budget, search.planner.problem
+    conflicts = conflicts_of([path.track for path in alone], problem.models, 1)
     if not conflicts:
         return Solution(alone, True, "")
-
-    def better(paths: dict[int, RobotPath] | Paths, method: str) -> Solution:
-        """What was found, with the robots planned anew that lose most by it."""
-        start = dict(enumerate(paths)) if isinstance(paths, tuple) else paths
-        found = improved(planner, start, team, budget)
-        if method == "prioritised" and len(team) == 2:
-            found = _cheaper_order(planner, found, team, budget)
-        return Solution(tuple(found[k] for k in team), True, method)
-
-    coupled = {robot for conflict in conflicts for robot in (conflict.i, conflict.j)}
-    paths = mended_orders(planner, team, budget, rng, len(team) + 2, EFFORT // 4)
+    coupled = sorted({robot for conflict in conflicts for robot in (conflict.i, conflict.j)})
+    paths = mended_orders(search, len(alone) + 2, EFFORT // 4)
     if paths is None and len(coupled) <= _FEW:
-        part = budget.share(_SHARE)
-        searched = conflict_search(planner, settings, alone, part)
-        budget.spend(part.used)
+        part = replace(search, budget=budget.share(_SHARE))
+        searched = conflict_search(part, alone)
+        budget.spend(part.budget.used)
         if searched.solved:
-            return replace(better(searched.paths, "cbs"), counts=searched.counts)
-        if together is not None:
-            part = budget.share(_SHARE)
-            merged = together(part)
-            budget.spend(part.used)
+            return replace(searched, paths=improved(search, searched.paths))
+        if problem.ground.flat:
+            part = replace(search, budget=budget.share(_SHARE))
+            merged = solve_merged(part, coupled)
+            budget.spend(part.budget.used)
             if merged is not None:
-                return better(merged, "joint")
+                return Solution(improved(search, merged), True, "joint")
     if paths is None:
-        paths = mended_orders(planner, team, budget, rng, 3 * len(team) + 10)
+        paths = mended_orders(search, 3 * len(alone) + 10)
     if paths is not None:
-        return better(paths, "prioritised")
-    searched = conflict_search(planner, settings, alone, budget)
+        paths = improved(search, paths)
+        if len(paths) == 2:
+            paths = _cheaper_order(search, paths)
+        return Solution(paths, True, "prioritised")
+    searched = conflict_search(search, alone)
     if searched.solved:
-        return replace(better(searched.paths, "cbs"), counts=searched.counts)
-    merged = None if together is None else together(budget)
+        return replace(searched, paths=improved(search, searched.paths))
+    merged = solve_merged(search, coupled) if problem.ground.flat else None
     return searched if merged is None else Solution(merged, True, "joint")
 
 
-def _cheaper_order(
-    planner: RobotPlanner,
-    paths: dict[int, RobotPath],
-    alone: Mapping[int, RobotPath],
-    budget: Budget,
-) -> dict[int, RobotPath]:
+def _cheaper_order(search: TeamSearch, paths: Paths) -> Paths:
     """Of two robots, either may give way."""
-    order = sorted(paths, key=lambda k: (paths[k].cost - alone[k].cost, k), reverse=True)
-    other, failed = in_order(planner, order, budget, None, alone, effort=EFFORT // 4)
-    if failed is not None:
-        return paths
-    return min(paths, other, key=total_cost)
+    losses = [path.cost - own.cost for path, own in zip(paths, search.alone, strict=True)]
+    order = sorted(range(2), key=lambda k: (losses[k], k), reverse=True)
+    other, failed = in_order(search, order, effort=EFFORT // 4)
+    return paths if failed is not None else min(paths, (other[0], other[1]), key=total_cost)

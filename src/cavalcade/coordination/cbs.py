@@ -10,15 +10,15 @@ from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import count
 
-from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.conflicts import Conflict, conflicts_of
+from cavalcade.coordination.joint import solve_joint
 from cavalcade.coordination.problem import PlanSettings
-from cavalcade.coordination.robot_planner import RobotPlanner, Span
-from cavalcade.coordination.solution import Paths, Solution
+from cavalcade.coordination.result import Paths, Solution, total_cost
+from cavalcade.coordination.robot_planner import Span, TeamSearch
 from cavalcade.lattice.planner import TRACK_STEP
 
 _PAD = 0.5
@@ -36,9 +36,8 @@ _EARLY = 3.0
 _PAIRS = 3
 """So many pairs in conflict are looked at to find the most telling conflict."""
 
-
-Merge = Callable[[tuple[int, int]], Paths | None]
-"""Paths of two robots that avoid each other, or None."""
+_MOST_NODES = 400
+"""Nodes of the tree at most."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,27 +49,20 @@ class _Node:
 
     @property
     def cost(self) -> float:
-        return sum(path.cost for path in self.paths)
+        return total_cost(self.paths)
 
 
-def conflict_search(
-    planner: RobotPlanner,
-    settings: PlanSettings,
-    root: Paths,
-    budget: Budget,
-    most_nodes: int = 400,
-    merge: Merge | None = None,
-) -> Solution:
+def conflict_search(search: TeamSearch, root: Paths, merging: bool = False) -> Solution:
     """Resolve the conflicts of paths that were planned regardless of each other.
 
     Args:
-        planner: Of one robot.
-        settings: `conflict` and `constraints`.
+        search: Of the team.
         root: A path for each robot.
-        budget: Of the call.
-        most_nodes: Nodes of the tree at most.
-        merge: Plans two robots that keep conflicting as one; None leaves them to constraints.
+        merging: Whether two robots that keep conflicting are planned as one, regardless of the
+            others; else they are left to constraints.
     """
+    planner, settings, budget = search.planner, search.settings, search.budget
+    problem = planner.problem
     order = count()
 
     def node(
@@ -79,7 +71,7 @@ def conflict_search(
         met: Mapping[tuple[int, int], int],
     ) -> _Node:
         tracks = [path.track for path in paths]
-        found = conflicts_of(tracks, planner.problem.models, distance=settings.distance)
+        found = conflicts_of(tracks, problem.models, distance=settings.distance)
         return _Node(paths, avoid, found, met)
 
     def child(parent: _Node, conflict: Conflict, robot: int, other: int) -> _Node | None:
@@ -108,7 +100,7 @@ def conflict_search(
 
     def merged(parent: _Node, conflict: Conflict) -> list[_Node]:
         pair = (conflict.i, conflict.j)
-        together = None if merge is None else merge(pair)
+        together = solve_joint(problem.part(pair), search.lattice, budget, search.rng)
         if together is None:
             return []
         paths, avoids = list(parent.paths), list(parent.avoid)
@@ -120,7 +112,7 @@ def conflict_search(
         best: list[_Node] = []
         least = -math.inf
         for conflict in _choice(parent.conflicts, settings.conflict):
-            if parent.met.get((conflict.i, conflict.j), 0) >= _MERGE:
+            if merging and parent.met.get((conflict.i, conflict.j), 0) >= _MERGE:
                 together = merged(parent, conflict)
                 if together:
                     return together
@@ -142,7 +134,7 @@ def conflict_search(
     queue = [(first.cost, len(first.conflicts), next(order), first)]
     nodes = 0
     last = first
-    while queue and nodes < most_nodes and not budget.spent:
+    while queue and nodes < _MOST_NODES and not budget.spent:
         _, _, _, last = heapq.heappop(queue)
         nodes += 1
         if not last.conflicts:

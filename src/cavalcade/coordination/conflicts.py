@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 
-from cavalcade.coordination._conflicts import find_conflicts
 from cavalcade.geometry import Array
+from cavalcade.geometry.boxes import footprint_at, footprint_radius, footprints_meet
+from cavalcade.lattice.collision import place_free, pose_at
 from cavalcade.lattice.motion_limits import footprint
 from cavalcade.lattice.planner import TRACK_STEP, stacked
 from cavalcade.robots import RobotModel
@@ -55,3 +58,83 @@ def conflicts_of(
     rows = find_conflicts(table, TRACK_STEP, shapes, MARGIN, speed, _LOOK, most)
     found = [Conflict(int(i), int(j), float(a), float(b)) for i, j, a, b in rows]
     return sorted(found, key=lambda conflict: (conflict.begin, conflict.i, conflict.j))
+
+
+@njit(cache=True)
+def find_conflicts(tracks, dt, shapes, margin, speed, step, most):
+    """The times at which two bodies are nearer than `margin`, after which all stand.
+
+    Args:
+        tracks: `(N, K, 3)` poses every `dt` s, linear in between.
+        shapes: `(N, 3)` half length, half width (m), whether round.
+        speed: Of the fastest point of any body, m/s: no two approach by more than twice that.
+        step: Time between looks where two are near, s.
+        most: Conflicts at most, of each pair.
+
+    Returns:
+        `(C, 4)` robots i < j, first and last moment in s; infinite for a conflict that stays.
+    """
+    n = tracks.shape[0]
+    end = (tracks.shape[1] - 1) * dt
+    found = np.empty((n * (n - 1) // 2 * most, 4))
+    count = 0
+    for i in range(n):
+        first = footprint_at(shapes, i)
+        for j in range(i + 1, n):
+            second = footprint_at(shapes, j)
+            radii = footprint_radius(first), footprint_radius(second)
+            t = 0.0
+            begin = -1.0
+            of_pair = 0
+            while t <= end and of_pair < most:
+                here, there = pose_at(tracks, i, t / dt), pose_at(tracks, j, t / dt)
+                away = math.sqrt((here[0] - there[0]) ** 2 + (here[1] - there[1]) ** 2)
+                gap = away - radii[0] - radii[1] - margin
+                meet = gap < 0.0 and footprints_meet(first, here, second, there, margin)
+                if meet and begin < 0.0:
+                    begin = t
+                if not meet and begin >= 0.0:
+                    found[count, 0], found[count, 1] = i, j
+                    found[count, 2], found[count, 3] = begin, t
+                    count += 1
+                    of_pair += 1
+                    begin = -1.0
+                if t == end:
+                    break
+                # No sooner than after this can the circles around the two meet.
+                t = min(t + max(step, gap / (2.0 * speed)), end)
+            if begin >= 0.0 and of_pair < most:
+                found[count, 0], found[count, 1] = i, j
+                found[count, 2], found[count, 3] = begin, math.inf
+                count += 1
+    return found[:count]
+
+
+@njit(cache=True)
+def first_conflict(others, footprint, track, delay, margin, step):
+    """The first time at which a robot on a track is nearer than `margin` to others; -1 if never.
+
+    Its poses `(K, 3)` are as far apart in time as the others', begun after `delay` s at the first
+    one; looks are `step` s apart.
+    """
+    if others.spans.shape[0] == 0:
+        return -1.0
+    dt = others.step
+    last = len(track) - 1
+    end = max((others.tracks.shape[1] - 1) * dt, delay + last * dt)
+    count = int(math.ceil(end / step)) + 1
+    # The last look is long after everybody has come to rest.
+    for k in range(count + 1):
+        t = k * step if k < count else end + 1e6
+        at = min(max((t - delay) / dt, 0.0), float(last))
+        i = min(int(at), max(last - 1, 0))
+        f = at - i
+        j = min(i + 1, last)
+        pose = (
+            track[i, 0] + f * (track[j, 0] - track[i, 0]),
+            track[i, 1] + f * (track[j, 1] - track[i, 1]),
+            track[i, 2] + f * (track[j, 2] - track[i, 2]),
+        )
+        if not place_free(others, footprint, pose, t, margin):
+            return t
+    return -1.0

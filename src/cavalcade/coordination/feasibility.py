@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -17,35 +16,22 @@ _TOUCH = -1e-6
 """Bodies that only touch don't overlap, m."""
 
 
-@dataclass(frozen=True)
-class Proof:
-    """Why there is no plan.
+def infeasible(
+    problem: TeamProblem, lattice: SpaceTimePlanner
+) -> tuple[str, tuple[int, ...]] | None:
+    """Why there is no plan, in one line, and the robots that it is about; None without a proof.
 
-    Attributes:
-        text: One line.
-        robots: That it is about.
-    """
-
-    text: str
-    robots: tuple[int, ...]
-
-
-def infeasible(problem: TeamProblem, lattice: SpaceTimePlanner) -> Proof | None:
-    """A proof that there is no plan, if one is at hand.
-
-    Args:
-        problem: The team's.
-        lattice: Its cost-to-go says what is connected.
+    The lattice's cost-to-go says what is connected.
     """
     footprints = [footprint(model) for model in problem.models]
     for name, poses in (("start", problem.starts), ("goal", problem.goals)):
         for k, pose in enumerate(poses):
             if not pose_free(lattice.grid, footprints[k], *pose, _TOUCH):
-                return Proof(f"the {name} of robot {k} is off the map or in an obstacle", (k,))
+                return f"the {name} of robot {k} is off the map or in an obstacle", (k,)
         for i, j in combinations(range(len(poses)), 2):
             if footprints_meet(footprints[i], poses[i], footprints[j], poses[j], _TOUCH):
-                return Proof(f"the {name}s of robots {i} and {j} overlap", (i, j))
+                return f"the {name}s of robots {i} and {j} overlap", (i, j)
     for k, (start, goal) in enumerate(zip(problem.starts, problem.goals, strict=True)):
         if not lattice.reachable(problem.models[k], np.array(start), np.array(goal)):
-            return Proof(f"no way leads robot {k} to its goal, not even alone", (k,))
+            return f"no way leads robot {k} to its goal, not even alone", (k,)
     return None

@@ -6,8 +6,9 @@ each robot's path is shortened in space and time among those of the others.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
-from numpy.typing import NDArray
 
 from cavalcade.coordination._joint import (
     FOUND,
@@ -17,14 +18,13 @@ from cavalcade.coordination._joint import (
     word_between,
 )
 from cavalcade.coordination.budget import Budget
-from cavalcade.coordination.conflicts import conflicts_of
 from cavalcade.coordination.problem import TeamProblem
-from cavalcade.coordination.robot_planner import RobotPlanner, spans_of
-from cavalcade.coordination.solution import Paths, RobotPath, total_cost
+from cavalcade.coordination.result import Paths, RobotPath, total_cost
+from cavalcade.coordination.robot_planner import Span, TeamSearch, others_among, spans_of
 from cavalcade.geometry import Array
 from cavalcade.lattice.collision import Margins
-from cavalcade.lattice.motion_limits import team_limits
-from cavalcade.lattice.planner import MARGINS, NOBODY, SpaceTimePlanner, TimedPath, others_of
+from cavalcade.lattice.motion_limits import metre_cost, motion_limits, team_limits
+from cavalcade.lattice.planner import MARGINS, NOBODY, SpaceTimePlanner, TimedPath
 from cavalcade.lattice.primitives import DURATION
 
 _ATTEMPT = 200
@@ -52,19 +52,32 @@ def solve_joint(
 ) -> Paths | None:
     """Paths without conflicts, or None if the budget was spent first.
 
-    Args:
-        problem: The team's.
-        lattice: Whose ground, limits and costs are used.
-        budget: Of the call.
-        rng: Seeds the trees.
-        polish: Shorten the paths afterwards; the paper's planner does not.
+    They are shortened afterwards if `polish` says so; the paper's planner does not.
     """
-    attempt = _ATTEMPT
     state = rng.integers(0, 2**63, size=1, dtype=np.int64).astype(np.uint64)
+    limits = [motion_limits(model) for model in problem.models]
+    mean_speed = float(np.cumsum([robot.speed for robot in limits])[-1] / len(limits))
+    starts, goals = np.array(problem.starts), np.array(problem.goals)
+    share = _ITERATIONS * len(limits)
+
+    def searched(margins: Margins, attempt: int) -> Paths | None:
+        """What one pair of trees finds within so many extensions."""
+        team = TeamScene(lattice.grid, NOBODY, team_limits(limits), margins, metre_cost(mean_speed))
+        most = max(1, budget.most(attempt * share) // share)
+        status, nodes, used = search_joint(team, starts, goals, state, most)
+        budget.spend(used * share)
+        if status != FOUND:
+            return None
+        paths = _paths_through(problem, team, shorten_joint(team, nodes))
+        if polish:
+            paths = _polished(problem, lattice, paths, margins)
+        return tuple(RobotPath(path, path.cost) for path in paths)
+
+    attempt = _ATTEMPT
     best: Paths | None = None
     while best is None and not budget.spent:
         for margins in MARGINS:
-            best = _searched(problem, lattice, budget, state, margins, attempt, polish)
+            best = searched(margins, attempt)
             if best is not None or budget.spent:
                 break
         attempt = min(2 * attempt, _LONGEST)
@@ -75,43 +88,13 @@ def solve_joint(
             break
         if all(len(path.motion.moves) < 4 for path in best if isinstance(path.motion, TimedPath)):
             break  # straight there: the trees would find the same again
-        other = _searched(problem, lattice, budget, state, margins, _ATTEMPT, polish)
+        other = searched(margins, _ATTEMPT)
         if other is not None and total_cost(other) < total_cost(best) - 1e-6:
             best = other
     return best
 
 
-def _searched(
-    problem: TeamProblem,
-    lattice: SpaceTimePlanner,
-    budget: Budget,
-    state: NDArray[np.uint64],
-    margins: Margins,
-    attempt: int,
-    polish: bool,
-) -> Paths | None:
-    """What one pair of trees finds within so many extensions."""
-    limits = [lattice.limits(model) for model in problem.models]
-    mean_speed = float(np.cumsum([robot.speed for robot in limits])[-1] / len(limits))
-    team = TeamScene(
-        lattice.grid, NOBODY, team_limits(limits), margins, lattice.metre_cost_for(mean_speed)
-    )
-    starts, goals = np.array(problem.starts), np.array(problem.goals)
-    share = _ITERATIONS * len(limits)
-    most = max(1, budget.most(attempt * share) // share)
-    status, nodes, used = search_joint(team, starts, goals, state, most)
-    budget.spend(used * share)
-    if status != FOUND:
-        return None
-    paths = _paths_through(problem, lattice, team, shorten_joint(team, nodes))
-    if polish:
-        paths = _polished(problem, lattice, paths, margins)
-    return tuple(RobotPath(path, lattice.cost(path)) for path in paths)
-
-
-def _paths_through(
-    problem: TeamProblem, lattice: SpaceTimePlanner, team: TeamScene, nodes: Array
-) -> list[TimedPath]:
+def _paths_through(problem: TeamProblem, team: TeamScene, nodes: Array) -> list[TimedPath]:
     """Each robot's moves along the nodes `(M, N, 3)`; who is there first waits for the others."""
     robots = range(len(problem.models))
     rows: list[list[Array]] = [[] for _ in robots]
@@ -125,9 +108,7 @@ def _paths_through(
             if stand[DURATION] > 1e-9 and k < len(nodes) - 2:
                 rows[i].append(stand)
     return [
-        TimedPath(
-            nodes[0, i].copy(), np.array(rows[i]).reshape(-1, 6), lattice.limits(model), model
-        )
+        TimedPath(nodes[0, i].copy(), np.array(rows[i]).reshape(-1, 6), motion_limits(model), model)
         for i, model in enumerate(problem.models)
     ]
 
@@ -137,45 +118,26 @@ def _polished(
 ) -> list[TimedPath]:
     """The same, each path shortened among the others' for as long as that helps."""
     for _ in range(_ROUNDS):
-        before = sum(lattice.cost(path) for path in paths)
+        before = sum(path.cost for path in paths)
         for k, path in enumerate(paths):
-            rest = [j for j in range(len(paths)) if j != k]
-            others = others_of(
-                [paths[j].track() for j in rest],
-                [problem.models[j] for j in rest],
-                [(i, 0.0, np.inf) for i in range(len(rest))],
-            )
-            paths[k] = lattice.shortened(path, others, margins)
-        if sum(lattice.cost(path) for path in paths) > before - 1e-6:
+            rest = [Span(j, other.track()) for j, other in enumerate(paths) if j != k]
+            paths[k] = lattice.shortened(path, others_among(problem, rest), margins)
+        if sum(path.cost for path in paths) > before - 1e-6:
             break
     return paths
 
 
-def solve_merged(
-    lattice: SpaceTimePlanner,
-    planner: RobotPlanner,
-    alone: Paths,
-    budget: Budget,
-    rng: np.random.Generator,
-) -> Paths | None:
-    """Robots whose own paths conflict planned as one, the others one by one past them.
-
-    Args:
-        lattice: Whose ground, limits and costs are used.
-        planner: Of one robot.
-        alone: Each robot's path regardless of the others.
-        budget: Of the call.
-        rng: Seeds the trees.
-    """
-    conflicts = conflicts_of([path.track for path in alone], planner.problem.models, 1)
-    group = sorted({robot for conflict in conflicts for robot in (conflict.i, conflict.j)})
-    together = solve_joint(planner.problem.part(group), lattice, budget, rng)
+def solve_merged(search: TeamSearch, group: Sequence[int]) -> Paths | None:
+    """The robots of a group planned as one, the others one by one past them."""
+    planner, alone = search.planner, search.alone
+    part = planner.problem.part(group)
+    together = solve_joint(part, search.lattice, search.budget, search.rng)
     if together is None:
         return None
     paths = dict(zip(group, together, strict=True))
     for robot in range(len(alone)):
         if robot not in paths:
-            path = planner.plan(robot, spans_of(paths.items()), budget)
+            path = planner.plan(robot, spans_of(paths.items()), search.budget)
             if path is None:
                 return None
             paths[robot] = path

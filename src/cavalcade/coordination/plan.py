@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -12,20 +12,25 @@ from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.cbs import conflict_search
 from cavalcade.coordination.conflicts import conflicts_of
 from cavalcade.coordination.feasibility import infeasible
-from cavalcade.coordination.inflation import plan_inflated
-from cavalcade.coordination.joint import solve_joint, solve_merged
+from cavalcade.coordination.joint import solve_joint
 from cavalcade.coordination.prioritised import improved, solve_sequential
 from cavalcade.coordination.problem import PlanSettings, TeamProblem
 from cavalcade.coordination.published import DISTANCE, PublishedPlanner
-from cavalcade.coordination.result import TeamPlan
-from cavalcade.coordination.robot_planner import EFFORT, FlatPlanner, RobotPlanner
-from cavalcade.coordination.solution import Paths, RobotPath, Solution, total_cost
+from cavalcade.coordination.result import Paths, RobotPath, Solution, TeamPlan, total_cost
+from cavalcade.coordination.robot_planner import EFFORT, FlatPlanner, RobotPlanner, TeamSearch
 from cavalcade.coordination.terrain import TerrainPlanner, walkable
 from cavalcade.coordination.warm import warm_up
 from cavalcade.errors import InputError
 from cavalcade.lattice.planner import SpaceTimePlanner
+from cavalcade.robots import RobotModel
 
 METHODS = ("auto", "sequential", "joint", "cbs")
+
+_SMALLEST = 0.2
+"""A margin less than this part of what was asked for is none."""
+
+_SHARE = 0.5
+"""Part of what is left of the budget for a search with margins, of which there may be another."""
 
 
 def plan_team(
@@ -57,10 +62,49 @@ def plan_team(
         raise InputError("expected at least one robot", key="robots")
     settings = settings or PlanSettings()
 
-    def plan(problem: TeamProblem, settings: PlanSettings) -> TeamPlan:
+    if not settings.margin:
         return _Call(problem, method, settings, seed).answer()
+    return _plan_inflated(problem, method, settings, seed)
 
-    return plan_inflated(problem, settings, plan) if settings.margin else plan(problem, settings)
+
+def _plan_inflated(
+    problem: TeamProblem, method: str, settings: PlanSettings, seed: int
+) -> TeamPlan:
+    """The plan for bodies that are inflated by `settings.margin`, or by less where that has none.
+
+    Robots do not go exactly where they are sent. Where start, goal or ground leave a robot no space
+    for its margin, that is halved, then given up; where the search finds nothing, those of all are.
+    """
+    margins = [settings.margin] * len(problem.models)
+    budget = Budget(settings.iterations, settings.seconds)
+    searching = 0.0
+    while True:
+        inflating = any(margins)
+        share = budget.share(_SHARE if inflating else 1.0)
+        larger = replace(problem, models=tuple(map(inflated, problem.models, margins)))
+        within = replace(settings, iterations=share.iterations, seconds=share.seconds, margin=0.0)
+        answer = _Call(larger, method, within, seed).answer()
+        budget.spend(answer.iterations)
+        searching += answer.planning_time
+        refused = answer.reason == "infeasible"
+        tight = [k for k in answer.involved if margins[k]] if refused else range(len(margins))
+        if answer.solved or not inflating or not tight:
+            return replace(
+                answer,
+                iterations=budget.used,
+                planning_time=searching,
+                margins=tuple(margins),
+            )
+        for k in tight:
+            half = 0.5 * margins[k]
+            margins[k] = half if half >= _SMALLEST * settings.margin else 0.0
+
+
+def inflated(model: RobotModel, margin: float) -> RobotModel:
+    """The robot with a footprint that is `margin` m wider on all sides."""
+    if not margin:
+        return model
+    return replace(model, length=model.length + 2.0 * margin, width=model.width + 2.0 * margin)
 
 
 class _Call:
@@ -86,48 +130,39 @@ class _Call:
         self.planner = self._planner()
 
     def answer(self) -> TeamPlan:
-        problem, budget = self.problem, self.budget
-        proof = infeasible(problem, self.lattice)
-        robots = range(len(problem.models))
-        nothing: list[RobotPath | None] = [None for _ in robots]
+        budget, planner = self.budget, self.planner
+        proof = infeasible(self.problem, self.lattice)
         if proof is not None:
-            return self._team_plan("infeasible", proof.text, proof.robots, nothing)
+            return self._team_plan("infeasible", *proof)
         if self.method == "joint":
             # Its trees plan all robots at once; nobody is planned alone.
             together = self._joint()
             if together is None:
-                text = f"no plan found in the product space; {budget}"
-                return self._team_plan("budget", text, (), nothing)
-            solution = self._checked(Solution(together, True, "joint"))
-            return self._answered(solution)
-        refused = next(((k, why) for k in robots if (why := self.planner.refusal(k))), None)
-        if refused is not None:
-            text = f"robot {refused[0]}: {refused[1]}"
-            return self._team_plan("infeasible", text, refused[:1], nothing)
+                return self._team_plan("budget", f"no plan found in the product space; {budget}")
+            return self._answered(self._checked(Solution(together, True, "joint")))
+        robots = range(len(self.problem.models))
+        for robot in robots:
+            if why := planner.refusal(robot):
+                return self._team_plan("infeasible", f"robot {robot}: {why}", (robot,))
         effort = (50 if self.settings.seconds is None else 5) * EFFORT
-        alone = [self.planner.plan(k, (), budget, effort) for k in robots]
+        alone = [planner.plan(k, (), budget, effort) for k in robots]
         lost = tuple(k for k in robots if alone[k] is None)
+        for robot in lost:
+            if why := planner.refusal(robot):
+                return self._team_plan("infeasible", f"robot {robot}: {why}", (robot,), alone)
         if lost:
-            for robot in lost:
-                why = self.planner.refusal(robot)
-                if why:
-                    return self._team_plan("infeasible", f"robot {robot}: {why}", (robot,), alone)
             text = f"robot {lost[0]}: no way was found, not even alone; {budget}"
             return self._team_plan("budget", text, lost, alone)
-        paths = tuple(path for path in alone if path is not None)
-        solution = self._checked(self._solve(paths))
+        search = self._search(tuple(path for path in alone if path is not None))
+        solution = self._checked(self._solve(search))
         if solution.solved and self.settings.improve and not self.published:
-            solution = self._improved(solution, paths)
+            solution = self._improved(solution, search)
         return self._answered(solution)
 
     def _answered(self, solution: Solution) -> TeamPlan:
-        return self._team_plan(
-            "solved" if solution.solved else "budget",
-            "" if solution.solved else f"no plan without conflicts was found; {self.budget}",
-            (),
-            list(solution.paths),
-            solution,
-        )
+        text = "" if solution.solved else f"no plan without conflicts was found; {self.budget}"
+        reason = "solved" if solution.solved else "budget"
+        return self._team_plan(reason, text, (), solution.paths, solution)
 
     def _planner(self) -> RobotPlanner:
         if self.published:
@@ -135,6 +170,9 @@ class _Call:
         if self.problem.ground.flat:
             return FlatPlanner(self.problem, self.lattice)
         return TerrainPlanner(self.problem, self.settings, self.seed)
+
+    def _search(self, paths: Paths) -> TeamSearch:
+        return TeamSearch(self.planner, self.lattice, self.settings, paths, self.budget, self.rng)
 
     def _joint(self) -> Paths | None:
         lattice = self.lattice
@@ -145,16 +183,13 @@ class _Call:
             lattice = SpaceTimePlanner(ground)
         return solve_joint(self.problem, lattice, self.budget, self.rng, not self.published)
 
-    def _solve(self, alone: Paths) -> Solution:
-        planner, settings, budget, rng = self.planner, self.settings, self.budget, self.rng
+    def _solve(self, search: TeamSearch) -> Solution:
         if self.method == "auto":
-            flat = self.problem.ground.flat
-            together = partial(solve_merged, self.lattice, planner, alone, rng=rng)
-            return solve_auto(planner, settings, alone, budget, rng, together if flat else None)
+            return solve_auto(search)
         if self.method == "sequential":
-            return solve_sequential(planner, settings, alone, budget)
-        merge = None if self.published else self._pair
-        return conflict_search(planner, settings, alone, budget, merge=merge)
+            return solve_sequential(search)
+        merging = self.problem.ground.flat and not self.published
+        return conflict_search(search, search.alone, merging)
 
     def _checked(self, solution: Solution) -> Solution:
         """What is called solved has no conflicts; if it has some after all, they are resolved."""
@@ -162,41 +197,35 @@ class _Call:
         distance = self.settings.distance
         if not solution.solved or not conflicts_of(tracks, self.problem.models, 1, distance):
             return solution
-        return conflict_search(self.planner, self.settings, solution.paths, self.budget)
+        return conflict_search(self._search(solution.paths), solution.paths)
 
-    def _pair(self, pair: tuple[int, int]) -> Paths | None:
-        """Two robots as one, regardless of the others."""
-        if not self.problem.ground.flat:
-            return None
-        return solve_joint(self.problem.part(pair), self.lattice, self.budget, self.rng)
-
-    def _improved(self, solution: Solution, alone: Paths) -> Solution:
+    def _improved(self, solution: Solution, search: TeamSearch) -> Solution:
         """Robot by robot anew among the others, more patiently, until nothing gets cheaper."""
         planner = self.planner
         if isinstance(planner, FlatPlanner):
             planner = FlatPlanner(self.problem, SpaceTimePlanner(self.problem.ground, weight=1.0))
         left = self.budget.left
         budget = Budget(self.settings.improve, None if left is None else max(left, 1e-3))
-        team, paths = dict(enumerate(alone)), dict(enumerate(solution.paths))
+        search = replace(search, planner=planner, budget=budget)
+        paths = solution.paths
         history = [(self.budget.used, total_cost(paths))]
         while not budget.spent:
-            better = improved(planner, paths, team, budget, rounds=1)
+            better = improved(search, paths, rounds=1)
             if total_cost(better) > total_cost(paths) - 1e-6:
                 break
             paths = better
             history.append((self.budget.used + budget.used, total_cost(paths)))
         self.budget.spend(budget.used)
-        better_plan = tuple(paths[k] for k in range(len(alone)))
-        if conflicts_of([path.track for path in better_plan], self.problem.models, 1):
+        if conflicts_of([path.track for path in paths], self.problem.models, 1):
             return solution
-        return replace(solution, paths=better_plan, history=tuple(history))
+        return replace(solution, paths=paths, history=tuple(history))
 
     def _team_plan(
         self,
         reason: str,
         detail: str,
-        involved: tuple[int, ...],
-        paths: list[RobotPath | None],
+        involved: tuple[int, ...] = (),
+        paths: Sequence[RobotPath | None] | None = None,
         solution: Solution | None = None,
     ) -> TeamPlan:
         ground = self.problem.ground
@@ -206,7 +235,7 @@ class _Call:
             involved,
             tuple(
                 None if path is None else self.problem.in_map(path.trajectory(ground))
-                for path in paths
+                for path in paths or [None] * len(self.problem.models)
             ),
             self.method if solution is None else solution.method or self.method,
             self.budget.used,

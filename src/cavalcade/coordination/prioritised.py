@@ -8,14 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-
-from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.cbs import conflict_search
 from cavalcade.coordination.conflicts import conflicts_of
-from cavalcade.coordination.problem import PlanSettings
-from cavalcade.coordination.robot_planner import EFFORT, RobotPlanner, Span, spans_of
-from cavalcade.coordination.solution import Paths, RobotPath, Solution
+from cavalcade.coordination.result import Paths, RobotPath, Solution
+from cavalcade.coordination.robot_planner import EFFORT, Span, TeamSearch, spans_of
 
 _DELAYS = (2.0, 4.0, 8.0, 16.0)
 """s that robots wait at their starts where no order helps."""
@@ -28,11 +24,9 @@ LEAVE = 3.0
 
 
 def in_order(
-    planner: RobotPlanner,
+    search: TeamSearch,
     order: Sequence[int],
-    budget: Budget,
     delays: Mapping[int, float] | None = None,
-    alone: Mapping[int, RobotPath] | None = None,
     leave: float = 0.0,
     shy: bool = False,
     effort: int = EFFORT,
@@ -40,11 +34,9 @@ def in_order(
     """Plan robots one after the other, each past the paths of those before it.
 
     Args:
-        planner: Of one robot.
+        search: Of the team.
         order: All robots, the most important one first.
-        budget: Of the call.
         delays: Robots that stand at their starts first, s.
-        alone: Paths of robots regardless of others, to begin with.
         leave: For so long the starts of those who are still to be planned are taken, s.
         shy: Robots keep off the middle of the paths that later ones have alone, so that both give
             way where there is space for two, but not beside one that keeps to the middle.
@@ -53,17 +45,19 @@ def in_order(
     Returns:
         The paths, and the robot that found none or None.
     """
+    planner, alone, budget = search.planner, search.alone, search.budget
     paths: dict[int, RobotPath] = {}
     for place, robot in enumerate(order):
         spans = spans_of(paths.items())
         if leave > 0.0:
             spans += [Span(k, planner.standing(k), 0.0, leave) for k in order[place + 1 :]]
-        if shy and alone is not None:
+        if shy:
             spans += [Span(k, alone[k].track, scale=_CORE) for k in order[place + 1 :]]
         delay = (delays or {}).get(robot, 0.0)
+        path: RobotPath | None
         if delay > 0.0:
             path = planner.delayed(robot, spans, delay, budget)
-        elif not spans and alone is not None:
+        elif not spans:
             path = alone[robot]
         else:
             path = planner.plan(robot, spans, budget, effort)
@@ -73,66 +67,47 @@ def in_order(
     return paths, None
 
 
-def solve_sequential(
-    planner: RobotPlanner,
-    settings: PlanSettings,
-    alone: Paths,
-    budget: Budget,
-) -> Solution:
+def solve_sequential(search: TeamSearch) -> Solution:
     """One robot after the other, in the order of the problem (the paper's Algorithm 2).
 
     Each avoids the paths of all before it; conflicts that are left become constraints.
-
-    Args:
-        planner: Of one robot.
-        settings: Of the constraints.
-        alone: Each robot's path regardless of the others.
-        budget: Of the call.
     """
-    order = range(len(alone))
-    waits = (0.0,) if settings.constraints == "static" else (0.0, LEAVE)
+    settings, order = search.settings, range(len(search.alone))
     paths: dict[int, RobotPath] = {}
-    for leave in waits:
-        paths, failed = in_order(planner, order, budget, None, dict(enumerate(alone)), leave)
+    for leave in (0.0,) if settings.constraints == "static" else (0.0, LEAVE):
+        paths, failed = in_order(search, order, leave=leave)
         if failed is None:
             break
-    root = tuple(paths.get(k, alone[k]) for k in order)
+    root = tuple(paths.get(k, search.alone[k]) for k in order)
     tracks = [path.track for path in root]
-    if not conflicts_of(tracks, planner.problem.models, 1, settings.distance):
+    if not conflicts_of(tracks, search.planner.problem.models, 1, settings.distance):
         return Solution(root, True, "sequential")
     # Somebody found no path past those before, or the trees' paths still meet.
-    outcome = conflict_search(planner, settings, root, budget)
+    outcome = conflict_search(search, root)
     return Solution(outcome.paths, outcome.solved, "sequential", outcome.counts)
 
 
-def mended_orders(
-    planner: RobotPlanner,
-    alone: Mapping[int, RobotPath],
-    budget: Budget,
-    rng: np.random.Generator,
-    attempts: int,
-    effort: int = EFFORT,
-) -> dict[int, RobotPath] | None:
+def mended_orders(search: TeamSearch, attempts: int, effort: int = EFFORT) -> Paths | None:
     """Paths of all robots by the first order that works, mended after each failure.
 
+    Delays and orders are drawn once mending goes round in circles.
+
     Args:
-        planner: Of one robot.
-        alone: Each robot's path regardless of the others.
-        budget: Of the call.
-        rng: Draws delays and orders once mending goes round in circles.
+        search: Of the team.
         attempts: Orders at most.
         effort: Iterations that each robot may take.
     """
-    order = sorted(alone, key=lambda robot: (-round(alone[robot].cost, 3), robot))
+    alone, rng = search.alone, search.rng
+    order = sorted(range(len(alone)), key=lambda robot: (-round(alone[robot].cost, 3), robot))
     tried: set[tuple[tuple[int, ...], tuple[tuple[int, float], ...]]] = set()
     delays: dict[int, float] = {}
     leave, shy = 0.0, False
     for attempt in range(attempts):
         tried.add((tuple(order), tuple(sorted(delays.items()))))
-        paths, failed = in_order(planner, order, budget, delays, alone, leave, shy, effort)
+        paths, failed = in_order(search, order, delays, leave, shy, effort)
         if failed is None:
-            return paths
-        if budget.spent:
+            return tuple(paths[k] for k in range(len(alone)))
+        if search.budget.spent:
             return None
         # In turn: the robot goes first; the others leave it time to get away; all are shy.
         leave, shy = (0.0, False) if attempt % 3 == 0 else (LEAVE, attempt % 3 == 2)
@@ -148,29 +123,23 @@ def mended_orders(
     return None
 
 
-def improved(
-    planner: RobotPlanner,
-    paths: Mapping[int, RobotPath],
-    alone: Mapping[int, RobotPath],
-    budget: Budget,
-    rounds: int = 2,
-) -> dict[int, RobotPath]:
+def improved(search: TeamSearch, paths: Paths, rounds: int = 2) -> Paths:
     """The same with robots planned anew among all others, one at a time, while that is cheaper.
 
     Those that lose most by the others come first; robots that lose less than a hundredth stay.
     """
-    best = dict(paths)
+    best = list(paths)
     for _ in range(rounds):
         changed = False
-        losses = {robot: best[robot].cost - alone[robot].cost for robot in best}
-        for robot in sorted(losses, key=lambda k: (-losses[k], k)):
-            if losses[robot] < 0.01 * alone[robot].cost or budget.spent:
+        losses = [path.cost - own.cost for path, own in zip(best, search.alone, strict=True)]
+        for robot in sorted(range(len(best)), key=lambda k: (-losses[k], k)):
+            if losses[robot] < 0.01 * search.alone[robot].cost or search.budget.spent:
                 break
-            spans = spans_of((k, path) for k, path in best.items() if k != robot)
-            path = planner.plan(robot, spans, budget, EFFORT // 4)
+            spans = spans_of((k, path) for k, path in enumerate(best) if k != robot)
+            path = search.planner.plan(robot, spans, search.budget, EFFORT // 4)
             if path is not None and path.cost < best[robot].cost - 1e-6:
                 best[robot] = path
                 changed = True
         if not changed:
             break
-    return best
+    return tuple(best)

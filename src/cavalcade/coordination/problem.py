@@ -156,12 +156,7 @@ class TeamProblem:
 
 
 def problem_of(scenario: Scenario, world: World) -> TeamProblem:
-    """The problem that a scenario with individual goals poses.
-
-    Args:
-        scenario: With a goal for each robot.
-        world: Its ground.
-    """
+    """The problem that a scenario with a goal for each robot poses in its world."""
     return TeamProblem.on_map(
         world.map, scenario.models, scenario.starts, scenario.goals, world.terrain
     )

@@ -14,10 +14,9 @@ import numpy as np
 
 from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.problem import PlanSettings
-from cavalcade.coordination.robot_planner import EFFORT, RobotPlanner, Span
-from cavalcade.coordination.solution import RobotPath
+from cavalcade.coordination.result import RobotPath
+from cavalcade.coordination.robot_planner import EFFORT, RobotPlanner, Span, planned_by_trees
 from cavalcade.geometry import Array
-from cavalcade.kinodynamic.planner import plan_body
 from cavalcade.kinodynamic.settings import BodySettings
 from cavalcade.lattice.planner import TRACK_STEP
 
@@ -33,7 +32,7 @@ _SPACING = 4
 
 @dataclass(frozen=True, eq=False)
 class PublishedPlanner(RobotPlanner):
-    """Robots with legs by the paper's trees, with others as discs.
+    """Robots with legs by the paper's trees, with others as discs; they don't wait.
 
     Attributes:
         settings: Whether to leap.
@@ -47,43 +46,28 @@ class PublishedPlanner(RobotPlanner):
         self, robot: int, spans: Sequence[Span], budget: Budget, effort: int = EFFORT
     ) -> RobotPath | None:
         """See `RobotPlanner`; the path's cost is its length, as in the paper."""
-        problem = self.problem
         discs = [self._discs(robot, span) for span in spans]
-        answer = plan_body(
-            problem.ground,
-            problem.models[robot],
-            problem.starts[robot],
-            problem.goals[robot],
-            BodySettings(
-                iterations=budget.most(min(effort, BodySettings.iterations)),
-                seconds=budget.left,
-                leaps=self.settings.leaps,
-                variant="published",
-                discs=np.concatenate([np.zeros((0, 3)), *discs]),
-            ),
-            # Another draw for every call, or the same failure would come again.
-            (self.seed * 1_000_003 + robot) * 100_003 + budget.used,
+        settings = BodySettings(
+            iterations=budget.most(min(effort, BodySettings.iterations)),
+            seconds=budget.left,
+            leaps=self.settings.leaps,
+            variant="published",
+            discs=np.concatenate([np.zeros((0, 3)), *discs]),
         )
-        budget.spend(answer.iterations)
+        # Another draw for every call, or the same failure would come again.
+        seed = (self.seed * 1_000_003 + robot) * 100_003 + budget.used
+        answer = planned_by_trees(self.problem, robot, settings, seed, budget)
         if answer.trajectory is None:
             return None
         return RobotPath(answer.trajectory, answer.trajectory.length)
 
-    def delayed(
-        self, robot: int, spans: Sequence[Span], delay: float, budget: Budget
-    ) -> RobotPath | None:
-        """The paper's robots don't wait."""
-        return None
-
     def _discs(self, robot: int, span: Span) -> Array:
-        track = span.track[::_SPACING]
-        keep = np.ones(len(track), dtype=bool)
+        places = span.track[::_SPACING, :2]
         if len(span.track) > 1 and span.end == np.inf:
             legs = self.problem.models[robot].legs
             speed = 0.5 if legs is None else legs.v_nom
-            away = np.hypot(*(track[:, :2] - self.problem.starts[robot][:2]).T)
-            there = np.arange(len(track)) * _SPACING * TRACK_STEP
-            keep = np.abs(there - away / speed) <= _WINDOW
-            track, keep = np.concatenate([track, span.track[-1:]]), np.append(keep, True)
-        rows = track[keep, :2]
-        return np.column_stack([rows, np.full(len(rows), DISTANCE)])
+            away = np.hypot(*(places - self.problem.starts[robot][:2]).T)
+            there = np.arange(len(places)) * _SPACING * TRACK_STEP
+            soon = np.abs(there - away / speed) <= _WINDOW
+            places = np.concatenate([places[soon], span.track[-1:, :2]])
+        return np.column_stack([places, np.full(len(places), DISTANCE)])

@@ -11,9 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from cavalcade.coordination.budget import Budget
-from cavalcade.coordination.problem import TeamProblem
-from cavalcade.coordination.solution import RobotPath
+from cavalcade.coordination.problem import PlanSettings, TeamProblem
+from cavalcade.coordination.result import Paths, RobotPath
 from cavalcade.geometry import Array
+from cavalcade.kinodynamic import BodyPlan, BodySettings, plan_body
 from cavalcade.lattice.collision import Margins, Others, move_free, place_free, pose_free
 from cavalcade.lattice.motion_limits import footprint
 from cavalcade.lattice.planner import (
@@ -69,18 +70,14 @@ class RobotPlanner(ABC):
     ) -> RobotPath | None:
         """The cheapest path found that avoids all spans; None if there is none.
 
-        Args:
-            robot: Which one.
-            spans: What to avoid.
-            budget: What is used is taken from it.
-            effort: Iterations at most.
+        At most `effort` iterations are used and taken from the budget.
         """
 
-    @abstractmethod
     def delayed(
         self, robot: int, spans: Sequence[Span], delay: float, budget: Budget
     ) -> RobotPath | None:
-        """The same, standing at the start for `delay` s first."""
+        """The same, standing at the start for `delay` s first; None of robots that never wait."""
+        return None
 
     def standing(self, robot: int) -> Array:
         """The track `(1, 3)` of a robot that stays at its start."""
@@ -112,7 +109,7 @@ class FlatPlanner(RobotPlanner):
             before = budget.used
             path = self._search(robot, others, margins, budget, effort)
             if path is not None:
-                return RobotPath(path, self.lattice.cost(path))
+                return RobotPath(path, path.cost)
             if budget.spent or (margins is MARGINS[1] and budget.used - before > _CRAMPED):
                 break
         return None
@@ -134,7 +131,7 @@ class FlatPlanner(RobotPlanner):
             path = self._search(robot, later, margins, budget, EFFORT)
             if path is not None:
                 path = replace(path, moves=np.concatenate([stand[None], path.moves]))
-                return RobotPath(path, self.lattice.cost(path))
+                return RobotPath(path, path.cost)
         return None
 
     def _keeps(self, robot: int, others: Others, margins: Margins) -> bool:
@@ -161,6 +158,37 @@ class FlatPlanner(RobotPlanner):
         )
         budget.spend(expansions)
         return path
+
+
+@dataclass(frozen=True, eq=False)
+class TeamSearch:
+    """What the methods for a whole team start from.
+
+    Attributes:
+        planner: Of one robot.
+        lattice: Whose ground, limits and costs the product space is searched with.
+        settings: Of the methods.
+        alone: Each robot's path regardless of the others.
+        budget: What is used is taken from it.
+        rng: Draws orders, and seeds the trees of the product space.
+    """
+
+    planner: RobotPlanner
+    lattice: SpaceTimePlanner
+    settings: PlanSettings
+    alone: Paths
+    budget: Budget
+    rng: np.random.Generator
+
+
+def planned_by_trees(
+    problem: TeamProblem, robot: int, settings: BodySettings, seed: int, budget: Budget
+) -> BodyPlan:
+    """What the body planner answers for one robot; its iterations are taken from the budget."""
+    start, goal = problem.starts[robot], problem.goals[robot]
+    answer = plan_body(problem.ground, problem.models[robot], start, goal, settings, seed)
+    budget.spend(answer.iterations)
+    return answer
 
 
 def others_among(problem: TeamProblem, spans: Sequence[Span]) -> Others:

@@ -12,26 +12,27 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from cavalcade.coordination._conflicts import first_conflict
 from cavalcade.coordination.budget import Budget
+from cavalcade.coordination.conflicts import first_conflict
 from cavalcade.coordination.problem import PlanSettings
+from cavalcade.coordination.result import RobotPath
 from cavalcade.coordination.robot_planner import (
     EFFORT,
     FlatPlanner,
     RobotPlanner,
     Span,
     others_among,
+    planned_by_trees,
 )
-from cavalcade.coordination.solution import RobotPath
 from cavalcade.eikonal import surface_distance
 from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import STEP, WALK, Trajectory
 from cavalcade.kinodynamic.obstruction import obstruction
-from cavalcade.kinodynamic.parameters import make_body, make_space
-from cavalcade.kinodynamic.planner import BodyPlan, plan_body
+from cavalcade.kinodynamic.parameters import LEAST_TRAVERSABILITY, make_body, make_space
+from cavalcade.kinodynamic.planner import BodyPlan
 from cavalcade.kinodynamic.settings import BodySettings
 from cavalcade.lattice.ground import Ground
-from cavalcade.lattice.motion_limits import footprint
+from cavalcade.lattice.motion_limits import footprint, metre_cost, motion_limits
 from cavalcade.lattice.planner import TRACK_STEP, SpaceTimePlanner
 from cavalcade.robots import RobotModel
 
@@ -41,15 +42,11 @@ _POOL = 12
 _LATER = 3000
 """Iterations for each of them but the first."""
 
-_NO_DISCS = np.zeros((0, 3))
-
 _MARGIN, _LOOK = 0.05, 0.025
 """How far to keep off others, m, and how often to look, s."""
 
 _WAITS = tuple(0.5 * k for k in range(13)) + tuple(7.0 + k for k in range(14))
 """How long to wait at the start, s."""
-
-_LEAST_TRAVERSABILITY = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,8 +111,8 @@ class TerrainPlanner(RobotPlanner):
         self, robot: int, spans: Sequence[Span], budget: Budget, delay: float
     ) -> RobotPath | None:
         """The cheapest of the trees' trajectories and waits that meets nobody."""
-        model, lattice = self.problem.models[robot], self._walking(robot).lattice
-        metre_cost = lattice.metre_cost_for(lattice.limits(model).speed)
+        model = self.problem.models[robot]
+        of_metre = metre_cost(motion_limits(model).speed)
         others = others_among(self.problem, spans)
         pool = self.trees.setdefault(robot, [])
         best: RobotPath | None = None
@@ -124,14 +121,20 @@ class TerrainPlanner(RobotPlanner):
             if number == len(pool):
                 if budget.spent or best is not None:
                     break
-                discs = self._keep_off(robot, spans, met) if number else _NO_DISCS
-                pool.append(self._new_tree(robot, number, discs, budget))
+                settings = BodySettings(
+                    iterations=budget.most(_LATER if number else BodySettings.iterations),
+                    leaps=self.settings.leaps,
+                    seconds=budget.left,
+                    discs=self._keep_off(robot, spans, met) if number else np.zeros((0, 3)),
+                )
+                seed = (self.seed * 1_000_003 + robot) * 1_000 + number
+                pool.append(planned_by_trees(self.problem, robot, settings, seed, budget))
             trajectory = pool[number].trajectory
             if trajectory is None:
                 if not number and pool[number].reason == "infeasible":
                     break
                 continue
-            path = RobotPath(trajectory, trajectory.duration + metre_cost * trajectory.length)
+            path = RobotPath(trajectory, trajectory.duration + of_metre * trajectory.length)
             for wait in _WAITS:
                 late = delay + wait
                 if best is not None and path.cost + late >= best.cost:
@@ -166,43 +169,18 @@ class TerrainPlanner(RobotPlanner):
                     discs.append((x, y, min(model.length + 0.05, free)))
         return np.array(discs).reshape(-1, 3)
 
-    def _new_tree(self, robot: int, number: int, discs: Array, budget: Budget) -> BodyPlan:
-        seed = (self.seed * 1_000_003 + robot) * 1_000 + number
-        settings = BodySettings(
-            iterations=budget.most(BodySettings.iterations if number == 0 else _LATER),
-            leaps=self.settings.leaps,
-            seconds=budget.left,
-            discs=discs,
-        )
-        problem = self.problem
-        answer = plan_body(
-            problem.ground,
-            problem.models[robot],
-            problem.starts[robot],
-            problem.goals[robot],
-            settings,
-            seed,
-        )
-        budget.spend(answer.iterations)
-        return answer
-
 
 def _cheapest(paths: Sequence[RobotPath | None]) -> RobotPath | None:
     return min((p for p in paths if p is not None), key=lambda p: p.cost, default=None)
 
 
 def walkable(ground: Ground, model: RobotModel) -> Ground:
-    """The ground with everything solid that a foot may not stand on or the belly would touch.
-
-    Args:
-        ground: Any.
-        model: A robot with legs.
-    """
+    """The ground with everything solid that a foot may not stand on or the belly would touch."""
     if ground.flat or model.legs is None:
         return ground
     legs = model.legs
     above = ground.smooth + legs.h_nom - ground.height
-    bad = ground.traversability < _LEAST_TRAVERSABILITY
+    bad = ground.traversability < LEAST_TRAVERSABILITY
     bad |= above > legs.h_max - 0.01
     bad |= above < legs.h_min + legs.trunk_height / 2.0 + 0.02
     solid = np.ascontiguousarray(ground.solid | bad)

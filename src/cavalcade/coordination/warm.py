@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from cavalcade import lattice
-from cavalcade.coordination._conflicts import find_conflicts, first_conflict
 from cavalcade.coordination._joint import search_joint
 from cavalcade.coordination.budget import Budget
-from cavalcade.coordination.conflicts import conflicts_of
+from cavalcade.coordination.conflicts import conflicts_of, find_conflicts, first_conflict
 from cavalcade.coordination.feasibility import infeasible
 from cavalcade.coordination.joint import solve_joint
 from cavalcade.coordination.problem import PlanSettings, TeamProblem
@@ -29,9 +28,7 @@ _STARTS = ((0.6, 1.5, 0.0), (3.4, 1.5, np.pi))
 def warm_up(joint: bool, terrain: bool) -> None:
     """Use every kernel once on problems of a moment, unless this process has done so already.
 
-    Args:
-        joint: Those of the product space, too.
-        terrain: Those of uneven ground, too.
+    Those of the product space (`joint`) and of uneven ground (`terrain`) only if asked for.
     """
     problem = TeamProblem.on_map(
         OccupancyMap.empty((4.0, 3.0)), ("spirit", "spirit"), _STARTS, _STARTS[::-1]

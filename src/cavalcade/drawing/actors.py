@@ -68,8 +68,8 @@ def _draw_head(axes: Axes, pose: Array, model: RobotModel, color: str, zorder: f
 
 def draw_driven(axes: Axes, poses: Array, robot: int, **options: Any) -> None:
     """The line of a robot's poses `(T, 3)` so far."""
-    options = {"linestyle": style.robot_dash(robot), "linewidth": 0.9, "zorder": 2.5, **options}
-    axes.plot(*poses[:, :2].T, color=style.robot_color(robot), **options)
+    look = {**style.robot_line(robot), "linewidth": 0.9, "zorder": 2.5, **options}
+    axes.plot(*poses[:, :2].T, **look)
 
 
 def draw_springs(axes: Axes, positions: Array, status: PlannerStatus) -> None:
@@ -119,11 +119,7 @@ def draw_arrow(
 def label_places(poses: Array, models: Sequence[RobotModel], view: Array, gap: float) -> Array:
     """Places `(N, 2)` for one label per robot, clear of all robots and of each other.
 
-    Args:
-        poses: `(N, 3)` robots' poses.
-        models: Their models.
-        view: `(4,)` the part that is shown.
-        gap: Space between a body's edge and the middle of its label, m.
+    `gap`: between a body's edge and the middle of its label, m.
     """
     angles = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
     centre = poses[:, :2].mean(axis=0)

@@ -20,15 +20,9 @@ def stacked_panels(
     span: tuple[float, float],
     label: str = "time (s)",
 ) -> tuple[Figure, list[Axes]]:
-    """A figure with panels one below the other that share their horizontal axis.
+    """A figure with panels one below the other, from the top, that share their horizontal axis.
 
-    Args:
-        width: Of the figure, inches.
-        margins: Around the panels.
-        heights: Of the panels from the top, inches.
-        gaps: Between them, one less, inches.
-        span: Lowest and highest value of the axis.
-        label: What the axis shows.
+    Lengths are in inches; the axis goes over `span` and is called `label`.
     """
     top = margins.bottom + sum(heights) + sum(gaps)
     figure = style.new_figure(width, top + margins.top)
@@ -61,17 +55,8 @@ def draw_legend(axes: Axes, handles: Sequence[Any], side: str = "right", **optio
 
 def draw_note(axes: Axes, value: float, text: str, color: str) -> None:
     """A note on the right margin, at the height of a value."""
-    axes.annotate(
-        text,
-        (1.0, value),
-        xytext=(3, 0),
-        xycoords=axes.get_yaxis_transform(),
-        textcoords="offset points",
-        fontsize=7,
-        va="center",
-        linespacing=0.95,
-        color=color,
-    )
+    options = {"xycoords": axes.get_yaxis_transform(), "va": "center", "linespacing": 0.95}
+    style.note(axes, text, (1.0, value), (3, 0), color=color, **options)
 
 
 def draw_limit(axes: Axes, value: float, beyond: float, name: str) -> None:
@@ -86,13 +71,6 @@ def draw_extreme(axes: Axes, x: float, y: float, text: str, rise: float) -> None
     axes.plot(x, y, **style.mark("o", 3.4, style.INK), zorder=6)
     low, high = axes.get_xlim()
     late = x > low + 0.7 * (high - low)
-    axes.annotate(
-        text,
-        (x, y),
-        xytext=(-6 if late else 6, rise),
-        textcoords="offset points",
-        fontsize=7,
-        ha="right" if late else "left",
-        zorder=7,
-        bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 0.6},
-    )
+    side, beside = ("right", -6) if late else ("left", 6)
+    box = {"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 0.6}
+    style.note(axes, text, (x, y), (beside, rise), ha=side, zorder=7, bbox=box)

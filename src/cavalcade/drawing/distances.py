@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,27 +9,26 @@ from cavalcade.drawing.scene import Scene, runs
 from cavalcade.geometry import Array
 from cavalcade.world import OccupancyMap, distance_to_shapes
 
-if TYPE_CHECKING:
-    from cavalcade.scenario import World
 
-
-def obstacle_distances(scene: Scene, world: World) -> Array:
+def obstacle_distances(scene: Scene) -> Array:
     """`(T, N)` distance in m of each robot's centre to the nearest obstacle's surface.
 
     Obstacles are the exact shapes, the map's occupied cells as squares, everything beyond the
     map's border, and what events put in the way while it was there. 0.0 inside an obstacle.
     """
-    cycles, robots = scene.poses.shape[:2]
-    points = scene.poses[..., :2].reshape(-1, 2)
-    nearest = _border_distance(world.base, points)
+    time, poses, grid = scene.recording.time, scene.recording.poses, scene.world.base
+    cycles, robots = poses.shape[:2]
+    points = poses[..., :2].reshape(-1, 2)
+    local = grid.to_local(points)
+    nearest = np.minimum(local, grid.size - local).min(axis=1)  # to the border
     nearest = np.minimum(nearest, distance_to_shapes(scene.fixed, points))
-    nearest = np.minimum(nearest, _cell_distance(world.base, points))
+    nearest = np.minimum(nearest, _cell_distance(grid, points))
     result = np.maximum(nearest, 0.0).reshape(cycles, robots)
-    for track in scene.tracks:
-        there = (scene.time >= track.start) & (scene.time < track.end)
+    for track in scene.recording.obstacles:
+        there = (time >= track.start) & (time < track.end)
         if there.any():
-            offset = track.offset_at(scene.time[there])[:, None, :]
-            moved = (scene.poses[there][..., :2] - offset).reshape(-1, 2)
+            offset = track.offset_at(time[there])[:, None, :]
+            moved = (poses[there][..., :2] - offset).reshape(-1, 2)
             away = np.asarray(track.solid.distance(moved)).reshape(-1, robots)
             result[there] = np.minimum(result[there], away)
     return result
@@ -56,25 +53,20 @@ def rest_lengths(scene: Scene) -> list[tuple[float, float, float]]:
 
     A connection belongs to slots, so its length at rest is the distance of its slots.
     """
+    time, statuses = scene.recording.time, scene.recording.status
     spans: list[tuple[float, float, float]] = []
-    for _, first, last in runs([status.slots.tobytes() for status in scene.status]):
+    for _, first, last in runs(status.slots.tobytes() for status in statuses):
         lengths: set[float] = set()
         # Connections may be empty while the planner idles: look through the whole span.
-        for status in scene.status[first : last : max(1, (last - first) // 20)]:
+        for status in statuses[first : last : max(1, (last - first) // 20)]:
             for a, b in np.asarray(status.connections, dtype=int).reshape(-1, 2):
                 slot_a, slot_b = int(status.roles[a]), int(status.roles[b])
                 if min(slot_a, slot_b) >= 0 and max(slot_a, slot_b) < len(status.slots):
                     gap = status.slots[slot_a] - status.slots[slot_b]
                     lengths.add(round(float(np.hypot(*gap)), 2))
-        start, end = float(scene.time[first]), float(scene.time[min(last, len(scene.time) - 1)])
+        start, end = float(time[first]), float(time[min(last, len(time) - 1)])
         spans += [(start, end, length) for length in sorted(lengths)]
     return spans
-
-
-def _border_distance(grid: OccupancyMap, points: Array) -> Array:
-    local = grid.to_local(points)
-    inside = np.minimum(local, grid.size - local)
-    return np.asarray(inside.min(axis=1))
 
 
 def _cell_distance(grid: OccupancyMap, points: Array) -> Array:

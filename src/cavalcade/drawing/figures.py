@@ -17,7 +17,7 @@ from cavalcade.drawing.plans.footholds import draw_footholds
 from cavalcade.drawing.plans.profile import draw_profile
 from cavalcade.drawing.plans.timing import draw_timing
 from cavalcade.drawing.plans.top_view import draw_top_view
-from cavalcade.drawing.scene import plan_scene, scene_of
+from cavalcade.drawing.scene import PlanScene, Scene
 from cavalcade.drawing.style import make_directory
 from cavalcade.geometry import Array
 
@@ -33,12 +33,6 @@ def make_figures(
 ) -> list[Path]:
     """Draw all figures of a run into `directory`, which is made if it is missing.
 
-    Args:
-        scenario: The scenario that was run.
-        world: Its `World`: the map and the exact shapes, as they were at the start.
-        recording: What happened.
-        directory: Where the pictures go.
-
     Returns:
         The files written, in the order a reader wants them: `sequence.png`,
         `obstacle_distance.png`, `pair_distance.png` (two robots or more), `arrival_field.png`
@@ -50,12 +44,12 @@ def make_figures(
     if len(recording.time) == 0:
         return []
     folder = make_directory(directory)
-    scene = scene_of(scenario, world, recording)
+    scene = Scene(scenario, world, recording)
     files = [
         draw_sequence(scene, folder / "sequence.png"),
-        draw_obstacle_distance(scene, world, folder / "obstacle_distance.png"),
+        draw_obstacle_distance(scene, folder / "obstacle_distance.png"),
         draw_pair_distance(scene, folder / "pair_distance.png"),
-        draw_arrival_field(scene, world, folder / "arrival_field.png", scenario.planner.d_safe_a),
+        draw_arrival_field(scene, folder / "arrival_field.png"),
     ]
     return [file for file in files if file is not None]
 
@@ -73,7 +67,7 @@ def make_plan_figures(
         OutputError: A picture cannot be written.
     """
     folder = make_directory(directory)
-    scene = plan_scene(scenario, world, made)
+    scene = PlanScene(scenario, world, made)
     files = [
         draw_top_view(scene, folder / "plan.png"),
         draw_timing(scene, folder / "timing.png"),
@@ -91,12 +85,8 @@ def make_physics_figures(
 ) -> list[Path]:
     """Draw what the legs did into `directory`, which is made if it is missing.
 
-    Args:
-        scenario: The scenario that was run.
-        track: What the robots did.
-        commands: Times `(K,)` s on the track's clock, and the body-frame velocities `(K, N, 3)`
-            that hold from then on; None for none.
-        directory: Where the pictures go.
+    `commands`: times `(K,)` s on the track's clock, and the body-frame velocities `(K, N, 3)`
+    that hold from then on; None for none.
 
     Returns:
         `legs.png` (speeds, height of the trunk, torques) and `gait.png` (which feet carry how much

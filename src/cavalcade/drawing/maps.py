@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cavalcade.drawing import style
 from cavalcade.drawing.outlines import shape_ring
-from cavalcade.drawing.scene import Arena
+from cavalcade.drawing.scene import Team
 from cavalcade.geometry import Array
 from cavalcade.locomotion.footholds import LEAST_TRAVERSABILITY
 from cavalcade.recording.frames import ObstacleTrack
@@ -36,15 +36,10 @@ def map_figure(
     scale: float = 0.0,
     narrowest: float = 0.0,
 ) -> tuple[Figure, Axes]:
-    """A figure of one map, as large as fits.
+    """A figure of one map's part `view`, as large as fits; lengths in inches.
 
-    Args:
-        view: `(4,)` the part to show: lowest x, lowest y, highest x, highest y.
-        margins: Around the map.
-        widest: Of the figure, inches.
-        tallest: Of the map, inches.
-        scale: Room for a scale on the right, inches.
-        narrowest: Of the figure, inches: titles need room, too.
+    The figure is `narrowest` (titles need room, too) to `widest` wide, the map up to `tallest`
+    high, with room for a `scale` on its right.
     """
     aspect = float((view[3] - view[1]) / (view[2] - view[0]))
     left, right, bottom, top = margins
@@ -117,21 +112,20 @@ def grid_transform(axes: Axes, origin: tuple[float, float, float]) -> Transform:
     return Affine2D().rotate(yaw).translate(x, y) + axes.transData
 
 
-def draw_arena(axes: Axes, arena: Arena) -> Any:
-    """The ground with its border, terrain, unknown cells, walls and shapes.
+def draw_arena(axes: Axes, team: Team, *, heights: bool = True) -> Any:
+    """The ground with its border, terrain, unknown cells, walls and lasting shapes.
 
     Returns what a scale of heights needs; None on level ground.
     """
-    shown = None if arena.terrain is None else _draw_terrain(axes, arena.terrain)
-    _fill_rings(axes, arena.unknown, facecolor=style.UNKNOWN, edgecolor="none", zorder=0.5)
-    _fill_rings(
-        axes, arena.walls, facecolor=style.WALL, edgecolor=style.WALL, linewidth=0.2, zorder=1
-    )
+    terrain, border, (walls, unknown) = team.world.terrain, team.border, team.rings
+    shown = None if terrain is None or not heights else _draw_terrain(axes, terrain)
+    _fill_rings(axes, unknown, facecolor=style.UNKNOWN, edgecolor="none", zorder=0.5)
+    _fill_rings(axes, walls, facecolor=style.WALL, edgecolor=style.WALL, linewidth=0.2, zorder=1)
     # Edges below, fills above: shapes that overlap show one common outline.
-    for ring in arena.shapes:
+    for ring in map(shape_ring, team.fixed):
         add_polygon(axes, ring, fill=False, edgecolor=style.INK, linewidth=0.7, zorder=1.05)
         add_polygon(axes, ring, facecolor=style.SHAPE, edgecolor="none", zorder=1.1)
-    add_polygon(axes, arena.border, fill=False, edgecolor=style.INK, linewidth=0.9, zorder=1.2)
+    add_polygon(axes, border, fill=False, edgecolor=style.INK, linewidth=0.9, zorder=1.2)
     return shown
 
 
@@ -227,6 +221,6 @@ def _blocked(terrain: Terrain) -> NDArray[np.bool_]:
     return terrain.traversability < LEAST_TRAVERSABILITY
 
 
-def has_blocked_ground(arena: Arena) -> bool:
+def has_blocked_ground(terrain: Terrain | None) -> bool:
     """Whether there is ground, other than solid obstacles, where no foot may stand."""
-    return arena.terrain is not None and bool(_blocked(arena.terrain).any())
+    return terrain is not None and bool(_blocked(terrain).any())

@@ -18,7 +18,7 @@ from cavalcade.drawing.actors import (
 )
 from cavalcade.drawing.maps import add_polygon, draw_arena, map_figure
 from cavalcade.drawing.outlines import shape_ring
-from cavalcade.drawing.scene import arena_of
+from cavalcade.drawing.scene import Team
 from cavalcade.geometry import Array, transform_points
 from cavalcade.world import Shape, shape_from_mapping
 
@@ -36,22 +36,22 @@ def draw_scenario(scenario: Scenario, world: World, path: Path) -> Path:
     Raises:
         OutputError: The picture cannot be written.
     """
-    arena = arena_of(world, world.shapes)
+    team = Team(scenario, world)
     with style.paper_style():
-        figure, axes = map_figure(arena.bounds, _MARGINS, style.PAGE, 6.5)
-        draw_arena(axes, arena)
+        figure, axes = map_figure(team.bounds, _MARGINS, style.PAGE, 6.5)
+        draw_arena(axes, team)
         _draw_own_goals(axes, scenario)
         if scenario.task.formation is not None:
             goals = np.array(scenario.task.goals, dtype=float).reshape(-1, 3)
             _draw_goals(axes, goals, _slots(scenario))
         _draw_events(axes, scenario.execution.events)
-        models = scenario.models
-        for robot, (start, model) in enumerate(zip(scenario.starts, models, strict=True)):
+        for robot, (start, model) in enumerate(zip(scenario.starts, team.models, strict=True)):
             draw_robot(axes, np.array(start, dtype=float), model, style.robot_color(robot))
-        team = f"{len(models)} {models[0].name}" if len({m.name for m in models}) == 1 else "mixed"
+        kinds = {model.name for model in team.models}
+        robots = f"{team.size} {kinds.pop()}" if len(kinds) == 1 else "mixed"
         axes.set_title(str(scenario.name), loc="left", pad=3)
         axes.set_title(
-            f"{team}, {scenario.task.headline}",
+            f"{robots}, {scenario.task.headline}",
             loc="right",
             pad=3,
             fontsize=7,
@@ -92,17 +92,10 @@ def _draw_goals(axes: Axes, goals: Array, slots: Array) -> None:
         draw_heading(axes, goal, 0.7)
         draw_team_goal(axes, goal)
         if len(goals) > 1:
-            axes.annotate(
-                str(number),
-                (float(goal[0]), float(goal[1])),
-                xytext=(-8.0 * np.cos(goal[2]), -8.0 * np.sin(goal[2])),
-                textcoords="offset points",
-                ha="center",
-                va="center",
-                fontsize=7.5,
-                zorder=7,
-                path_effects=style.halo(1.6),
-            )
+            x, y, yaw = (float(part) for part in goal)
+            behind = (-8.0 * np.cos(yaw), -8.0 * np.sin(yaw))
+            style.note(axes, str(number), (x, y), behind, ha="center", va="center", fontsize=7.5,
+                       zorder=7, path_effects=style.halo(1.6))  # fmt: skip
 
 
 def _draw_events(axes: Axes, events: Sequence[Event]) -> None:
@@ -123,7 +116,6 @@ def _draw_events(axes: Axes, events: Sequence[Event]) -> None:
         hatch = None if all(note.startswith("goes") for note in times) else "////"
         add_polygon(axes, ring, facecolor="none", edgecolor=style.MOVER, linewidth=0.8,
                     linestyle=(0, (3, 1.5)), hatch=hatch, zorder=1.3)  # fmt: skip
-        axes.annotate(", ".join(times), (float(ring[:, 0].mean()), float(ring[:, 1].max())),
-                      xytext=(0, 3), textcoords="offset points", ha="center", va="bottom",
-                      fontsize=6.5, color=style.MOVER, zorder=7,
-                      path_effects=style.halo(1.5))  # fmt: skip
+        top = float(ring[:, 0].mean()), float(ring[:, 1].max())
+        style.note(axes, ", ".join(times), top, (0, 3), ha="center", va="bottom", fontsize=6.5,
+                   color=style.MOVER, zorder=7, path_effects=style.halo(1.5))  # fmt: skip

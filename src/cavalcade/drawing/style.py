@@ -42,57 +42,42 @@ LEGS = (
 )
 """Names of the legs, and how their footholds are marked."""
 
-# Okabe and Ito's palette without its yellow, which vanishes on white, then three darker tones.
-ROBOTS = (
-    "#0072B2",
-    "#E69F00",
-    "#009E73",
-    "#CC79A7",
-    "#D55E00",
-    "#56B4E9",
-    "#7A5195",
-    "#8C6D1F",
-    "#5B5B5B",
-    "#004B49",
+# Okabe and Ito's palette without its yellow, which vanishes on white, then three darker tones;
+# beside each the same hue for a dark page.
+_HUES = (
+    ("#0072B2", "#4aa8e8"),
+    ("#E69F00", "#f2b632"),
+    ("#009E73", "#2cc492"),
+    ("#CC79A7", "#e79ac4"),
+    ("#D55E00", "#f07b3f"),
+    ("#56B4E9", "#9ad7fa"),
+    ("#7A5195", "#b792d8"),
+    ("#8C6D1F", "#c9a84c"),
+    ("#5B5B5B", "#b4b8bd"),
+    ("#004B49", "#4db6ac"),
 )
+ROBOTS, ROBOTS_ON_DARK = zip(*_HUES, strict=True)
 
-ROBOTS_ON_DARK = (
-    "#4aa8e8",
-    "#f2b632",
-    "#2cc492",
-    "#e79ac4",
-    "#f07b3f",
-    "#9ad7fa",
-    "#b792d8",
-    "#c9a84c",
-    "#b4b8bd",
-    "#4db6ac",
-)
-"""The same hues for a dark page."""
-
+_TICKS = {
+    "labelsize": 7.0,
+    "color": INK,
+    "direction": "in",
+    "major.size": 2.5,
+    "major.width": 0.5,
+    "major.pad": 2.5,
+}
 _RC: dict[str, Any] = {
     "font.family": "STIXGeneral",
     "mathtext.fontset": "stix",
     "font.size": 8.0,
     "axes.labelsize": 8.0,
     "axes.titlesize": 8.0,
-    "xtick.labelsize": 7.0,
-    "ytick.labelsize": 7.0,
     "legend.fontsize": 7.0,
     "axes.linewidth": 0.6,
     "axes.edgecolor": INK,
     "axes.labelcolor": INK,
     "text.color": INK,
-    "xtick.color": INK,
-    "ytick.color": INK,
-    "xtick.direction": "in",
-    "ytick.direction": "in",
-    "xtick.major.size": 2.5,
-    "ytick.major.size": 2.5,
-    "xtick.major.width": 0.5,
-    "ytick.major.width": 0.5,
-    "xtick.major.pad": 2.5,
-    "ytick.major.pad": 2.5,
+    **{f"{axis}tick.{part}": value for axis in "xy" for part, value in _TICKS.items()},
     "axes.labelpad": 2.0,
     "lines.linewidth": 1.0,
     "lines.solid_capstyle": "round",
@@ -115,10 +100,11 @@ def robot_color(index: int) -> str:
     return ROBOTS[index % len(ROBOTS)]
 
 
-def robot_dash(index: int) -> Any:
-    """The line style that tells robots of the same colour apart."""
+def robot_line(index: int) -> Any:
+    """Options of a robot's line; its style tells robots of the same colour apart."""
     styles = ("-", (0, (4, 1.2)), (0, (1, 1.2)), (0, (5, 1.2, 1, 1.2)))
-    return styles[(index // len(ROBOTS)) % len(styles)]
+    dash = styles[(index // len(ROBOTS)) % len(styles)]
+    return {"color": robot_color(index), "linestyle": dash}
 
 
 def mark(shape: str, size: float, edge: str, width: float = 0.8, face: str = "white") -> Any:
@@ -145,6 +131,14 @@ def halo(width: float) -> Any:
     from matplotlib.patheffects import Normal, withStroke
 
     return [withStroke(linewidth=width, foreground="white"), Normal()]
+
+
+def note(
+    axes: Axes, text: str, place: tuple[float, float], away: tuple[float, float], **options: Any
+) -> None:
+    """A text so many points away from a place, in the axes' coordinates unless `xycoords` says."""
+    options = {"fontsize": 7, **options}
+    axes.annotate(text, place, xytext=away, textcoords="offset points", **options)
 
 
 @contextmanager

@@ -179,11 +179,10 @@ def cell_of(moment, dt, count):
 
 @njit(cache=True)
 def pair_bound(order, i, j, sure, coming, lead):
-    """The plan time that j may not go beyond because of i.
+    """The plan time that j may not go beyond because of i, by their `Order`.
 
     Args:
-        order: `Order`.
-        i, j: The robots.
+        order, i, j: The order and the two robots.
         sure: Where i is now, s.
         coming: Where i will be if it brakes at once, s.
         lead: How far j is, or will be, ahead of i at most until both stand, s.
@@ -201,12 +200,7 @@ def pair_bound(order, i, j, sure, coming, lead):
 
 @njit(cache=True)
 def strict_bounds(order, sure):
-    """`(N,)` the plan times that robots may not go beyond before others have moved on.
-
-    Args:
-        order: `Order`.
-        sure: `(N,)` where the robots are, s.
-    """
+    """The plan times `(N,)` that robots at `sure` `(N,)` may not pass before others move on, s."""
     ahead, far = order.ahead, order.far
     robots, count = ahead.shape[0], ahead.shape[2]
     bounds = np.full(robots, math.inf)
@@ -229,16 +223,8 @@ def stopping(rate, braking):
 def allowed_rates(order, progress, wanted, braking):
     """The largest rates with which all can still stop before they are where it is not their turn.
 
-    Rates only come down from those wanted, until no pair objects.
-
-    Args:
-        order: `Order`.
-        progress: `Progress`.
-        wanted: `(N,)` rates in [0, 1].
-        braking: `Braking`.
-
-    Returns:
-        `(N,)` rates.
+    Rates `(N,)` only come down from those wanted, in [0, 1], until no pair objects. The other
+    arguments are an `Order`, a `Progress` and a `Braking`.
     """
     reference, sure, caps, lowest = progress
     robots = reference.shape[0]

@@ -36,14 +36,14 @@ def tolerance_of(scenario: Scenario) -> ArrivalTolerance:
     return PHYSICS if scenario.execution.backend == "mujoco" else IDEAL
 
 
-def slot_poses(status: PlannerStatus, goal: Array | None = None) -> Array | None:
+def slot_poses(status: PlannerStatus) -> Array | None:
     """Poses `(N, 3)` of each robot's slot at the goal or of its own goal, None without a goal.
 
     Robots without a slot get rows of infinity.
     """
     if status.targets is not None:
         return status.targets
-    goal = status.goal if goal is None else goal
+    goal = status.goal
     if goal is None:
         return None
     result = np.full((len(status.roles), 3), np.inf)
@@ -80,14 +80,9 @@ class ArrivalMonitor:
         status: PlannerStatus,
         last_waypoint: int,
     ) -> bool:
-        """Whether the team has arrived at its last goal.
+        """Whether the team has arrived at its last goal, of index `last_waypoint`.
 
-        Args:
-            time: Now, s.
-            poses: `(N, 3)` true poses.
-            velocities: `(N, 3)` true velocities, map frame.
-            status: The planner's.
-            last_waypoint: Index of the last goal.
+        Poses and velocities are the true ones at `time` s, `(N, 3)`, map frame.
         """
         if has_goal(status):
             self._status = status

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from cavalcade.execution.policy import Policy
 from cavalcade.fleet import LeapingFleet, LeapRequest
 from cavalcade.geometry import Array, wrap_angle
 from cavalcade.recording.status import PlannerStatus
@@ -29,11 +30,11 @@ STILL = 1.5
 """After a leap it stands so long, s."""
 
 
-class CommandPlayer:
+class CommandPlayer(Policy):
     """Commands each robot what the task says, whatever the others do.
 
     Its status is `commanded`; `done` when the task's time is over and every robot has been where
-    it was sent last; `stuck` when a leap has failed.
+    it was sent last; `stuck` when a leap has failed. The task's clock goes on during a pause.
 
     Args:
         scenario: Its task has commands.
@@ -156,20 +157,11 @@ class CommandPlayer:
         c, s = math.cos(error), math.sin(error)
         return np.array([c * speed - s * back, s * speed + c * back, turn])
 
-    def pause(self) -> None:
-        """Stop until `resume`; the task's clock goes on."""
-
-    def resume(self) -> None:
-        """Go on with what is to be done by now."""
-
 
 def leap_request(pose: Array, point: tuple[float, float], terrain: Terrain | None) -> LeapRequest:
-    """A straight leap from where a robot is towards a point, over the first break of the ground.
+    """A straight leap of a robot at `pose` `(3,)` to where the trunk is to be at `point`, m.
 
-    Args:
-        pose: `(3,)` x, y, yaw of the robot, map frame.
-        point: Where the trunk is to be then, m.
-        terrain: The ground; None if it is level.
+    It goes over the first break of the ground, which is level without `terrain`.
     """
     from cavalcade.execution.leaping import edges_of
 

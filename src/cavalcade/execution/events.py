@@ -12,10 +12,9 @@ from cavalcade.errors import ScenarioError
 from cavalcade.execution.control import ControlLoop
 from cavalcade.execution.formation_policy import formation_of
 from cavalcade.execution.policy import Reconfigurable
-from cavalcade.fleet import Fleet
 from cavalcade.formation import DynamicObstacle
 from cavalcade.recording.frames import ObstacleTrack
-from cavalcade.scenario import Event, ObstacleSpan, Scenario, World
+from cavalcade.scenario import Event, Scenario, World
 from cavalcade.world import OccupancyMap, shape_from_mapping
 
 _TASK_KINDS = ("goals", "formation", "rejoin")
@@ -107,7 +106,17 @@ class EventRunner:
 
     def tracks(self, end: float) -> tuple[ObstacleTrack, ...]:
         """Every obstacle that came, went or moved until `end` s."""
-        return tuple(_track(span) for span in self._obstacles.spans if span.start <= end)
+        return tuple(
+            ObstacleTrack(
+                shape=span.obstacle.to_dict(),
+                start=span.start,
+                end=span.end,
+                time=np.array(span.time),
+                offset=np.array(span.offset).reshape(-1, 2),
+            )
+            for span in self._obstacles.spans
+            if span.start <= end
+        )
 
     def _happen(self, event: Event) -> None:
         team, text = self._team, _NOTES.get(event.kind, str(event.kind))
@@ -120,19 +129,25 @@ class EventRunner:
             team.set_formation(formation_of(event.formation, robots, self._scenario.planner))
             text = f"new formation: {event.formation.shape}"
         elif event.lose is not None:
-            _set_lost(self._control.fleet, event.lose, True)
+            self._tell_fleet("disable", event.lose)
             self._control.lose(event.lose)
             text = f"robot {event.lose} lost"
         elif event.rejoin is not None:
-            _set_lost(self._control.fleet, event.rejoin, False)
+            self._tell_fleet("enable", event.rejoin)
             self._control.rejoin(event.rejoin)
             text = f"robot {event.rejoin} back"
         elif event.push is not None:
             push = event.push
             x, y = (part / push.duration for part in push.impulse)
-            _push(self._control.fleet, push.robot, (x, y, 0.0), push.duration)
+            self._tell_fleet("push", push.robot, (x, y, 0.0), push.duration)
             text = f"robot {push.robot} pushed"
         self._notes.append(text)
+
+    def _tell_fleet(self, what: str, *said: Any) -> None:
+        """Let it happen to a simulated robot; a real one fails or is pushed by itself."""
+        tell = getattr(self._control.fleet, what, None)
+        if tell is not None:
+            tell(*said)
 
 
 class _Obstacles:
@@ -209,31 +224,5 @@ class _Obstacles:
     @cached_property
     def _still_map(self) -> OccupancyMap:
         """Fixed ones are rasterised once; the others are added to that map as they stand."""
-        fixed = [span for span in self._world.spans if span.fixed]
-        return self._world.base.with_shapes(
-            [shape_from_mapping(span.obstacle.to_dict()) for span in fixed]
-        )
-
-
-def _track(span: ObstacleSpan) -> ObstacleTrack:
-    return ObstacleTrack(
-        shape=span.obstacle.to_dict(),
-        start=span.start,
-        end=span.end,
-        time=np.array(span.time),
-        offset=np.array(span.offset).reshape(-1, 2),
-    )
-
-
-def _push(fleet: Fleet, robot: int, force: tuple[float, float, float], duration: float) -> None:
-    """Push a simulated robot; a real one is pushed by hand."""
-    push = getattr(fleet, "push", None)
-    if push is not None:
-        push(robot, force, duration)
-
-
-def _set_lost(fleet: Fleet, robot: int, lost: bool) -> None:
-    """Tell a simulated fleet that the robot itself has failed; a real one needs no telling."""
-    change = getattr(fleet, "disable" if lost else "enable", None)
-    if change is not None:
-        change(robot)
+        fixed = [span.obstacle.to_dict() for span in self._world.spans if span.fixed]
+        return self._world.base.with_shapes(map(shape_from_mapping, fixed))

@@ -11,7 +11,7 @@ import numpy as np
 
 from cavalcade.errors import InputError, ScenarioError
 from cavalcade.fleet import CommandDelay, IdealFleet, LocalisationNoise
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY
 from cavalcade.geometry.trajectory import FLIGHT, Trajectory
 from cavalcade.lattice.ground import make_ground
 from cavalcade.robots import RobotModel
@@ -41,9 +41,7 @@ def tracking_fleet(scenario: Scenario, paths: Sequence[Trajectory | None]) -> Id
 def tracking_model(model: RobotModel, leaps: bool) -> RobotModel:
     """The model with the limits that plans keep to, in the place of those under formations.
 
-    Args:
-        model: Any robot.
-        leaps: Whether it will leap: legs then push with their largest force.
+    Legs that leap push with their largest force.
     """
     if model.drive == "legged" and model.legs is not None:
         legs = model.legs
@@ -76,13 +74,7 @@ def tracking_model(model: RobotModel, leaps: bool) -> RobotModel:
 def physics_fleet(scenario: Scenario, world: World, turning: float | None = None) -> MujocoFleet:
     """Robots in MuJoCo, standing on the scenario's ground.
 
-    Args:
-        scenario: The resolved one.
-        world: Its ground.
-        turning: Change of the yaw rate that they are allowed, rad/s²; None for the gait's own.
-
-    Raises:
-        InputError: MuJoCo is not installed.
+    They may change their yaw rate by `turning`, rad/s², instead of what the gait's settings say.
     """
     from cavalcade.fleet.mujoco import MujocoFleet, PhysicsGround, PhysicsSettings
     from cavalcade.fleet.mujoco.ground import movable_spans

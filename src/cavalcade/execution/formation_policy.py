@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import fields, replace
 
 import numpy as np
@@ -70,13 +71,7 @@ def expected_of(scenario: Scenario) -> Imperfections:
 
 
 def formation_of(section: FormationSection, robots: int, planner: PlannerSection) -> Formation:
-    """The formation of a scenario or an event.
-
-    Args:
-        section: The shape.
-        robots: Number of slots for shapes that take any.
-        planner: Its preset says what the springs are like.
-    """
+    """The formation of a scenario or an event; the planner's preset says what springs are like."""
     springs = SIMULATION_SPRINGS if planner.preset is None else PRESETS[planner.preset][1]
     formation = _shape(section, robots, springs)
     if section.connections is None:
@@ -87,22 +82,14 @@ def formation_of(section: FormationSection, robots: int, planner: PlannerSection
 
 
 def _shape(section: FormationSection, robots: int, springs: Springs) -> Formation:
-    side, spacing, radius = section.side or 0.0, section.spacing or 0.0, section.radius or 0.0
-    match section.shape:
-        case "square":
-            return Formation.square(side, springs)
-        case "triangle":
-            return Formation.triangle(side, springs)
-        case "line":
-            return Formation.line(robots, spacing, springs)
-        case "column":
-            return Formation.column(robots, spacing, springs)
-        case "wedge":
-            return Formation.wedge(robots, spacing, springs)
-        case "circle":
-            return Formation.circle(robots, radius, springs)
-        case "custom":
-            return Formation.custom(section.slots or (), springs=springs)
+    if section.shape == "custom":
+        return Formation.custom(section.slots or (), springs=springs)
+    # The others are called as their methods are.
+    make: Callable[..., Formation] = getattr(Formation, section.shape)
+    if section.shape in ("square", "triangle"):
+        return make(section.side or 0.0, springs)
+    size = section.radius if section.shape == "circle" else section.spacing
+    return make(robots, size or 0.0, springs)
 
 
 def _connection(formation: Formation, joint: ConnectionSection, springs: Springs) -> Connection:

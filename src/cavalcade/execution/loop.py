@@ -15,7 +15,6 @@ from cavalcade.execution.policy import Policy
 from cavalcade.fleet import Fall, FallingFleet, Fleet, SampledFleet, Watchdog
 from cavalcade.geometry import Array
 from cavalcade.recording.frames import Frame, FrameSink, Recorder, Recording
-from cavalcade.recording.physics_track import FallEvent, PhysicsTrack
 from cavalcade.recording.status import PlannerStatus
 from cavalcade.scenario import Scenario, World
 from cavalcade.scenario.settings import Budget
@@ -137,28 +136,10 @@ def carry_out(
                 clock.sleep(max(0.0, started + fleet.time - start - clock.perf_counter()))
     wall_time = clock.perf_counter() - started
     reason, detail, involved = end
-    recording = replace(recorder.recording(events.tracks(now)), physics=physics_track(fleet, start))
+    physics = fleet.track(start) if isinstance(fleet, SampledFleet) else None
+    recording = replace(recorder.recording(events.tracks(now)), physics=physics)
     outcome = Outcome(reason, detail, involved, wall_time, np.array(planning))
     return Execution(recording, recorder.maps, outcome)
-
-
-def physics_track(fleet: Fleet, start: float) -> PhysicsTrack | None:
-    """The track of a fleet since its clock showed `start` s; None of one that keeps none."""
-    if not isinstance(fleet, SampledFleet):
-        return None
-    kept = fleet.samples()
-    return PhysicsTrack(
-        time=(kept.time - start).round(9),
-        base=kept.qpos[..., :7],
-        joints=kept.qpos[..., 7:],
-        joint_rates=kept.joint_rates,
-        torques=kept.torques,
-        foot_forces=kept.foot_forces,
-        contacts=tuple(
-            replace(contact, time=round(contact.time - start, 9)) for contact in kept.contacts
-        ),
-        falls=tuple(FallEvent(round(fall.time - start, 9), fall.robot) for fall in fleet.falls),
-    )
 
 
 _End = tuple[str, str, tuple[int, ...]]

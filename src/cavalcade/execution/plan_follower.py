@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from cavalcade.execution.leaping import LeapScheduler
+from cavalcade.execution.policy import Policy
 from cavalcade.execution.speed_profile import rounded_headings
 from cavalcade.execution.time_scaling import EXACT, FollowSettings, TimeScaling
 from cavalcade.fleet import LeapingFleet
@@ -32,7 +33,7 @@ _PATH_SPACING = 10
 """Of the samples of a path, every so-many-th is shown."""
 
 
-class PlanFollower:
+class PlanFollower(Policy):
     """Commands the velocity of the plan, and corrects what is off.
 
     Each robot has a progress of its own, which is the clock's as long as it keeps up. A robot
@@ -197,12 +198,6 @@ class PlanFollower:
             message=message,
             targets=self._targets,
         )
-
-    def pause(self) -> None:
-        """Stop until `resume`."""
-
-    def resume(self) -> None:
-        """Go on from where the robots were."""
 
 
 def _bounded(vector: Array, most: float) -> Array:

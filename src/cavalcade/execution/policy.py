@@ -23,10 +23,12 @@ class Policy(Protocol):
         """Poses `(N, 3)` and their times `(N,)` in, body-frame velocities `(N, 3)` out."""
 
     def pause(self) -> None:
-        """Stop until `resume`."""
+        """Stop until `resume`; by default nothing is done, as `step` is not called meanwhile."""
+        return
 
     def resume(self) -> None:
         """Go on."""
+        return
 
 
 @runtime_checkable

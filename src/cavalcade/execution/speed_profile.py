@@ -77,13 +77,8 @@ def rate_profile(
 ) -> Array:
     """Largest rates of progress `(K,)` every `GRAIN` s of plan time that keep to the limits.
 
-    Before a slow place the rate comes down by at most `brake` per second.
-
-    Args:
-        path: With rounded headings.
-        limits: Of the robot.
-        brake: 1/s.
-        terrain: Ground with heights, if there is any.
+    Before a slow place the rate comes down by at most `brake` per second. The path's headings are
+    rounded already.
     """
     count = int(np.ceil(path.duration / GRAIN)) + 2
     times = GRAIN * np.arange(count, dtype=float)
@@ -119,12 +114,7 @@ def rate_profile(
 
 
 def relief_along(terrain: Terrain, poses: Array) -> Array:
-    """`(K,)` how far the ground below a body departs from a plane, lowest to highest, m.
-
-    Args:
-        terrain: Ground with heights.
-        poses: `(K, 3)` x, y, yaw.
-    """
+    """How far the ground below bodies departs from a plane, lowest to highest, `(K,)` m."""
     x, y = (grid.ravel() for grid in np.meshgrid(_BELOW_X, _BELOW_Y))
     c, s = np.cos(poses[:, 2:]), np.sin(poses[:, 2:])
     points = np.stack([poses[:, :1] + c * x - s * y, poses[:, 1:2] + s * x + c * y], axis=-1)

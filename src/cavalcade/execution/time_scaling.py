@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cavalcade.execution._precedence import Braking, Progress
-from cavalcade.execution.precedence import MARGIN, Precedence, reach_of
+from cavalcade.execution.precedence import Precedence, reach_of
 from cavalcade.execution.speed_profile import GRAIN, LegLimits, rate_profile
 from cavalcade.geometry import Array, wrap_angle
 from cavalcade.geometry.trajectory import FLIGHT, Trajectory
@@ -19,17 +19,10 @@ from cavalcade.world import Terrain
 ON_TRACK = 0.05
 """A robot is where its reference is if no point of its body is farther off, m."""
 
-_LOOK = 0.025
-"""Step along the plan when looking for where a robot is, s."""
-
-_HARD = 2.5
-"""What was not foreseen is braked for this many times as hard as the rest."""
-
-_BRAKES = (0.5, 4.0)
-"""Least and largest change of a rate, 1/s."""
-
-_SLOW = 0.05
-"""A reference slower than this is waiting for its robot, m/s."""
+_LOOK = 0.025  # step along the plan when looking for where a robot is, s
+_HARD = 2.5  # what was not foreseen is braked for this many times as hard as the rest
+_BRAKES = (0.5, 4.0)  # least and largest change of a rate, 1/s
+_SLOW = 0.05  # a reference slower than this is waiting for its robot, m/s
 
 _STILL = 1e-9
 
@@ -43,7 +36,6 @@ class FollowSettings:
             kept; otherwise all follow the clock, come what may.
         trust: Whether robots that the plan keeps close may rely on each other to stop no faster
             than they do themselves. Otherwise each keeps the distance that it needs to stop.
-        margin: Gap of the bodies that the order is kept with, m.
         lag: Tracking errors between which the rate of progress falls from 1 to 0, m.
         lag_heading: The same of the heading, rad.
         correction: Largest velocity that corrects the position, m/s.
@@ -56,7 +48,6 @@ class FollowSettings:
 
     in_order: bool = True
     trust: bool = False
-    margin: float = MARGIN
     lag: tuple[float, float] = (0.10, 0.25)
     lag_heading: tuple[float, float] = (0.15, 0.30)
     correction: float = 0.3
@@ -124,7 +115,7 @@ class TimeScaling:
         self.arrived_late = np.full(size, np.nan)
         self.precedence: Precedence | None = None
         if settings.in_order:
-            self.precedence = Precedence(paths, models, self._stop, settings.margin)
+            self.precedence = Precedence(paths, models, self._stop)
         self._last: float | None = None
 
     def progress(self, now: float) -> Array:
@@ -134,8 +125,7 @@ class TimeScaling:
     def bounds(self, margin: bool = True) -> Array:
         """`(N,)` plan times beyond which nobody may go while nobody else moves on, s.
 
-        Args:
-            margin: Whether bodies keep their margin; otherwise they only do not touch.
+        Without `margin` bodies only do not touch.
         """
         if self.precedence is None:
             return np.full(len(self._paths), math.inf)
@@ -157,13 +147,10 @@ class TimeScaling:
         self._last = now
 
     def decide(self, now: float, ages: Array, errors: Array, poses: Array) -> None:
-        """Set the rates until the next cycle.
+        """Set the rates until the next cycle, `now` s after the start.
 
-        Args:
-            now: s since the start.
-            ages: `(N,)` of the poses, s.
-            errors: `(N, 3)` reference less pose when it was seen, map frame.
-            poses: `(N, 3)` as seen.
+        `poses` `(N, 3)` were seen `ages` `(N,)` s ago; `errors` `(N, 3)`, map frame, are what the
+        references were ahead of them then.
         """
         if self.precedence is None:
             return

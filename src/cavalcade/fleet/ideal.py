@@ -76,12 +76,8 @@ def advance_team(
 ) -> None:
     """Move every robot by `steps` steps of `dt` seconds under held commands, in place.
 
-    Args:
-        poses: `(N, 3)` x, y, yaw in the map frame; changed.
-        velocities: `(N, 3)` vx, vy, wz in the map frame; changed.
-        commands: `(N, 3)` body-frame velocities.
-        limits: `(N, 5)` a row of `cavalcade.robots.motion.MotionLimits` per robot.
-        dt, steps: Length of each step, s, and their number.
+    Poses and velocities `(N, 3)` are in the map frame, commands in the bodies'; `limits` `(N, 5)`
+    has a row of `cavalcade.robots.motion.MotionLimits` per robot.
     """
     for robot in range(poses.shape[0]):
         pose, velocity, row = poses[robot], velocities[robot], limits[robot]

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.geometry import Array
+from cavalcade.recording.physics_track import PhysicsTrack
 
 
 @dataclass(frozen=True)
@@ -83,8 +84,8 @@ class FallingFleet(Fleet, Protocol):
 class SampledFleet(FallingFleet, Protocol):
     """A fleet in physics, which keeps bodies, joints, forces and contacts over time."""
 
-    def samples(self) -> Any:
-        """What was kept so far, see `cavalcade.fleet.mujoco.sampling.Samples`."""
+    def track(self, start: float = 0.0) -> PhysicsTrack:
+        """What was kept so far, in time since the clock showed `start` s."""
 
 
 @dataclass(frozen=True)

@@ -192,11 +192,7 @@ class RadioFleet:
 
 
 def start_poses(poses: ArrayLike, robots: int) -> Array:
-    """Start poses as an array `(robots, 3)` of their own.
-
-    Raises:
-        InputError: Another number, or a pose that is not finite.
-    """
+    """Start poses as an array `(robots, 3)` of their own, which must be finite."""
     start = np.array(poses, dtype=float)
     if start.shape != (robots, 3) or not robots or not np.isfinite(start).all():
         raise InputError(

@@ -154,7 +154,6 @@ def footprints_meet(one, here, other, there, margin):
     """Whether two footprints are nearer than `margin` (boxes at corners: a little more).
 
     Args:
-        one, other: Footprints.
         here, there: Their poses (x, y, yaw).
         margin: m.
     """

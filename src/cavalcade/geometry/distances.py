@@ -15,6 +15,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from cavalcade.geometry import Array
 from cavalcade.geometry.boxes import (
     box_corners,
     box_polygon_gap,
@@ -22,7 +23,6 @@ from cavalcade.geometry.boxes import (
     point_box,
     point_polygon,
 )
-from cavalcade.geometry.planar import Array
 
 
 class Box(NamedTuple):
@@ -110,7 +110,6 @@ def cells_clearance(poses, order, box, cells, best, contact):
     """Judge poses `(M, 3)` of a box, given in the grid's own frame, against `Cells`.
 
     Args:
-        poses, box, best, contact: As everywhere here.
         order: Indices `(M,)` in which to look at the poses; the nearest first is fastest.
         cells: What is occupied.
     """

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.geometry.planar import Array
+from cavalcade.geometry import Array
 
 _CHUNK = 2_000_000
 """Point-edge pairs that are treated at once; bounds the memory."""

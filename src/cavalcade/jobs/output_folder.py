@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from cavalcade.errors import OutputError
-from cavalcade.files import make_folders, remove_folders
+from cavalcade.files import make_folders, reason_of, remove_folders
 from cavalcade.recording import mcap_writer, plan_file
 from cavalcade.scenario import Scenario, dump_scenario
 
@@ -48,7 +48,7 @@ class OutputFolder:
             self.stage = Path(tempfile.mkdtemp(dir=self.path, prefix=_STAGE))
         except OSError as error:
             remove_folders(self._made)
-            raise OutputError(f"{self.path}: cannot be written: {_reason(error)}") from None
+            raise OutputError(f"{self.path}: cannot be written: {reason_of(error)}") from None
 
     def __enter__(self) -> Self:
         return self
@@ -89,7 +89,7 @@ class OutputFolder:
                 (self.path / name).parent.mkdir(exist_ok=True)
                 os.replace(self.stage / name, self.path / name)
         except OSError as error:
-            raise OutputError(f"{self.path}: cannot be written: {_reason(error)}") from None
+            raise OutputError(f"{self.path}: cannot be written: {reason_of(error)}") from None
         self._made.clear()
         return tuple(self.path / name for name in staged)
 
@@ -105,7 +105,3 @@ class OutputFolder:
 def _holds_something(folder: Path) -> bool:
     # What a killed run left of its stage is not a result.
     return any(not entry.name.startswith(_STAGE) for entry in folder.iterdir())
-
-
-def _reason(error: OSError) -> str:
-    return error.strerror or str(error)

@@ -18,7 +18,7 @@ from cavalcade.geometry.trajectory import Trajectory
 from cavalcade.jobs.output_folder import FIGURES, PLAN, RECORDING, REPLAY, OutputFolder
 from cavalcade.jobs.planning import Coordinator, make_plan
 from cavalcade.jobs.reporter import JobReporter, kernels_are_cached
-from cavalcade.jobs.tasks import PolicyMaker, task_of
+from cavalcade.jobs.tasks import TASKS, PolicyMaker
 from cavalcade.metrics.plan_summary import PlanResult
 from cavalcade.metrics.summary import Summary
 from cavalcade.recording.frames import FrameSink, Recording
@@ -141,7 +141,7 @@ def run(
         world = build_world(resolved)
         reporter.say(_preparing(resolved))
         reporter.timeout = resolved.execution.timeout
-        task = task_of(resolved, world, reporter, planner)
+        task = TASKS[resolved.task.kind](resolved, world, reporter, planner)
         robots = task.make_fleet() if fleet is None else fleet
         if isinstance(robots, type) or not isinstance(robots, Fleet):
             robots = robots(resolved)  # a class that makes fleets has all their attributes, too
@@ -232,15 +232,7 @@ def _kept(
     figures: bool,
     replay: bool,
 ) -> JobResult:
-    """The result with all its files but the recording, which is there.
-
-    Args:
-        result: Of the job.
-        folder: Where they go.
-        reporter: Told when figures are drawn.
-        shown: The plan that figures and replay show.
-        figures, replay: Whether they are wanted.
-    """
+    """The result with its files, which show this plan; the recording is there already."""
     scenario, world, recording = result.scenario, result.world, result.recording
     if result.planned is not None:
         write_plan(folder.stage / PLAN, result.trajectories, result.footholds)

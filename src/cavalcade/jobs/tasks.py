@@ -214,18 +214,9 @@ class CommandTask(Task):
         return replace(super().summarise(policy, done), commanded=commanded)
 
 
-_TASKS: dict[str, type[Task]] = {
+TASKS: dict[str, type[Task]] = {
     "formation": FormationTask,
     "individual": IndividualTask,
     "commands": CommandTask,
 }
-
-
-def task_of(
-    scenario: ResolvedScenario,
-    world: World,
-    reporter: JobReporter,
-    policy: PolicyMaker | Policy | None = None,
-) -> Task:
-    """The task of a scenario; arguments as of `Task`."""
-    return _TASKS[scenario.task.kind](scenario, world, reporter, policy)
+"""By the kind that a scenario's `task` has."""

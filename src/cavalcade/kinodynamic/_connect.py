@@ -9,7 +9,7 @@ import math
 
 from numba import njit
 
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY
 from cavalcade.geometry.trajectory import WALK
 from cavalcade.kinodynamic._validity import (
     STILL,
@@ -249,11 +249,8 @@ def some_state_invalid(space, walk, scratch):
 def walk_problem(space, walk, backwards, scratch):
     """What is wrong with a CONNECT whose forces are within limits.
 
-    It is looked at every dt; what solid ground leaves free in all directions is passed over.
-
-    Args:
-        backwards: Look from its end to its start, as a tree that grows from the goal does.
-        scratch: `(6,)`.
+    It is looked at every dt, `backwards` from its end to its start, as a tree that grows from the
+    goal does; what solid ground leaves free in all directions is passed over.
 
     Returns:
         `OK`, `SOLID`, `GROUND` or `MOTION`, and the time from where the look began up to which

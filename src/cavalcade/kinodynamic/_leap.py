@@ -10,7 +10,7 @@ import math
 
 from numba import njit
 
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY
 from cavalcade.geometry.trajectory import FLIGHT as FLYING
 from cavalcade.geometry.trajectory import LANDING, TAKE_OFF
 from cavalcade.kinodynamic._validity import state_problem

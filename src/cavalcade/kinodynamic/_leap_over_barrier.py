@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from numba import njit
 
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY
 from cavalcade.geometry.trajectory import LANDING, TAKE_OFF, WALK
 from cavalcade.kinodynamic._leap import close_leap, leap_problem
 from cavalcade.kinodynamic._validity import carried
@@ -101,12 +101,7 @@ class LeapSample(NamedTuple):
 
 @njit(cache=True)
 def find_barrier(space, line, at, backwards):
-    """The barrier around the place `at` where a walk along a line fails.
-
-    Args:
-        at: Where the walk fails; where it comes from the far side (if `backwards`), where that
-            fails.
-    """
+    """The barrier around the place `at` where a walk along a line fails (`backwards`: one back)."""
     sign = -1.0 if backwards else 1.0
     near_phase, far_phase = (LANDING, TAKE_OFF) if backwards else (TAKE_OFF, LANDING)
     near = far = math.nan
@@ -173,7 +168,6 @@ def _stance_span(body, change, stroke, share, part):
     """Duration of a stance that changes the vertical speed by `change` m/s; nan if none can.
 
     Args:
-        change: m/s, positive.
         stroke: 2 x the room to move in over the sum of both vertical speeds, s.
         share: Of the friction cone that the horizontal force uses.
         part: Where between the shortest and the longest one, 0 to 1.
@@ -267,13 +261,7 @@ def shape_leap(space, line, sample, leap):
 
 @njit(cache=True)
 def leap_over(space, line, barrier, attempt, rng, leap, scratch):
-    """Sample a leap over a barrier; whether it is valid.
-
-    Args:
-        attempt: How many samples there have been for this barrier.
-        rng: State of the random numbers.
-        leap, scratch: Written, `(SIZE,)` and `(12,)`.
-    """
+    """Sample a leap `(SIZE,)` over a barrier after so many attempts; whether it is valid."""
     body = space.body
     fastest = 0.98 * body.v_max
     before, after = 0.01, 0.01

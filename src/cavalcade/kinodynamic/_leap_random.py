@@ -49,13 +49,8 @@ _LONGEST_FLIGHT = 1.0
 def random_leap(space, state, backwards, rng, leap, scratch):
     """Sample a leap from a state (`backwards`: to it); whether it is valid in forward time.
 
-    The counter-movement sets the vertical speed to 1-2 m/s below that of the smoothed ground.
-
-    Args:
-        state: `(6,)` of the node.
-        backwards: Whether the leap ends there. It is then sampled in reversed time.
-        rng: State of the random numbers.
-        leap, scratch: Written, `(SIZE,)` in forward time and `(12,)`.
+    The counter-movement sets the vertical speed to 1-2 m/s below that of the smoothed ground. A
+    leap that ends in the state is sampled in reversed time; `leap` `(SIZE,)` is in forward time.
     """
     own = np.empty(SIZE) if backwards else leap
     own[KIND] = LEAP
@@ -92,15 +87,9 @@ def random_leap(space, state, backwards, rng, leap, scratch):
 def _sample_stance(space, begin, span, first, rng, leap, end):
     """Sample the horizontal force of a stance and correct it until all forces are within limits.
 
-    The stance is stretched if the legs push too hard, and quicker if they push too little.
-
-    Args:
-        begin: `(6,)` the state at its beginning.
-        span: Its duration before corrections, s.
-        first: Whether it is the take-off, which ends as high as the rear legs reach; the landing
-            ends at nominal height.
-        leap: Force and duration are written there.
-        end: `(6,)` written.
+    The stance, of `span` s at first, is stretched if the legs push too hard, and quicker if they
+    push too little. The take-off, `first`, ends as high as the rear legs reach; the landing ends
+    at nominal height. Force and duration are written to `leap`, the last state to `end`.
     """
     ground, body = space.ground, space.body
     share, angle = uniform(rng), between(rng, 0.0, 2.0 * math.pi)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cavalcade.geometry import Array
 from cavalcade.kinodynamic._tree import Tree, nearest
 from cavalcade.kinodynamic._tree_extension import PLACES, REACHED, TRAPPED, extend
-from cavalcade.kinodynamic._validity import may_turn
+from cavalcade.kinodynamic._validity import may_turn, rest_at
 from cavalcade.kinodynamic.parameters import copy_to
 from cavalcade.kinodynamic.random import between, normal, uniform
 from cavalcade.lattice.surface import surface
@@ -51,13 +51,10 @@ class Sampler(NamedTuple):
 
 @njit(cache=True)
 def sample_state(space, sampler, tree, other, out):
-    """Sample a state `(6,)` at nominal height for a tree.
+    """Sample a state `(6,)` at nominal height for a tree; returns the nearest node of it.
 
     The places are uniform on the map but for those beside the guide and, for a tree that the other
     one has left behind, those just ahead of its nodes.
-
-    Returns:
-        The nearest node of the tree.
     """
     ground, body, rng, guide = space.ground, space.body, sampler.rng, sampler.guide
     stuck = 4 * tree.used[0] < other.used[0]
@@ -106,19 +103,13 @@ def _sample_nearby(space, rng, tree, out):
     ahead = between(rng, 0.15, 0.8)
     if tree.backwards:
         ahead = -ahead
-    out[0], out[1] = own[0] + ahead * math.cos(angle), own[1] + ahead * math.sin(angle)
-    out[2] = surface(space.ground, out[0], out[1])[0] + space.body.h_nom
-    out[3], out[4], out[5] = 0.0, 0.0, 0.0
+    rest_at(space, own[0] + ahead * math.cos(angle), own[1] + ahead * math.sin(angle), out)
     return near
 
 
 @njit(cache=True)
 def search(space, trees, sampler, begin, end):
-    """Grow both trees until they meet.
-
-    Args:
-        trees: That of the start and that of the goal.
-        begin, end: Numbers of the first iteration and of the one after the last.
+    """Grow both trees until they meet, from iteration `begin` to the one before `end`.
 
     Returns:
         `SOLVED`, `SPENT` or `FULL`; the number of the next iteration; and the nodes of both trees

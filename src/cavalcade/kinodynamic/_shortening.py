@@ -18,7 +18,7 @@ from cavalcade.kinodynamic._connect import (
     walk_state,
 )
 from cavalcade.kinodynamic._primitives import edge_heading, edge_length, edge_yaw, path_length
-from cavalcade.kinodynamic._validity import may_turn, stands_still
+from cavalcade.kinodynamic._validity import may_turn, rest_at, stands_still
 from cavalcade.kinodynamic.parameters import CONNECT, END, KIND, OK, SIZE, START, TIME, copy_to
 from cavalcade.kinodynamic.random import uniform
 from cavalcade.lattice.surface import surface
@@ -67,30 +67,17 @@ def _valid_walk(space, s0, s1, arrival, departure, edge, scratch):
 
 
 @njit(cache=True)
-def _rest_at(space, x, y, out):
-    """Write the state of rest at a place, at nominal height."""
-    out[0], out[1] = x, y
-    out[2] = surface(space.ground, x, y)[0] + space.body.h_nom
-    out[3], out[4], out[5] = 0.0, 0.0, 0.0
-
-
-@njit(cache=True)
 def pull_string(space, points, yaw):
-    """Walks from rest to rest along straight lines between points of a path.
+    """Walks from rest to rest along straight lines between points `(K, 2)` of a path.
 
-    Each is as long as it can be found by doubling and halving.
-
-    Args:
-        points: `(K, 2)` x, y from the start to the goal.
-
-    Returns:
-        `(M, SIZE)`, empty if two neighbouring points cannot be joined so.
+    Each is as long as it can be found by doubling and halving. There are none if two neighbouring
+    points cannot be joined so.
     """
     last = points.shape[0] - 1
     edges = np.empty((last, SIZE))
     edge, scratch = np.empty(SIZE), np.empty(6)
     begin, end = np.empty(6), np.empty(6)
-    _rest_at(space, points[0, 0], points[0, 1], begin)
+    rest_at(space, points[0, 0], points[0, 1], begin)
     at, kept = 0, 0
     while at < last:
         # The walk reaches `good` and not `bad`; steps grow until there is one that it does not.
@@ -98,7 +85,7 @@ def pull_string(space, points, yaw):
         arrival = _arrival(edges, kept, yaw)
         while bad - good > 1 and good < last:
             to = min(at + step, last) if bad > last else (good + bad) // 2
-            _rest_at(space, points[to, 0], points[to, 1], end)
+            rest_at(space, points[to, 0], points[to, 1], end)
             departure = _departure(edges, last, yaw) if to == last else math.nan
             if _valid_walk(space, begin, end, arrival, departure, edge, scratch):
                 good = to
@@ -147,11 +134,7 @@ def shorten(space, edges, yaw):
 
 @njit(cache=True)
 def shortcut(space, rng, edges, yaw):
-    """Try a CONNECT between two random places of a path.
-
-    Returns:
-        The path, changed if that made it shorter, and whether it did.
-    """
+    """The path with a CONNECT between two random places if that is shorter; and whether it is."""
     count = edges.shape[0]
     i, j = int(uniform(rng) * count), int(uniform(rng) * count)
     a, b = uniform(rng), uniform(rng)
@@ -189,7 +172,7 @@ def _place(space, edge, part, out):
     """A state on a CONNECT: at rest if it leads from rest to rest along a line, else as it is."""
     walk_state(space, edge, part * edge[TIME], out)
     if stands_still(edge[START : START + 6]) and stands_still(edge[END : END + 6]):
-        _rest_at(space, out[0], out[1], out)
+        rest_at(space, out[0], out[1], out)
 
 
 @njit(cache=True)
@@ -210,15 +193,10 @@ def _part(space, edge, state, first, part):
 
 @njit(cache=True)
 def round_corners(space, edges, yaw):
-    """Walk through places of rest between two CONNECTs where that is hardly any longer, in place.
-
-    Returns:
-        How many are gone.
-    """
+    """Walk through places of rest between CONNECTs where that is hardly any longer, in place."""
     v_nom = space.body.v_nom
     scratch, state = np.empty(6), np.empty(6)
     first, last = np.empty(SIZE), np.empty(SIZE)
-    gone = 0
     for i in range(edges.shape[0] - 1):
         if edges[i, KIND] != CONNECT or edges[i + 1, KIND] != CONNECT:
             continue
@@ -250,6 +228,4 @@ def round_corners(space, edges, yaw):
             if new <= _LONGER * old:
                 copy_to(edges[i], first)
                 copy_to(edges[i + 1], last)
-                gone += 1
                 break
-    return gone

@@ -39,15 +39,9 @@ class _Samples(NamedTuple):
 
 @njit(cache=True)
 def sample_path(space, edges, begin, yaw):
-    """Samples of a path at most dt apart, with the ends of phases.
+    """Times, states `(T, 6)`, yaws and phases of a path at most dt apart, with the ends of phases.
 
-    Args:
-        edges: `(M, SIZE)`.
-        begin: `(6,)` state at the start.
-        yaw: `(2,)` at the start and the goal, rad.
-
-    Returns:
-        Times `(T,)`, states `(T, 6)`, yaws `(T,)` and phases `(T,)`.
+    `begin` `(6,)` is the state at the start, `yaw` `(2,)` that at the start and the goal, rad.
     """
     dt = space.body.dt
     size = 4

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -52,12 +52,11 @@ def make_tree(size: int, backwards: bool, state: Array, yaw: float) -> Tree:
 
 def enlarged(tree: Tree) -> Tree:
     """The same tree with twice the places."""
-    states, yaws, edges = (
-        np.concatenate([array, np.empty_like(array)])
-        for array in (tree.states, tree.yaws, tree.edges)
-    )
-    parents = np.concatenate([tree.parents, np.empty_like(tree.parents)])
-    return Tree(tree.backwards, states, yaws, parents, edges, tree.used)
+    larger: dict[str, Any] = {}
+    for name in ("states", "yaws", "parents", "edges"):
+        array = getattr(tree, name)
+        larger[name] = np.concatenate([array, np.empty_like(array)])
+    return tree._replace(**larger)
 
 
 @njit(cache=True)

@@ -13,7 +13,7 @@ from cavalcade.kinodynamic._connect import walk_state
 from cavalcade.kinodynamic._leap_over_barrier import Line, find_barrier, leap_over
 from cavalcade.kinodynamic._leap_random import random_leap
 from cavalcade.kinodynamic._tree import add_node, connect, make_walk_from
-from cavalcade.kinodynamic._validity import stands_still
+from cavalcade.kinodynamic._validity import rest_at, stands_still
 from cavalcade.kinodynamic.parameters import END, GROUND, MOTION, OK, SIZE, START, TIME, copy_to
 from cavalcade.lattice.surface import surface
 
@@ -61,11 +61,7 @@ def make_work():
 
 @njit(cache=True)
 def extend(space, tree, node, state, rng):
-    """Extend a tree from a node towards a state.
-
-    Returns:
-        `TRAPPED`, `ADVANCED` or `REACHED`, and the last node added.
-    """
+    """Extend a tree from a node: `TRAPPED`, `ADVANCED` or `REACHED`, and the last node added."""
     work = make_work()
     status = TRAPPED
     for _ in range(_BARRIERS):
@@ -97,8 +93,7 @@ def _advance(space, tree, node, state, until, work):
         walk_state(space, edge, edge[TIME] - until if tree.backwards else until, stop)
         if math.hypot(stop[0] - own[0], stop[1] - own[1]) < _LEAST_LENGTH:
             return -1
-        stop[2] = surface(space.ground, stop[0], stop[1])[0] + space.body.h_nom
-        stop[3], stop[4], stop[5] = 0.0, 0.0, 0.0
+        rest_at(space, stop[0], stop[1], stop)
         allowed = make_walk_from(space, tree, own, stop, edge)
         return add_node(tree, node, edge) if allowed else -1
     until *= _BACK_UP
@@ -118,11 +113,7 @@ def truncate(space, edge, backwards, until, scratch):
 
 @njit(cache=True)
 def _cross(space, tree, node, state, until, rng, work):
-    """Add a leap over what stops a walk from a node to a state, and the walk to it.
-
-    Returns:
-        The node behind the leap, or -1.
-    """
+    """Add a leap over what stops a walk to a state, and the walk to it: the node behind, or -1."""
     own, leap = tree.states[node], work.leap
     dx, dy = state[0] - own[0], state[1] - own[1]
     away = math.hypot(dx, dy)
@@ -156,12 +147,9 @@ def _cross(space, tree, node, state, until, rng, work):
 
 @njit(cache=True)
 def _link(space, tree, node, target, line, work):
-    """Walk from a node to where a leap begins (backwards: from where it ends to the node).
+    """Walk from a node to where a leap begins (backwards: from where it ends): its node, or -1.
 
     With a run-up at walking speed where there is room, else at once, else from rest.
-
-    Returns:
-        The node at the leap, or -1.
     """
     own, mid = tree.states[node], np.empty(6)
     back = _RUN_UP if tree.backwards else -_RUN_UP

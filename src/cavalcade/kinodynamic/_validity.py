@@ -12,12 +12,9 @@ from numba import njit
 
 from cavalcade.geometry.boxes import Footprint
 from cavalcade.geometry.trajectory import FLIGHT, TAKE_OFF, WALK
-from cavalcade.kinodynamic.parameters import GROUND, MOTION, OK, SOLID
+from cavalcade.kinodynamic.parameters import GROUND, LEAST_TRAVERSABILITY, MOTION, OK, SOLID
 from cavalcade.lattice.collision import Grid, pose_free
-from cavalcade.lattice.surface import blend, corner
-
-LEAST_TRAVERSABILITY = 0.3
-"""Below this no foot may stand."""
+from cavalcade.lattice.surface import blend, corner, surface
 
 STILL = 1e-6
 """Below this speed a body stands, m/s."""
@@ -33,6 +30,14 @@ _TURN_STEP = 0.1
 def stands_still(state):
     """Whether a body in this state rests and may turn on the spot."""
     return state[3] * state[3] + state[4] * state[4] <= STILL * STILL
+
+
+@njit(cache=True)
+def rest_at(space, x, y, out):
+    """Write the state of rest at a place, at nominal height."""
+    out[0], out[1] = x, y
+    out[2] = surface(space.ground, x, y)[0] + space.body.h_nom
+    out[3], out[4], out[5] = 0.0, 0.0, 0.0
 
 
 @njit(cache=True)
@@ -173,13 +178,7 @@ def carried(space, x, y, z, cos, sin, phase):
 
 @njit(cache=True)
 def state_problem(space, state, cos, sin, phase):
-    """What is wrong with a state: `OK`, `SOLID`, `GROUND` or `MOTION`.
-
-    Args:
-        state: `(6,)`.
-        cos, sin: Of the yaw.
-        phase: `WALK`, `TAKE_OFF`, `FLIGHT` or `LANDING`.
-    """
+    """What is wrong with a state in a phase: `OK`, `SOLID`, `GROUND` or `MOTION`."""
     x, y, vx, vy = state[0], state[1], state[3], state[4]
     if vx * vx + vy * vy > space.body.v_max * space.body.v_max * (1.0 + 1e-9):
         return MOTION

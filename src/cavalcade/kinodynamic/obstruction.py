@@ -5,25 +5,22 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from cavalcade.eikonal import surface_distance
-from cavalcade.geometry import Array
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY, Array
 from cavalcade.geometry.trajectory import WALK
-from cavalcade.kinodynamic._grid_path import grid_path
-from cavalcade.kinodynamic._validity import (
-    HALF_DIAGONAL,
-    LEAST_TRAVERSABILITY,
-    carried,
-    solid_free,
-)
-from cavalcade.kinodynamic.parameters import StateSpace
+from cavalcade.kinodynamic._validity import HALF_DIAGONAL, carried, solid_free
+from cavalcade.kinodynamic.parameters import LEAST_TRAVERSABILITY, StateSpace
 from cavalcade.lattice.ground import Ground
 from cavalcade.lattice.surface import bilinear, surface
 
 Pose = tuple[float, float, float]
-Cells = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+_ROW = (0, 0, 1, -1, 1, 1, -1, -1)
+_COL = (1, -1, 0, 0, 1, -1, 1, -1)
 
 
 def obstruction(space: StateSpace, pose: Pose) -> str:
@@ -55,14 +52,14 @@ def obstruction(space: StateSpace, pose: Pose) -> str:
     return ""
 
 
-def roomy_path(space: StateSpace, start: Pose, goal: Pose) -> Array:
-    """Points `(K, 2)` x, y from start to goal between which a robot may turn anywhere; or none."""
+def roomy_path(space: StateSpace, start: Pose, goal: Pose) -> Array | None:
+    """Points `(K, 2)` x, y from start to goal between which a robot may turn anywhere, if any."""
     ground, body, discs = space
     reach = math.hypot(body.half_length, body.half_width) + body.margin
     passable = _room(ground, discs) >= reach + 2.0 * HALF_DIAGONAL * ground.cell
     if not ground.flat:
         passable &= ground.traversability >= LEAST_TRAVERSABILITY
-    return _points(ground, grid_path(passable, *_ends(ground, start, goal)), start, goal)
+    return _path(ground, passable, start, goal)
 
 
 def find_path(space: StateSpace, start: Pose, goal: Pose) -> tuple[str, Array]:
@@ -74,7 +71,6 @@ def find_path(space: StateSpace, start: Pose, goal: Pose) -> tuple[str, Array]:
     """
     ground, body, discs = space
     cell = ground.cell
-    ends = _ends(ground, start, goal)
     room = _room(ground, discs)
     footing = np.ones(ground.solid.shape, dtype=bool)
     if not ground.flat:
@@ -86,23 +82,20 @@ def find_path(space: StateSpace, start: Pose, goal: Pose) -> tuple[str, Array]:
     narrow = body.half_width
     for needed in (math.hypot(body.half_length, body.half_width), 1.2 * narrow, narrow):
         slack = 0.0 if needed == narrow else 2.0 * HALF_DIAGONAL * cell
-        path = grid_path((room >= needed + slack - 1e-9) & footing, *ends)
-        if len(path):
-            return "", _points(ground, path, start, goal)
-    if len(grid_path(room >= narrow - 1e-9, *ends)) == 0:
+        path = _path(ground, (room >= needed + slack - 1e-9) & footing, start, goal)
+        if path is not None:
+            return "", path
+    if _path(ground, room >= narrow - 1e-9, start, goal) is None:
         return "no way between the obstacles is wide enough", np.zeros((0, 2))
     return "no way over the ground: holes or steep ground are in between", np.zeros((0, 2))
 
 
-def _ends(ground: Ground, start: Pose, goal: Pose) -> tuple[tuple[int, int], tuple[int, int]]:
-    cell = ground.cell
-    return (int(start[1] / cell), int(start[0] / cell)), (int(goal[1] / cell), int(goal[0] / cell))
-
-
-def _points(ground: Ground, path: Cells, start: Pose, goal: Pose) -> Array:
-    """The cells' centres, with the start and the goal themselves as ends."""
+def _path(ground: Ground, passable: Mask, start: Pose, goal: Pose) -> Array | None:
+    """Centres of a path's cells, with start and goal themselves as ends; empty within a cell."""
+    ends = ((int(pose[1] / ground.cell), int(pose[0] / ground.cell)) for pose in (start, goal))
+    path = grid_path(passable, *ends)
     if len(path) < 2:
-        return np.zeros((0, 2))
+        return np.zeros((0, 2)) if len(path) else None
     points: Array = (path[:, ::-1].astype(np.float64) + 0.5) * ground.cell
     points[0], points[-1] = start[:2], goal[:2]
     return points
@@ -121,7 +114,7 @@ def _room(ground: Ground, discs: Array) -> Array:
     return room
 
 
-def _walkable(ground: Ground) -> NDArray[np.bool_]:
+def _walkable(ground: Ground) -> Mask:
     """Cells somewhere in which the ground may be traversable."""
     best = np.pad(ground.traversability, 1, mode="edge")
     rows, cols = ground.traversability.shape
@@ -143,3 +136,72 @@ def _longest_flight(space: StateSpace) -> float:
     push = math.sqrt(2.0 * stroke * GRAVITY * body.grf_max)
     drop = float(height.max() - height.min()) + body.h_max
     return body.v_max * (push + math.sqrt(push * push + 2.0 * GRAVITY * drop)) / GRAVITY
+
+
+@njit(cache=True)
+def grid_path(passable, start, goal):
+    """The path `(K, 2)` with the fewest steps to one of eight neighbouring cells; empty if none.
+
+    Breadth-first from both ends, so that a small enclosed area is soon known to be one. Cells are
+    (row, col); those of the start and the goal count as `passable` `(rows, cols)`.
+    """
+    rows, cols = passable.shape
+    source = np.full(rows * cols, -1, np.int32)
+    side = np.zeros(rows * cols, np.int8)
+    queues = np.empty((2, rows * cols), np.int32)
+    heads, tails = np.zeros(2, np.int64), np.ones(2, np.int64)
+    ends = (start[0] * cols + start[1], goal[0] * cols + goal[1])
+    for k in range(2):
+        queues[k, 0] = ends[k]
+        side[ends[k]] += k + 1
+        source[ends[k]] = ends[k]
+    if ends[0] == ends[1]:
+        return np.array([[start[0], start[1]]], np.int64)
+    while True:
+        for k in range(2):
+            if heads[k] == tails[k]:
+                return np.empty((0, 2), np.int64)
+            # One ring around this end; a cell of the other side joins both.
+            for _ in range(tails[k] - heads[k]):
+                at = queues[k, heads[k]]
+                heads[k] += 1
+                row, col = at // cols, at % cols
+                for m in range(8):
+                    i, j = row + _ROW[m], col + _COL[m]
+                    if i < 0 or j < 0 or i >= rows or j >= cols:
+                        continue
+                    to = i * cols + j
+                    if side[to] == k + 1 or (side[to] == 0 and not passable[i, j]):
+                        continue
+                    if side[to] != 0:
+                        return (
+                            _trace(source, cols, at, to) if k == 0 else _trace(source, cols, to, at)
+                        )
+                    side[to] = k + 1
+                    source[to] = at
+                    queues[k, tails[k]] = to
+                    tails[k] += 1
+
+
+@njit(cache=True)
+def _trace(source, cols, a, b):
+    """Cells from the root of `a` over `a` and `b` to the root of `b`."""
+    before, after = _steps(source, a), _steps(source, b)
+    path = np.empty((before + after, 2), np.int64)
+    for k in range(before - 1, -1, -1):
+        path[k, 0], path[k, 1] = a // cols, a % cols
+        a = source[a]
+    for k in range(before, before + after):
+        path[k, 0], path[k, 1] = b // cols, b % cols
+        b = source[b]
+    return path
+
+
+@njit(cache=True)
+def _steps(source, at):
+    """Number of cells from one to its root, both included."""
+    count = 1
+    while source[at] != at:
+        at = source[at]
+        count += 1
+    return count

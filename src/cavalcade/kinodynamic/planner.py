@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import time as clock
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,20 +19,15 @@ from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import Trajectory
 from cavalcade.kinodynamic._primitives import path_length
 from cavalcade.kinodynamic._rrt_connect import FULL, SOLVED, Sampler, search, solution
-from cavalcade.kinodynamic._shortening import (
-    pull_string,
-    round_corners,
-    shortcut,
-    shorten,
-)
+from cavalcade.kinodynamic._shortening import pull_string, round_corners, shortcut, shorten
 from cavalcade.kinodynamic._trajectory_sampling import sample_path
 from cavalcade.kinodynamic._tree import Tree, enlarged, make_tree
 from cavalcade.kinodynamic._tree_extension import PLACES, walk_ahead
+from cavalcade.kinodynamic._validity import rest_at
 from cavalcade.kinodynamic.obstruction import Pose, find_path, obstruction, roomy_path
 from cavalcade.kinodynamic.parameters import SIZE, make_body, make_space
 from cavalcade.kinodynamic.settings import BodySettings
 from cavalcade.lattice.ground import Ground
-from cavalcade.lattice.surface import surface
 from cavalcade.robots import RobotModel
 
 Trees = tuple[Tree, Tree]
@@ -66,7 +61,6 @@ class BodyPlan:
         iterations: Spent in all, on the first plan and on better ones.
         history: `(K, 2)` iterations and length in m: of the first plan as it was found, after
             shortening, and of each better one.
-        tree_sizes: Nodes of the tree from the start and of that from the goal.
         planning_time: Wall time, s.
     """
 
@@ -75,7 +69,6 @@ class BodyPlan:
     detail: str
     iterations: int
     history: Array
-    tree_sizes: tuple[int, int]
     planning_time: float
 
     @property
@@ -106,11 +99,9 @@ def plan_body(
     Raises:
         InputError: A robot without legs, or poses that are not three finite numbers.
     """
-    began = clock.perf_counter()
     settings = settings or BodySettings()
     problem = _Problem(ground, model, _pose(start, "start"), _pose(goal, "goal"), settings, seed)
-    answer = problem.solve(began)
-    return replace(answer, planning_time=clock.perf_counter() - began)
+    return problem.solve()
 
 
 def _pose(value: Sequence[float], key: str) -> Pose:
@@ -135,6 +126,8 @@ class _Problem:
         settings: BodySettings,
         seed: int,
     ) -> None:
+        self.began = clock.perf_counter()
+        self.deadline = math.inf if settings.seconds is None else self.began + settings.seconds
         body = make_body(model, settings.variant == "published", settings.margin, settings.leaps)
         self.space = make_space(ground, body, settings.discs)
         self.settings, self.start, self.goal = settings, start, goal
@@ -144,29 +137,32 @@ class _Problem:
         self.guide = np.zeros((0, 2))
         self.iterations = 0
         self.history: list[tuple[int, float]] = []
-        self.sizes = (0, 0)
 
-    def solve(self, began: float) -> BodyPlan:
-        deadline = math.inf if self.settings.seconds is None else began + self.settings.seconds
+    def solve(self) -> BodyPlan:
         for name, pose in (("start", self.start), ("goal", self.goal)):
             why = self._obstruction(pose)
             if why:
                 return self._answer("infeasible", f"the {name} {why}")
-        if self.settings.iterations == 0 or clock.perf_counter() > deadline:
+        if self.settings.iterations == 0 or self._late():
             return self._answer("budget", "no iterations were allowed")
         self.rest = (self._rest(self.start), self._rest(self.goal))
         if self.start[:2] == self.goal[:2]:
             return self._answer("solved", "", self._trajectory(np.zeros((0, SIZE))))
-        edges, why = self._first(deadline)
+        edges, why = self._first()
         if edges is None:
             if why:
                 return self._answer("infeasible", why)
             return self._answer("budget", "none was found within the budget")
         self._note(edges)
-        edges = self._shortened(edges, _SHORTCUTS)
+        if len(edges) > 1:
+            edges = self._shortened(edges)
+            self._note(edges)
         if self.settings.improve:
-            edges = self._improved(edges, deadline)
+            edges = self._improved(edges)
         return self._answer("solved", "", self._trajectory(edges))
+
+    def _late(self) -> bool:
+        return clock.perf_counter() > self.deadline
 
     def _obstruction(self, pose: Pose) -> str:
         """Why the robot cannot stand at a pose; without its margin if that alone is in the way."""
@@ -179,8 +175,9 @@ class _Problem:
         return why
 
     def _rest(self, pose: Pose) -> Array:
-        height = surface(self.space.ground, pose[0], pose[1])[0]
-        return np.array([pose[0], pose[1], height + self.space.body.h_nom, 0.0, 0.0, 0.0])
+        state = np.empty(6)
+        rest_at(self.space, pose[0], pose[1], state)
+        return state
 
     def _roots(self) -> Trees:
         return (
@@ -188,48 +185,42 @@ class _Problem:
             make_tree(8 * PLACES, True, self.rest[1], self.goal[2]),
         )
 
-    def _first(self, deadline: float) -> tuple[Array | None, str]:
+    def _first(self) -> tuple[Array | None, str]:
         """The first solution, or why there is none, empty if that is not known."""
         published = self.space.body.published
         straight = min(2, self.settings.iterations)
-        edges, trees = self._search(self._roots(), 0, straight, math.inf, deadline)
+        edges, trees = self._search(self._roots(), 0, straight, math.inf)
         if edges is None and not published:
-            edges = self._pulled()
+            # Where the grid shows a path with room to turn everywhere, its string is pulled.
+            points = roomy_path(self.space, self.start, self.goal)
+            if points is not None and len(points):
+                pulled: Array = pull_string(self.space, points, self.yaw)
+                edges = pulled if len(pulled) else None
         look = min(_FIRST_LOOK, self.settings.iterations)
         if edges is None:
             if not published:
                 for tree in trees:
                     walk_ahead(self.space, tree)
-            edges, trees = self._search(trees, straight, look, math.inf, deadline)
-        if edges is None and clock.perf_counter() <= deadline:
+            edges, trees = self._search(trees, straight, look, math.inf)
+        if edges is None and not self._late():
             why, guide = find_path(self.space, self.start, self.goal)
             if why:
                 return None, why
             if not published:
                 self.guide = guide
-            edges, trees = self._search(trees, look, self.settings.iterations, math.inf, deadline)
-        self.sizes = (int(trees[0].used[0]), int(trees[1].used[0]))
+            edges, trees = self._search(trees, look, self.settings.iterations, math.inf)
         return edges, ""
 
-    def _pulled(self) -> Array | None:
-        """A path where there is room to turn everywhere, if the grid shows one."""
-        points = roomy_path(self.space, self.start, self.goal)
-        if len(points) == 0:
-            return None
-        edges: Array = pull_string(self.space, points, self.yaw)
-        return edges if len(edges) else None
-
     def _search(
-        self, trees: Trees, begin: int, end: int, bound: float, deadline: float
+        self, trees: Trees, begin: int, end: int, bound: float
     ) -> tuple[Array | None, Trees]:
         """Search on from iteration `begin` to `end`: the solution, if any, and the trees."""
-        step = end if deadline == math.inf else _CHUNK
+        step = end if self.deadline == math.inf else _CHUNK
         sampler = Sampler(self.rng, self.guide, bound)
         at = begin
-        while at < end and clock.perf_counter() <= deadline:
-            status, reached, first, second = search(
-                self.space, trees, sampler, at, min(end, at + step)
-            )
+        while at < end and not self._late():
+            until = min(end, at + step)
+            status, reached, first, second = search(self.space, trees, sampler, at, until)
             self.iterations += reached - at
             at = reached
             if status == SOLVED:
@@ -238,26 +229,22 @@ class _Problem:
                 trees = (enlarged(trees[0]), enlarged(trees[1]))
         return None, trees
 
-    def _shortened(self, edges: Array, shortcuts: int) -> Array:
-        if len(edges) < 2:
-            return edges
+    def _shortened(self, edges: Array) -> Array:
         edges = shorten(self.space, edges, self.yaw)
         if self.space.body.published:
-            self._note(edges)
             return edges
-        for _ in range(min(shortcuts, _TRIES_EACH * (len(edges) - 1))):
+        for _ in range(min(_SHORTCUTS, _TRIES_EACH * (len(edges) - 1))):
             edges, _ = shortcut(self.space, self.rng, edges, self.yaw)
         edges = shorten(self.space, edges, self.yaw)
         round_corners(self.space, edges, self.yaw)
-        self._note(edges)
         return edges
 
-    def _improved(self, edges: Array, deadline: float) -> Array:
+    def _improved(self, edges: Array) -> Array:
         """Shortcuts, and new searches where a path can still be shorter (Gammell et al. 2014)."""
         best = self._length(edges)
         straight = math.dist(self.rest[0][:3], self.rest[1][:3])
         end = self.iterations + self.settings.improve
-        while self.iterations < end and clock.perf_counter() <= deadline:
+        while self.iterations < end and not self._late():
             if best <= straight * (1.0 + 1e-6):
                 break
             for _ in range(min(_SHORTCUTS, end - self.iterations)):
@@ -270,12 +257,10 @@ class _Problem:
             if rest <= 0:
                 break
             # From iteration 2 on, so that the straight line is not tried again.
-            other, _ = self._search(self._roots(), 2, 2 + rest, best, deadline)
+            other, _ = self._search(self._roots(), 2, 2 + rest, best)
             if other is None:
                 continue
-            history = list(self.history)
-            other = self._shortened(other, _SHORTCUTS)
-            self.history = history
+            other = self._shortened(other)
             if self._length(other) < best - 1e-6:
                 edges, best = other, self._length(other)
                 self._note(edges)
@@ -294,4 +279,5 @@ class _Problem:
 
     def _answer(self, reason: str, detail: str, trajectory: Trajectory | None = None) -> BodyPlan:
         history = np.array(self.history, dtype=float).reshape(-1, 2)
-        return BodyPlan(trajectory, reason, detail, self.iterations, history, self.sizes, 0.0)
+        time = clock.perf_counter() - self.began
+        return BodyPlan(trajectory, reason, detail, self.iterations, history, time)

@@ -114,14 +114,8 @@ def _still_from(others):
 def _later_start(scene, start, goal, taken, words, out):
     """The shortest wait at the start after which one of the cheapest words gets to the goal.
 
-    Args:
-        scene, start, goal: As in `search`.
-        taken: Until when others are at the goal, s.
-        words: `Words` to write to.
-        out: Moves are written here, the wait first.
-
-    Returns:
-        The number of moves, 0 if there is no such wait; and their cost.
+    Others are at the goal until `taken` s. The moves are written to `out`, the wait first; returned
+    are their number, 0 if there is no such wait, and their cost.
     """
     number = connect(start, 0.0, goal, 0.0, scene.limits, scene.metre_cost, words)
     chosen = np.full(_WORDS_TRIED, -1)
@@ -172,12 +166,7 @@ def _path_to(node, link, primitives, word):
 def search(scene, start, goal, primitives, to_go, settings):
     """The cheapest path from rest at `start` to rest at `goal` past everything, for good.
 
-    Args:
-        scene: `cavalcade.lattice.collision.Scene`.
-        start, goal: `(3,)` x, y, yaw.
-        primitives: `(P, 8)` moves, and whether they begin and end walking.
-        to_go: `CostToGo`.
-        settings: `SearchSettings`.
+    `primitives` `(P, 8)` are moves, and whether they begin and end walking.
 
     Returns:
         FOUND, EXHAUSTED (nothing left to try) or SPENT; moves `(M, 6)`; expansions.
@@ -270,8 +259,6 @@ def search(scene, start, goal, primitives, to_go, settings):
                 dear = gap * (metre_cost + 1.0 / speed) + turn_round + _LOOPS
             for _ in range(number):
                 pick, count = take_cheapest(words, number)
-                if pick < 0:
-                    break
                 cost = t + metre_cost * length + words.costs[pick]
                 if cost >= best_cost - 1e-9 or words.costs[pick] > dear:
                     break

@@ -200,14 +200,9 @@ def occupied_until(others, footprint, pose, t, margin):
 
 @njit(cache=True)
 def move_free(scene, pose, move, t, standing):
-    """Whether a move from a pose (x, y, yaw) at time `t` meets nothing.
+    """Whether a move `(6,)` from a pose (x, y, yaw) at time `t` meets nothing.
 
-    Args:
-        scene: `Scene`.
-        pose: Where it begins; this pose itself is not looked at.
-        move: `(6,)`.
-        t: When it begins, s.
-        standing: Whether the ground need not be looked at.
+    The pose itself is not looked at; if `standing`, neither is the ground.
     """
     grid, others, limits, margins, _ = scene
     x, y, yaw = pose

@@ -85,13 +85,9 @@ def _lay(words, number, turns, parts, speeds, limits, metre_cost):
     """Write a word of at most five moves as number `number`; the new number of words.
 
     Args:
-        words: `Words` to write to.
-        number: Words that are there already.
         turns: Turns on the spot at the start and at the end, rad.
         parts: `(3, 2)` lengths (m) and turns (rad) driven in between.
         speeds: At the start and at the end, m/s.
-        limits: Of the robot.
-        metre_cost: Of a metre; that of a second is 1.
     """
     v0, v1 = speeds
     total = abs(parts[0, 0]) + abs(parts[1, 0]) + abs(parts[2, 0])
@@ -190,16 +186,9 @@ def _dubins(word, dx, dy, yaw0, yaw1, radius, parts):
 
 @njit(cache=True)
 def connect(a, v0, b, v1, limits, metre_cost, words):
-    """All words from state `a` (x, y, yaw) at speed v0 to `b` at v1; how many there are.
+    """Write all words from pose `a` (x, y, yaw) at speed v0 to `b` at v1; how many there are.
 
-    Moving states go forwards.
-
-    Args:
-        a, b: Poses.
-        v0, v1: m/s.
-        limits: Of the robot.
-        metre_cost: Of a metre; that of a second is 1.
-        words: `Words` to write to.
+    Moving states go forwards. A metre costs `metre_cost`, a second 1.
     """
     number = 0
     dx, dy = b[0] - a[0], b[1] - a[1]

@@ -41,12 +41,7 @@ class Ground(NamedTuple):
 
 
 def make_ground(map: OccupancyMap, terrain: Terrain | None = None) -> Ground:
-    """The ground of a world.
-
-    Args:
-        map: What is solid.
-        terrain: Heights on the same grid; None for flat ground.
-    """
+    """The ground of a world: what is solid, and heights on the same grid unless it is flat."""
     solid = np.ascontiguousarray(map.occupied)
     clearance = np.ascontiguousarray(surface_distance(solid, map.resolution))
     if terrain is None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -61,6 +62,7 @@ _LIMITS = np.dtype(
 )
 
 
+@cache
 def motion_limits(model: RobotModel) -> MotionLimits:
     """The limits that a robot is planned with."""
     acceleration = min(model.max_acceleration, _GENTLE[0])
@@ -88,6 +90,11 @@ def motion_limits(model: RobotModel) -> MotionLimits:
         model.drive in ("integrator", "integrator-2"),
         *footprint(model),
     )
+
+
+def metre_cost(speed: float) -> float:
+    """What a metre costs a robot of this speed (m/s) where a second costs 1: twice its time."""
+    return 2.0 / speed
 
 
 def footprint(model: RobotModel) -> Footprint:
@@ -125,13 +132,9 @@ def footprint_of(limits: MotionLimits) -> Footprint:
     return Footprint(limits.half_length, limits.half_width, limits.round)
 
 
+@cache
 def primitives_of(model: RobotModel, finer: int = 0) -> Array:
-    """The moves `(P, 8)` that a search in space and time tries from every state.
-
-    Args:
-        model: Of the robot.
-        finer: How often to halve the steps.
-    """
+    """The moves `(P, 8)` that a search tries from every state, with steps halved `finer` times."""
     limits = motion_limits(model)
     speed, radius = limits.speed, limits.radius
     scale = 0.5**finer

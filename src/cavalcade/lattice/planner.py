@@ -18,6 +18,7 @@ from cavalcade.lattice.ground import Ground, make_ground, read_only
 from cavalcade.lattice.motion_limits import (
     MotionLimits,
     footprint,
+    metre_cost,
     motion_limits,
     primitives_of,
 )
@@ -92,6 +93,11 @@ class TimedPath:
         """Summed over the moves, forwards and backwards, m."""
         return float(np.abs(self.moves[:, LENGTH]).sum())
 
+    @property
+    def cost(self) -> float:
+        """What the search minimises: seconds and the cost of the metres."""
+        return self.duration + metre_cost(self.limits.speed) * self.length
+
     def track(self) -> Array:
         """Poses `(K, 3)` every `TRACK_STEP` s, the last at or after the end."""
         count = math.ceil(self.duration / TRACK_STEP - 1e-9) + 1
@@ -104,20 +110,15 @@ class SpaceTimePlanner:
 
     Args:
         ground: Even, or to be walked on wherever it is not solid.
-        metre_cost: Of a metre; that of a second is 1. None: two seconds at the robot's speed.
         weight: Of the heuristic: larger ones find paths sooner, smaller ones better paths.
     """
 
-    def __init__(
-        self, ground: Ground, metre_cost: float | None = None, weight: float = 1.5
-    ) -> None:
+    def __init__(self, ground: Ground, weight: float = 1.5) -> None:
         self.ground = ground
-        self.metre_cost = metre_cost
         self.weight = weight
         self.grid = grid_of(ground)
         self._open = not ground.solid.any()
         self._to_go: dict[tuple[int, int, float, float | None], CostToGo] = {}
-        self._kinds: dict[tuple[RobotModel, int], tuple[MotionLimits, Array]] = {}
 
     def plan(
         self,
@@ -141,64 +142,45 @@ class SpaceTimePlanner:
             The path or None; whether that is because `most` was spent; expansions.
         """
         scene = self.scene(model, others, margins)
+        primitives, finer = primitives_of(model, margins.finer), 0.5**margins.finer
+
+        def searched(to_go: CostToGo, most: int) -> tuple[TimedPath | None, bool, int]:
+            settings = SearchSettings(_BIN_SIZE * finer, _BIN_TIME * finer, self.weight, most)
+            status, moves, expansions = search(scene, start, goal, primitives, to_go, settings)
+            if status != FOUND:
+                return None, status == SPENT, expansions
+            if expansions > 1:
+                moves = shorten(scene, start, moves, _PASSES)
+            return TimedPath(start, moves, scene.limits, model), False, expansions
+
         likely = self._likely_cost_to_go(start, goal, model)
-        path, spent, expansions = self._search(model, scene, start, goal, likely, most)
+        path, spent, expansions = searched(likely, most)
         admissible = self.cost_to_go(goal, model)
-        if likely is admissible or (path is not None and not _long(path, admissible)):
+        # Whether it is much longer than it has to be; where nothing stands, it is not.
+        least = 1.25 * _at(admissible, start) + 0.5 if admissible.lengths.size else math.inf
+        if likely is admissible or (path is not None and path.length <= least):
             return path, spent, expansions
         # What the likely cost-to-go thinks little of may be the shorter path, or the only one.
         # (Where nothing stands the two are alike, and a search that found nothing runs again.)
         most = most if path is None else min(most, max(_SECOND_LOOK, expansions))
-        other, spent, more = self._search(model, scene, start, goal, admissible, most)
-        if path is not None and (other is None or self.cost(other) >= self.cost(path)):
+        other, spent, more = searched(admissible, most)
+        if path is not None and (other is None or other.cost >= path.cost):
             other = path
         return other, spent and other is None, expansions + more
 
     def scene(self, model: RobotModel, others: Others, margins: Margins) -> Scene:
         """A robot among others, as kernels take it."""
-        limits = self.limits(model)
-        return Scene(self.grid, others, limits, margins, self.metre_cost_for(limits.speed))
-
-    def _search(
-        self,
-        model: RobotModel,
-        scene: Scene,
-        start: Array,
-        goal: Array,
-        to_go: CostToGo,
-        most: int,
-    ) -> tuple[TimedPath | None, bool, int]:
-        limits, primitives = self._kind(model, scene.margins.finer)
-        finer = 0.5**scene.margins.finer
-        settings = SearchSettings(_BIN_SIZE * finer, _BIN_TIME * finer, self.weight, most)
-        status, moves, expansions = search(scene, start, goal, primitives, to_go, settings)
-        if status != FOUND:
-            return None, status == SPENT, expansions
-        if expansions > 1:
-            moves = shorten(scene, start, moves, _PASSES)
-        return TimedPath(start, moves, limits, model), False, expansions
+        limits = motion_limits(model)
+        return Scene(self.grid, others, limits, margins, metre_cost(limits.speed))
 
     def shortened(self, path: TimedPath, others: Others, margins: Margins) -> TimedPath:
         """The path with parts of it replaced by cheaper moves that keep clear of the others."""
         scene = self.scene(path.model, others, margins)
         return replace(path, moves=shorten(scene, path.start, path.moves, _PASSES))
 
-    def cost(self, path: TimedPath) -> float:
-        """What the search minimises: seconds and the cost of the metres."""
-        return path.duration + self.metre_cost_for(path.limits.speed) * path.length
-
-    def metre_cost_for(self, speed: float) -> float:
-        """What a metre costs a robot of this speed (m/s), in s."""
-        return 2.0 / speed if self.metre_cost is None else self.metre_cost
-
-    def limits(self, model: RobotModel) -> MotionLimits:
-        """The model as kernels take it."""
-        return self._kind(model, 0)[0]
-
     def reachable(self, model: RobotModel, start: Array, goal: Array) -> bool:
         """Whether a disc as wide as the body gets from the start to the goal."""
-        to_go = self.cost_to_go(goal, model)
-        return not to_go.lengths.shape[0] or bool(np.isfinite(_at(to_go, start)))
+        return math.isfinite(_at(self.cost_to_go(goal, model), start))
 
     def cost_to_go(self, goal: Array, model: RobotModel) -> CostToGo:
         """Lengths of the shortest paths to the goal on a coarser grid, m.
@@ -216,9 +198,7 @@ class SpaceTimePlanner:
         half = model.width / 2.0
         turning = half if model.round else math.hypot(model.length, model.width) / 2.0
         to_go = self._lengths(goal, half, turning)
-        if to_go.lengths.shape[0] and not np.isfinite(_at(to_go, start)):
-            return self.cost_to_go(goal, model)
-        return to_go
+        return to_go if math.isfinite(_at(to_go, start)) else self.cost_to_go(goal, model)
 
     def _lengths(self, goal: Array, least: float, turning: float | None) -> CostToGo:
         """Over ground with a clearance of `least` m, cheap where it is more than `turning` m."""
@@ -238,12 +218,6 @@ class SpaceTimePlanner:
             times = arrival_times(speed, [(row, col)], cell * factor)
             self._to_go[key] = CostToGo(np.ascontiguousarray(times), cell * factor)
         return self._to_go[key]
-
-    def _kind(self, model: RobotModel, finer: int) -> tuple[MotionLimits, Array]:
-        key = (model, finer)
-        if key not in self._kinds:
-            self._kinds[key] = (motion_limits(model), primitives_of(model, finer))
-        return self._kinds[key]
 
 
 def trajectory_of(path: TimedPath, ground: Ground | None = None) -> Trajectory:
@@ -296,12 +270,9 @@ def stacked(tracks: Sequence[Array]) -> Array:
 
 
 def others_of(tracks: list[Array], models: list[RobotModel], spans: list[Any]) -> Others:
-    """Tracks of different lengths as one array, each standing at its last pose for good.
+    """Robots on tracks `(K_j, 3)` every `TRACK_STEP` s, each standing at its last pose for good.
 
-    Args:
-        tracks: `(K_j, 3)` poses every `TRACK_STEP` s.
-        models: Of the robots on them.
-        spans: (track, from, to) in s.
+    `spans` are which track, and from when to when in s.
     """
     if not tracks or not spans:
         return NOBODY
@@ -323,16 +294,11 @@ def warm_up() -> None:
     trajectory_of(first if second is None else second, ground)
 
 
-def _long(path: TimedPath, to_go: CostToGo) -> bool:
-    """Whether a path is much longer than the cost-to-go has it."""
-    if not to_go.lengths.shape[0]:
-        return False
-    return path.length > 1.25 * float(_at(to_go, path.start)) + 0.5
-
-
-def _at(to_go: CostToGo, pose: Sequence[float] | Array) -> float:
+def _at(to_go: CostToGo, pose: Array) -> float:
     """The length to go from a pose's cell, m."""
     rows, cols = to_go.lengths.shape
+    if not rows:
+        return 0.0
     row, col = min(int(pose[1] / to_go.cell), rows - 1), min(int(pose[0] / to_go.cell), cols - 1)
     return float(to_go.lengths[row, col])
 

@@ -62,11 +62,7 @@ def split(moves, limits, piece):
 def shorten(scene, start, moves, rounds):
     """The path with parts of it replaced by cheaper words, greedily from its start.
 
-    Args:
-        scene: As in the search.
-        start: x, y, yaw.
-        moves: `(M, 6)`, valid; so is what is returned.
-        rounds: Passes at most.
+    `moves` `(M, 6)` from `start` are valid; so is what is returned after at most `rounds` passes.
     """
     limits, margins = scene.limits, scene.margins
     words = no_words()
@@ -102,7 +98,7 @@ def shorten(scene, start, moves, rounds):
                 )
                 for _ in range(number):
                     pick, count = take_cheapest(words, number)
-                    if pick < 0 or words.costs[pick] >= old - 1e-6:
+                    if words.costs[pick] >= old - 1e-6:
                         break
                     word = words.moves[pick, :count]
                     after = times[i] + word[:, DURATION].sum()

@@ -49,10 +49,8 @@ def nearest_place(x, y, ground, least, reach):
     """The place nearest to (x, y) where a foot may stand.
 
     Where it may stand at (x, y) itself, there; otherwise the centre of the nearest such cell
-    within `reach`, the first in the order of rows where two are equally near.
-
-    Returns:
-        x, y, and whether there is one; (x, y) itself where there is none.
+    within `reach`, the first in the order of rows where two are equally near. Returns x, y and
+    whether there is one; (x, y) itself where there is none.
     """
     cell = ground.cell
     row, col = int(math.floor(y / cell)), int(math.floor(x / cell))

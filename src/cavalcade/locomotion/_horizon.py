@@ -24,10 +24,16 @@ STILL = 0.02
 @njit(cache=True)
 def swing_share(gait, clock, leg):
     """How far a leg's swing has come at that time of the trot, from 0 to 1; 1 where it stands."""
-    phase = clock / gait.period + gait.offset[leg]
-    phase -= math.floor(phase)
+    phase = gait_phase(gait, clock, leg)
     air = 1.0 - gait.duty
     return phase / air if phase < air else 1.0
+
+
+@njit(cache=True)
+def gait_phase(gait, clock, leg):
+    """How much of a leg's cycle, a swing and a stance, is over at that time, from 0 to 1."""
+    phase = clock / gait.period + gait.offset[leg]
+    return phase - math.floor(phase)
 
 
 @njit(cache=True)
@@ -126,8 +132,10 @@ def walk_problem(robot, gait, body, state):
         # Feet that will have stepped stand below their hips, others where they are or will land.
         for leg in range(4):
             contacts[k, leg] = _stands(gait, state, clock, k, leg)
-            if trots and middle >= _until_lift(gait, clock, leg):
-                wait = _until_mid_stance(gait, clock + middle, leg)
+            if trots and middle >= (1.0 - gait_phase(gait, clock, leg)) * gait.period:
+                # Time until the middle of the stance that it is in or comes to; may be negative.
+                ahead = 1.0 - 0.5 * gait.duty - gait_phase(gait, clock + middle, leg)
+                wait = ahead * gait.period
                 px, py = _below_hip(robot, half_x + wait * vx, half_y + wait * vy, c, s, leg)
                 rise_x, rise_y = px - body.centre[0], py - body.centre[1]
                 pz = state.ground + state.slope[0] * rise_x + state.slope[1] * rise_y
@@ -170,20 +178,6 @@ def _stands(gait, state, clock, k, leg):
     return early and math.floor(later / gait.period + offset) == math.floor(
         clock / gait.period + offset
     )
-
-
-@njit(cache=True)
-def _until_lift(gait, clock, leg):
-    """Time until a leg's next swing begins, s."""
-    phase = clock / gait.period + gait.offset[leg]
-    return (1.0 - (phase - math.floor(phase))) * gait.period
-
-
-@njit(cache=True)
-def _until_mid_stance(gait, clock, leg):
-    """Time until the middle of the stance that a leg is in or comes to, s; may be negative."""
-    phase = clock / gait.period + gait.offset[leg]
-    return (1.0 - 0.5 * gait.duty - (phase - math.floor(phase))) * gait.period
 
 
 @njit(cache=True)

@@ -19,17 +19,13 @@ from cavalcade.locomotion._kinematics import (
     turned_back,
 )
 
-FASTEST = 25.0
-"""Joints of a leg in the air are asked for at most that speed, rad/s."""
-
-SLOW = 0.2
-"""Around that speed dry friction takes over its full torque, rad/s."""
+FASTEST = 25.0  # joints of a leg in the air are asked for at most that speed, rad/s
+SLOW = 0.2  # around that speed dry friction takes over its full torque, rad/s
 
 FOLD_STIFFNESS, FOLD_DAMPING = 120.0, 3.0
 """Of joints that fold or unfold legs, N m/rad and N m s/rad."""
 
-LIMP = 1.0
-"""Damping of joints of a robot that lies, N m s/rad."""
+LIMP = 1.0  # damping of joints of a robot that lies, N m s/rad
 
 
 @njit(cache=True)

@@ -12,13 +12,10 @@ import math
 import numpy as np
 from numba import njit
 
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY
 
-SINGULAR = 2e-4
-"""A Jacobian with a smaller determinant is not inverted but damped, m³."""
-
-STRETCHED = 0.999
-"""Legs are stretched at most to this share of their length."""
+SINGULAR = 2e-4  # a Jacobian with a smaller determinant is not inverted but damped, m³
+STRETCHED = 0.999  # legs are stretched at most to this share of their length
 
 
 @njit(cache=True)
@@ -70,15 +67,7 @@ def measure_body(robot, measured, body):
 
 @njit(cache=True)
 def leg_forward(robot, leg, joints, place, jacobian):
-    """A foot's centre and its derivatives by the three joints.
-
-    Args:
-        robot: Its parameters.
-        leg: Which.
-        joints: `(3,)` of that leg.
-        place: `(3,)`, overwritten.
-        jacobian: `(3, 3)`, overwritten.
-    """
+    """Set `place` `(3,)` to a foot's centre, `jacobian` to its derivatives by `joints` `(3,)`."""
     q0, q1, q2 = joints[0], joints[1], joints[2]
     s0, c0, s1, c1 = math.sin(q0), math.cos(q0), math.sin(q1), math.cos(q1)
     s12, c12 = math.sin(q1 + q2), math.cos(q1 + q2)
@@ -99,13 +88,9 @@ def leg_forward(robot, leg, joints, place, jacobian):
 
 @njit(cache=True)
 def leg_inverse(robot, leg, place, out):
-    """Joint angles `(3,)` that bring a foot to a place, knees backwards; as near as it goes.
+    """Set `out` to the angles that bring a foot's centre to a place `(3,)`, knees backwards.
 
-    Args:
-        robot: Its parameters.
-        leg: Which.
-        place: `(3,)` of the foot's centre. Out of reach, the leg points there as long as it can be.
-        out: Overwritten; within the joints' ranges.
+    Out of reach, the leg points there as long as it can be; angles stay within the joints' ranges.
     """
     x = place[0] - robot.hip[leg, 0]
     y = place[1] - robot.hip[leg, 1]
@@ -127,14 +112,9 @@ def leg_inverse(robot, leg, place, out):
 
 @njit(cache=True)
 def leg_weight(robot, leg, joints, up, out):
-    """Joint torques that hold the leg's links up: derivatives of their potential energy.
+    """Set `out` to the torques, N m, that hold the leg's links up at the angles `joints`.
 
-    Args:
-        robot: Its parameters.
-        leg: Which.
-        joints: `(3,)` of that leg.
-        up: `(3,)` unit vector upwards, trunk frame.
-        out: `(3,)`, overwritten, N m.
+    They are derivatives of the potential energy; `up` is the unit vector upwards, trunk frame.
     """
     q0, q1, q2 = joints[0], joints[1], joints[2]
     s0, c0, s1, c1 = math.sin(q0), math.cos(q0), math.sin(q1), math.cos(q1)

@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numba import njit
 
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY
 from cavalcade.locomotion._centroid import measure_centroid
 from cavalcade.locomotion._horizon import solve_forces
 from cavalcade.locomotion._joints import stance_torques, track_foot
@@ -28,11 +28,8 @@ length."""
 ASTRAY = 0.06
 """A leap has failed if a foot stands so much higher or lower than where it should land, m."""
 
-LOST = 0.35
-"""A flight that lasts so much longer than planned has failed, s."""
-
-FORWARD = (0.1, 0.75)
-"""Feet go forward in this part of the flight."""
+LOST = 0.35  # a flight that lasts so much longer than planned has failed, s
+FORWARD = (0.1, 0.75)  # feet go forward in this part of the flight
 
 UP, DOWN = 0.3, (0.6, 0.9)
 """Feet are tucked until that share of the flight, and reach down in that part of it."""
@@ -40,8 +37,7 @@ UP, DOWN = 0.3, (0.6, 0.9)
 BELOW, BESIDE = 0.11, 0.12
 """Feet stay at least so far below their hips, and at most so far beside their shoulders, m."""
 
-SINK = 0.5
-"""A foot that meets no ground goes down with that speed, m/s."""
+SINK = 0.5  # a foot that meets no ground goes down with that speed, m/s
 
 
 @njit(cache=True)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numba import njit
 
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY
 from cavalcade.locomotion._horizon import present_state
 from cavalcade.locomotion._kinematics import wrapped
 from cavalcade.locomotion.mpc import MpcProblem

@@ -14,7 +14,7 @@ for a pair of forces. Turning works alike: there T_k is the 3 × 3 integral of t
 angular velocity into rates of roll, pitch, yaw.
 
 Columns are the axes of the standing feet, by step, leg, axis. Inner loops count unsigned, as in
-`_qp_factor`.
+`_qp`.
 """
 
 from __future__ import annotations
@@ -25,8 +25,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from cavalcade.geometry import Array
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY, Array
 from cavalcade.locomotion._qp import solve_qp
 
 
@@ -45,16 +44,15 @@ class _Steps(NamedTuple):
 def solve(problem, plan, changes):
     """Find the forces `(H, 4, 3)` that follow the reference best, N; they become `plan`.
 
-    Args:
-        problem: An `MpcProblem` whose arrays are C-contiguous.
-        plan: Overwritten; zero where a foot swings.
-        changes: Of the solver's active set, at most, for every standing foot.
-
-    Returns:
-        The changes made.
+    They are zero where a foot swings. The problem's arrays are C-contiguous. Returns how often the
+    solver's active set changed: at most `changes` times for every standing foot.
     """
     contacts = problem.contacts
-    n = 3 * count_stance(contacts)
+    n = 0
+    for k in range(contacts.shape[0]):
+        for leg in range(4):
+            if contacts[k, leg]:
+                n += 3
     hessian, gradient, forces = np.empty((n, n)), np.empty(n), np.empty(n)
     build_qp(problem, hessian, gradient)
     done = solve_qp(hessian, gradient, problem.mu, problem.max_force, forces, changes * n // 3)
@@ -67,17 +65,6 @@ def solve(problem, plan, changes):
             if stands:
                 row += 3
     return done
-
-
-@njit(cache=True)
-def count_stance(contacts):
-    """How many feet stand, over all steps."""
-    count = 0
-    for k in range(contacts.shape[0]):
-        for leg in range(4):
-            if contacts[k, leg]:
-                count += 1
-    return count
 
 
 @njit(cache=True, fastmath={"contract", "reassoc"})

@@ -1,4 +1,7 @@
-"""Where a swinging foot goes, and how it gets there, compiled. World frame, m, s."""
+"""Where a swinging foot goes, and how it gets there, compiled. World frame, m, s.
+
+`robot, gait, body, state` are rows of `ROBOT`, `GAIT`, `BODY`, `STATE`, `footing` is a `Footing`.
+"""
 
 from __future__ import annotations
 
@@ -8,14 +11,9 @@ from numba import njit
 
 from cavalcade.locomotion._footholds import interpolate, nearest_place
 
-SEARCH = 0.12
-"""How far a foothold may be moved to ground that carries it, m."""
-
-LEAST = 0.3
-"""Least traversability of such ground."""
-
-PROBES = 6
-"""Points of a swing at which the ground below it is looked at."""
+SEARCH = 0.12  # how far a foothold may be moved to ground that carries it, m
+LEAST = 0.3  # least traversability of such ground
+PROBES = 6  # points of a swing at which the ground below it is looked at
 
 LEANING, RISING = 0.6, 0.9
 """A calf leans backwards from its foot: so far, in lengths of it, and it rises by so much per m."""
@@ -34,7 +32,7 @@ def to_ground(frame, x, y):
 
 @njit(cache=True)
 def ground_height(footing, x, y):
-    """Height of the ground at a place of the world, m; `footing` is a `Footing`."""
+    """Height of the ground at a place of the world, m."""
     if footing.flat:
         return 0.0
     u, v = to_ground(footing.frame, x, y)
@@ -47,13 +45,7 @@ def choose_foothold(robot, gait, body, state, leg, left, footing):
 
     Below the place where the shoulder will be in the middle of the coming stance (Raibert), moved
     by the error of the velocity to catch the body, away from edges behind that the calf would
-    meet, then to ground that carries it.
-
-    Args:
-        robot, gait, body, state: Rows of `ROBOT`, `GAIT`, `BODY`, `STATE`.
-        leg: Which.
-        left: Time until it lands, s.
-        footing: What carries feet, a `Footing`.
+    meet, then to ground that carries it. It lands in `left` s.
     """
     # Where the shoulder will be, at the heading of then.
     stance = gait.duty * gait.period
@@ -82,13 +74,9 @@ def choose_foothold(robot, gait, body, state, leg, left, footing):
 
 @njit(cache=True)
 def shank_clears(robot, footing, x, y, c, s):
-    """Whether the ground behind a foot leaves room for its calf, which leans backwards.
+    """Whether the ground behind a foot at (x, y) leaves room for its calf, which leans backwards.
 
-    Args:
-        robot: A row of `ROBOT`.
-        footing: What carries feet, a `Footing`.
-        x, y: Where the foot stands, m.
-        c, s: Cosine and sine of the heading.
+    `c` and `s` are cosine and sine of the heading.
     """
     foot = ground_height(footing, x, y)
     for probe in range(1, PROBES + 1):

@@ -10,8 +10,7 @@ from cavalcade.locomotion._leap import step_leap
 from cavalcade.locomotion._walk import step_posture, step_walk
 from cavalcade.locomotion.records import FALLEN, LEAPING, LYING, RISING, SINKING, Measured
 
-FALL = 1.0
-"""A trunk that leans by more has fallen, rad."""
+FALL = 1.0  # a trunk that leans by more has fallen, rad
 
 
 @njit(cache=True)

@@ -23,35 +23,19 @@ from cavalcade.locomotion._kinematics import leg_inverse, wrapped
 from cavalcade.locomotion._swing import choose_foothold, swing_point
 from cavalcade.locomotion.records import LYING, SINKING, STANDING, TROTTING, FootTarget
 
-CALM = 0.15
-"""Pushed to more than that a robot begins to step, m/s; three times that in rad/s."""
-
-FIXED = 0.8
-"""From this share of a swing on, its foothold stays."""
-
-LOST = 0.1
-"""A foot that misses the ground after its swing goes down by at most so much, m."""
-
-SINK = 0.4
-"""Speed at which such a foot goes down, m/s."""
-
-EARLY = 0.6
-"""From this share of a swing on, a foot that touches stands."""
+CALM = 0.15  # pushed to more than that a robot begins to step, m/s; three times that in rad/s
+FIXED = 0.8  # from this share of a swing on, its foothold stays
+LOST = 0.1  # a foot that misses the ground after its swing goes down by at most so much, m
+SINK = 0.4  # speed at which such a foot goes down, m/s
+EARLY = 0.6  # from this share of a swing on, a foot that touches stands
 
 REST = 1.2
 """A robot that is to stand for so many cycles lifts no foot any more: all are below the hips."""
 
-SENSING = 0.1
-"""Time constant of the ground's estimated height and slope, s."""
-
-STEEPEST = 0.6
-"""No slope is taken for steeper, m/m."""
-
-POSTURE = 1.0
-"""Rising and sinking take that long, s."""
-
-FOLDED = (0.0, 1.25, -2.7)
-"""Joints of a leg of a robot that lies, rad."""
+SENSING = 0.1  # time constant of the ground's estimated height and slope, s
+STEEPEST = 0.6  # no slope is taken for steeper, m/m
+POSTURE = 1.0  # rising and sinking take that long, s
+FOLDED = (0.0, 1.25, -2.7)  # joints of a leg of a robot that lies, rad
 
 
 @njit(cache=True)
@@ -134,7 +118,10 @@ def step_gait(robot, gait, state, body, feet, footing):
         state.began = state.time
     clock = state.time - state.began
     stopping = state.time - state.idle > REST * gait.period
-    if stopping and all_stand(state):
+    standing = 0
+    for leg in range(4):
+        standing += state.contact[leg] * (1 - state.swinging[leg])
+    if stopping and standing == 4:
         stand(state, body)
         return True
     changed = False
@@ -161,15 +148,6 @@ def step_gait(robot, gait, state, body, feet, footing):
             left = (1.0 - share) * (1.0 - gait.duty) * gait.period
             choose_foothold(robot, gait, body, state, leg, left, footing)
     return changed
-
-
-@njit(cache=True)
-def all_stand(state):
-    """Whether no foot is in the air."""
-    standing = 0
-    for leg in range(4):
-        standing += state.contact[leg] * (1 - state.swinging[leg])
-    return standing == 4
 
 
 @njit(cache=True)

@@ -52,7 +52,6 @@ class LeapPilot:
         edges: As in `LeapRequest`.
         heights: Of the ground; None where they are not known.
         front: Of the front hip joints ahead of the trunk's origin, m.
-        settings: How it will leap.
 
     Attributes:
         velocity: `(3,)` command for a robot that is to walk, body frame, m/s, m/s, rad/s.
@@ -67,9 +66,8 @@ class LeapPilot:
         edges: tuple[float, float] | None,
         heights: Heights | None,
         front: float,
-        settings: LeapSettings | None = None,
     ) -> None:
-        self._settings = settings or LeapSettings()
+        self._settings = LeapSettings()
         self._front = front
         self._crossing: Crossing | None = None
         self._goal = np.array([landed[0], landed[1], landed[3]], dtype=float)
@@ -85,13 +83,9 @@ class LeapPilot:
         self.manoeuvre: LeapManoeuvre | None = None
 
     def step(self, time: float, pose: Array, feet: Array, stands: bool, leaps: bool) -> int:
-        """What to do now: `WALK`, `LEAP`, `WAIT`, `DONE` or `FAILED`.
+        """What to do at `time` s: `WALK`, `LEAP`, `WAIT`, `DONE` or `FAILED`.
 
-        Args:
-            time: s.
-            pose: `(3,)` x, y, yaw of the trunk.
-            feet: `(4, 3)` where the feet stand.
-            stands, leaps: Whether the robot stands, or is leaping.
+        The trunk is at `pose` `(3,)` and feet stand at `feet` `(4, 3)`; the robot stands or leaps.
         """
         if math.isnan(self._begun):
             self._begun = time

@@ -58,13 +58,10 @@ class Crossing:
 def find_crossing(
     take_off: Array, landed: Array, edges: tuple[float, float], heights: Heights | None
 ) -> Crossing:
-    """The break between two poses.
+    """The break between two poses `(4,)` x, y, z, yaw of the body, near `edges`, m along the line.
 
-    Args:
-        take_off, landed: `(4,)` x, y, z, yaw of the body.
-        edges: Where the ground breaks, m along the line between them.
-        heights: Of the ground, to find how the break lies and where its sides are level; without
-            it the break is across the line, between the bodies' heights.
+    Heights of the ground tell how the break lies and where its sides are level; without them it is
+    across the line, between the bodies' heights.
     """
     ahead = np.asarray(landed[:2] - take_off[:2], dtype=float)
     ahead = ahead / max(math.hypot(*ahead), 1e-9)

@@ -11,17 +11,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cavalcade.geometry import Array, inverse_transform_points, transform_points
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY, Array, inverse_transform_points, transform_points
 from cavalcade.geometry.trajectory import FLIGHT, LANDING, TAKE_OFF, Trajectory
 from cavalcade.lattice.ground import Ground
 from cavalcade.locomotion import _footholds as kernels
 from cavalcade.locomotion.gait import stances
 from cavalcade.locomotion.records import Footing
 from cavalcade.robots import RobotModel
-from cavalcade.robots.legs import LegModel
+from cavalcade.robots.model import LegModel
 
 FARTHEST = 0.25
 """How far a foot may be put from the wanted place to find ground that carries it, m."""
@@ -109,15 +107,11 @@ def _standing(trajectory: Trajectory, hips: Array, times: Array, feet: Array) ->
     """What kernels take: `feet` themselves, and their times from the first columns of `times`."""
     down, up = np.ascontiguousarray(times[:, 0]), np.ascontiguousarray(times[:, 1])
     time = np.ascontiguousarray(trajectory.time)
-    return kernels.Stances(time, hips, _needed(trajectory), down, up, feet)
-
-
-def _needed(trajectory: Trajectory) -> NDArray[np.bool_]:
-    """`(T, 4)` whether each leg has to reach its foothold at each sample."""
+    # Front legs reach for nothing during take-off, rear ones during landing.
     needed = np.repeat((trajectory.phase != FLIGHT)[:, None], 4, axis=1)
     needed[trajectory.phase == TAKE_OFF, :2] = False
     needed[trajectory.phase == LANDING, 2:] = False
-    return needed
+    return kernels.Stances(time, hips, needed, down, up, feet)
 
 
 def _wanted(trajectory: Trajectory, legs: LegModel, times: Array) -> Array:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import FLIGHT, WALK, Trajectory
-from cavalcade.robots.legs import LegModel
+from cavalcade.robots.model import LegModel
 
 FRONT_LEFT, FRONT_RIGHT, REAR_LEFT, REAR_RIGHT = 0, 1, 2, 3
 
@@ -87,12 +87,7 @@ def _steps(span: _Span, half: float, after: bool, until: bool) -> Iterator[tuple
 
     From rest, the feet stand as long as it takes for the last swing to end with the span. Beside
     a leap the other pair stands for the landing or the take-off besides: steps there are half as
-    long, so that it need not reach twice as far.
-
-    Args:
-        span: In which to step.
-        half: Half of the gait's period, s.
-        after, until: Whether a landing comes before, a take-off after it.
+    long, so that it need not reach twice as far: `after` a landing, or `until` a take-off.
     """
     length = span.end - span.start
     lost = 0.5 * (after + until)

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cavalcade.errors import InputError
-from cavalcade.geometry import Array, wrap_angle
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY, Array, wrap_angle
 from cavalcade.locomotion.records import LEAP, Row
 from cavalcade.locomotion.settings import Weights
 
@@ -126,15 +125,13 @@ def plan_leap(
     yaw: float,
     settings: LeapSettings,
 ) -> Row:
-    """A row `()` of `LEAP` that begins where the robot stands.
+    """A row `()` of `LEAP` that begins where the robot, a row of `ROBOT`, stands.
 
     Args:
-        manoeuvre: The leap.
-        robot: A row of `ROBOT`.
+        manoeuvre, robot, settings: The leap, who leaps, and how.
         height: Of the trunk's origin when standing, m.
         feet: `(4, 3)` where the feet stand, their centres, world, m.
         yaw: Of the trunk now, unwrapped, rad.
-        settings: How to leap.
 
     Raises:
         InputError: The leap is too far or too high.

@@ -8,11 +8,12 @@ from numpy.typing import ArrayLike
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array
 from cavalcade.locomotion.records import ROBOT, Row
-from cavalcade.robots.description import JOINTS, LEGS, QuadrupedDescription
-from cavalcade.robots.inertial import Inertial, combined
+from cavalcade.robots.description import JOINTS, LEGS, Inertial, QuadrupedDescription, combined
 
 _STRAIGHT = 5e-3  # m
-_AXES = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]])
+
+AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 1.0, 0.0))
+"""Axes of the joints of hip, thigh and calf when all angles are zero."""
 
 
 def robot_parameters(description: QuadrupedDescription) -> Row:
@@ -60,7 +61,7 @@ def _check_legs(description: QuadrupedDescription) -> None:
     """Refuse legs whose places `_kinematics` would get wrong."""
     offsets = description.joint_offsets
     for number, (name, leg) in enumerate(zip(LEGS, description.legs, strict=True)):
-        for joint, axis, part in zip(leg.joints, _AXES, JOINTS, strict=True):
+        for joint, axis, part in zip(leg.joints, AXES, JOINTS, strict=True):
             if np.abs(np.array(joint.axis) - axis).max() > _STRAIGHT:
                 letter = "xy"[int(np.argmax(axis))]
                 raise InputError(f"expected the {part} joint of leg {name} to turn about {letter}")

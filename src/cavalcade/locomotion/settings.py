@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.errors import InputError
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY
 
 _POSITIVE = (
     "period", "acceleration", "turning", "silence", "force_weight", "mu", "max_force", "step",

@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from cavalcade.geometry import Array
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY
 from cavalcade.metrics.summary import BodyContacts, GroundContacts, PhysicsSummary
 from cavalcade.recording.physics_track import ContactEvent, PhysicsTrack
 from cavalcade.robots import RobotModel
@@ -35,9 +34,10 @@ def summarise_physics(track: PhysicsTrack, models: Sequence[RobotModel]) -> Phys
         track: Of the run.
         models: One per robot, with a description.
     """
-    torque = _limits(models, "torque_limits")
-    speed = _limits(models, "speed_limits")
-    weights = np.array([_description(model).mass * GRAVITY for model in models])
+    robots = [_description(model) for model in models]
+    torque = np.array([robot.torque_limits for robot in robots])
+    speed = np.array([robot.speed_limits for robot in robots])
+    weights = np.array([robot.mass * GRAVITY for robot in robots])
     w_to_z = 1.0 - 2.0 * (track.base[..., 4] ** 2 + track.base[..., 5] ** 2)
     # The first sample has nothing before it.
     carried = track.foot_forces[1:, ..., 2].sum(axis=-1)
@@ -59,36 +59,26 @@ def count_contacts(contacts: Iterable[ContactEvent]) -> BodyContacts:
 
     A contact of two robots is recorded by both, and one that lasts again and again.
     """
-    found: list[tuple[float, Hashable]] = []
+    found: list[tuple[float, tuple[str, Hashable]]] = []
     for contact in contacts:
         if contact.other.startswith("robot "):
             pair = frozenset((contact.robot, int(contact.other.removeprefix("robot "))))
-            found.append((contact.time, pair))
+            found.append((contact.time, ("robot_robot", pair)))
         elif contact.other == "obstacle":
-            found.append((contact.time, contact.robot))
+            found.append((contact.time, ("robot_obstacle", contact.robot)))
         elif contact.part in _BODY:
-            found.append((contact.time, (contact.robot, contact.part)))
+            found.append((contact.time, (contact.part, contact.robot)))
     last: dict[Hashable, float] = {}
     begun: Counter[str] = Counter()
     for time, what in sorted(found, key=lambda one: one[0]):
         if time > last.get(what, -np.inf) + TOGETHER:
-            begun[_kind(what)] += 1
+            begun[what[0]] += 1
         last[what] = time
     return BodyContacts(
         begun["robot_robot"],
         begun["robot_obstacle"],
         GroundContacts(**{part: begun[part] for part in _BODY}),
     )
-
-
-def _kind(what: Hashable) -> str:
-    if isinstance(what, tuple):
-        return str(what[1])
-    return "robot_robot" if isinstance(what, frozenset) else "robot_obstacle"
-
-
-def _limits(models: Sequence[RobotModel], name: str) -> Array:
-    return np.array([getattr(_description(model), name) for model in models])
 
 
 def _description(model: RobotModel) -> Any:

@@ -130,11 +130,10 @@ def as_recording(trajectories: Sequence[Trajectory]) -> Recording:
 
 
 def _goal_errors(scenario: Scenario, plan: TeamPlan) -> tuple[float | None, ...]:
-    errors: list[float | None] = []
-    for goal, path in zip(scenario.goals, plan.trajectories, strict=True):
-        off = None if path is None else float(np.hypot(*(path.position[-1, :2] - goal[:2])))
-        errors.append(rounded(off))
-    return tuple(errors)
+    return rounded_each(
+        None if path is None else float(np.hypot(*(path.position[-1, :2] - goal[:2])))
+        for goal, path in zip(scenario.goals, plan.trajectories, strict=True)
+    )
 
 
 def _footholds(scenario: Scenario, stretches: Sequence[Array]) -> FootholdCount:

@@ -125,19 +125,15 @@ def _in_place(
     ends = slot_poses(driven[-1]) if driven else None
     if ends is None or not len(recording.time):
         return (None,) * robots, (None,) * robots
+    off = recording.poses - ends
+    there = np.hypot(off[..., 0], off[..., 1]) <= limit.position
+    there &= np.abs(wrap_angle(off[..., 2])) <= limit.heading
     durations: list[float | None] = []
     for robot in range(robots):
-        if not np.isfinite(ends[robot]).all():
-            durations.append(None)
-            continue
-        off = recording.poses[:, robot] - ends[robot]
-        there = np.hypot(off[:, 0], off[:, 1]) <= limit.position
-        there &= np.abs(wrap_angle(off[:, 2])) <= limit.heading
-        away = np.flatnonzero(~there)
+        away = np.flatnonzero(~there[:, robot])
         first = 0 if len(away) == 0 else int(away[-1]) + 1
         durations.append(rounded(recording.time[first]) if first < len(there) else None)
-    off = recording.poses[-1, :, :2] - ends[:, :2]
-    return tuple(durations), rounded_each(np.hypot(off[:, 0], off[:, 1]))
+    return tuple(durations), rounded_each(np.hypot(off[-1, :, 0], off[-1, :, 1]))
 
 
 def placement_errors(positions: Array, slots: Array, taking_part: NDArray[np.bool_]) -> Array:

@@ -40,6 +40,9 @@ OBSTACLES_TOPIC = "/cavalcade/obstacles"
 
 CONTACTS_TOPIC, FALLS_TOPIC = "/cavalcade/contacts", "/cavalcade/falls"
 
+JOINT_COLUMNS = {"position": "joints", "velocity": "joint_rates", "effort": "torques"}
+"""Columns of sensor_msgs/JointState, and what they are called in a track."""
+
 JOINT_NAMES = tuple(f"{leg}_{joint}" for leg in LEGS for joint in JOINTS)
 
 POSE = Layout().header(FRAME).numbers("pose", "f8", 7)
@@ -64,31 +67,34 @@ _ADD, _DELETE = 0, 2
 
 def run_topics(robots: int) -> dict[str, str]:
     """Topics of every recording of so many robots, and their message types."""
-    kinds = {
+    team = {
         "/map": "nav_msgs/msg/OccupancyGrid",
         "/tf": "tf2_msgs/msg/TFMessage",
         "/markers": "visualization_msgs/msg/MarkerArray",
-        STATUS_TOPIC: "std_msgs/msg/String",
-        NOTES_TOPIC: "std_msgs/msg/String",
-        OBSTACLES_TOPIC: "std_msgs/msg/String",
+        **dict.fromkeys((STATUS_TOPIC, NOTES_TOPIC, OBSTACLES_TOPIC), "std_msgs/msg/String"),
     }
-    for robot in range(robots):
-        kinds[f"/robot_{robot}/pose"] = "geometry_msgs/msg/PoseStamped"
-        kinds[f"/robot_{robot}/pose_estimated"] = "geometry_msgs/msg/PoseStamped"
-        kinds[f"/robot_{robot}/cmd_vel"] = "geometry_msgs/msg/TwistStamped"
-        kinds[f"/robot_{robot}/path"] = "nav_msgs/msg/Path"
-    return kinds
+    each = {
+        "pose": "geometry_msgs/msg/PoseStamped",
+        "pose_estimated": "geometry_msgs/msg/PoseStamped",
+        "cmd_vel": "geometry_msgs/msg/TwistStamped",
+        "path": "nav_msgs/msg/Path",
+    }
+    return team | _of_robots(robots, each)
 
 
 def physics_topics(robots: int) -> dict[str, str]:
     """Further topics of recordings in physics, and their message types."""
-    kinds = {CONTACTS_TOPIC: "std_msgs/msg/String", FALLS_TOPIC: "std_msgs/msg/String"}
-    for robot in range(robots):
-        kinds[f"/robot_{robot}/body"] = "geometry_msgs/msg/PoseStamped"
-        kinds[f"/robot_{robot}/joint_states"] = "sensor_msgs/msg/JointState"
-        for leg in LEGS:
-            kinds[f"/robot_{robot}/foot_force/{leg}"] = "geometry_msgs/msg/WrenchStamped"
-    return kinds
+    team = dict.fromkeys((CONTACTS_TOPIC, FALLS_TOPIC), "std_msgs/msg/String")
+    each = {
+        "body": "geometry_msgs/msg/PoseStamped",
+        "joint_states": "sensor_msgs/msg/JointState",
+        **{f"foot_force/{leg}": "geometry_msgs/msg/WrenchStamped" for leg in LEGS},
+    }
+    return team | _of_robots(robots, each)
+
+
+def _of_robots(robots: int, each: dict[str, str]) -> dict[str, str]:
+    return {f"/robot_{k}/{name}": kind for k in range(robots) for name, kind in each.items()}
 
 
 def base_frame(robot: int) -> str:
@@ -106,7 +112,7 @@ def joints_layout(robot: int) -> Layout:
     layout = Layout().header(base_frame(robot)).constant("u4", len(JOINT_NAMES))
     for name in JOINT_NAMES:
         layout.text(name)
-    for column in ("position", "velocity", "effort"):
+    for column in JOINT_COLUMNS:
         layout.constant("u4", len(JOINT_NAMES)).numbers(column, "f8", len(JOINT_NAMES))
     return layout
 
@@ -208,14 +214,8 @@ def marker_messages(
 ) -> list[memoryview]:
     """visualization_msgs/MarkerArray: bodies coloured by role, the leader, goals and springs.
 
-    Args:
-        times: `(M,)` ns.
-        poses: `(M, N, 3)`.
-        models: N of them, for the size of the bodies.
-        roles: `(M, N)` slots, -1 without.
-        leaders: `(M,)` robots, -1 without.
-        goals: `(M, N, 2)`.
-        springs: `(M, C, 2, 2)` ends of the lines between joined robots.
+    Times `(M,)` in ns, poses `(M, N, 3)`, slots `(M, N)` and leaders `(M,)`, -1 without, goals
+    `(M, N, 2)`, and the ends `(M, C, 2, 2)` of the springs; models for the size of the bodies.
     """
     count, robots = roles.shape
     markers = _Markers(times, 2 * robots + 2)

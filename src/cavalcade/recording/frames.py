@@ -119,54 +119,41 @@ class Recorder:
     """A sink of frames that gives a `Recording`."""
 
     def __init__(self) -> None:
-        self._time: list[float] = []
-        self._poses: list[Array] = []
-        self._estimated: list[Array] = []
-        self._commands: list[Array] = []
-        self._status: list[PlannerStatus] = []
-        self._notes: list[tuple[float, str]] = []
-        self._maps: list[tuple[float, OccupancyMap]] = []
+        self._frames: list[Frame] = []
         self._paths: tuple[Array, ...] = ()
         self._paths_time = -np.inf
 
     @property
     def maps(self) -> tuple[tuple[float, OccupancyMap], ...]:
         """(time, map) pairs: the map as it was from then on."""
-        return tuple(self._maps)
+        return tuple((frame.time, grid) for frame in self._frames for grid in frame.maps)
 
     def __call__(self, frame: Frame) -> None:
         """Keep one cycle."""
-        status, time = frame.status, round(frame.time, 9)
-        before = self._status[-1] if self._status else None
-        turning_point = (
-            before is None
-            or status.state != before.state
-            or status.leader != before.leader
-            or status.waypoint != before.waypoint
+        status = frame.status
+        before = self._frames[-1].status if self._frames else None
+        turning_point = before is None or any(
+            getattr(status, name) != getattr(before, name)
+            for name in ("state", "leader", "waypoint")
         )
         if turning_point or frame.time - self._paths_time >= PATH_PERIOD - 1e-9:
             self._paths = tuple(thinned(path) for path in status.paths)
             self._paths_time = frame.time
-        self._time.append(time)
-        self._poses.append(frame.poses)
-        self._estimated.append(frame.estimated)
-        self._commands.append(frame.commands)
-        self._status.append(replace(status, paths=self._paths))
-        self._notes += [(time, text) for text in frame.notes]
-        self._maps += [(time, grid) for grid in frame.maps]
+        status = replace(status, paths=self._paths)
+        self._frames.append(replace(frame, time=round(frame.time, 9), status=status))
 
     def recording(self, obstacles: tuple[ObstacleTrack, ...] = ()) -> Recording:
         """Everything so far."""
-        size = self._poses[0].shape[0] if self._poses else 0
-        shape = (len(self._time), size, 3)
+        frames = self._frames
+        shape = (len(frames), len(frames[0].poses) if frames else 0, 3)
         return Recording(
-            time=np.array(self._time),
-            poses=np.array(self._poses).reshape(shape),
-            estimated=np.array(self._estimated).reshape(shape),
-            commands=np.array(self._commands).reshape(shape),
-            status=tuple(self._status),
+            time=np.array([frame.time for frame in frames]),
+            poses=np.array([frame.poses for frame in frames]).reshape(shape),
+            estimated=np.array([frame.estimated for frame in frames]).reshape(shape),
+            commands=np.array([frame.commands for frame in frames]).reshape(shape),
+            status=tuple(frame.status for frame in frames),
             obstacles=obstacles,
-            notes=tuple(self._notes),
+            notes=tuple((frame.time, text) for frame in frames for text in frame.notes),
         )
 
 

@@ -127,21 +127,19 @@ def _physics(found: _Found) -> PhysicsTrack | None:
         return None
     time = _times(found["/robot_0/body"])
     base = np.zeros((len(time), robots, 7))
-    joints = {
-        name: np.zeros((len(time), robots, len(_messages.JOINT_NAMES)))
-        for name in ("position", "velocity", "effort")
-    }
+    shape = (len(time), robots, len(_messages.JOINT_NAMES))
+    joints = {name: np.zeros(shape) for name in _messages.JOINT_COLUMNS.values()}
     forces = np.zeros((len(time), robots, len(LEGS), 3))
     for robot in range(robots):
-        name = f"/robot_{robot}"
-        pose = _columns(found, f"{name}/body", _messages.POSE, time)["pose"]
+        topic = f"/robot_{robot}"
+        pose = _columns(found, f"{topic}/body", _messages.POSE, time)["pose"]
         base[:, robot] = pose[:, (0, 1, 2, 6, 3, 4, 5)]
-        read = _columns(found, f"{name}/joint_states", _messages.joints_layout(robot), time)
-        for column, values in joints.items():
-            values[:, robot] = read[column]
+        read = _columns(found, f"{topic}/joint_states", _messages.joints_layout(robot), time)
+        for column, name in _messages.JOINT_COLUMNS.items():
+            joints[name][:, robot] = read[column]
         for k, leg in enumerate(LEGS):
             layout = _messages.force_layout(robot, leg)
-            read = _columns(found, f"{name}/foot_force/{leg}", layout, time)
+            read = _columns(found, f"{topic}/foot_force/{leg}", layout, time)
             forces[:, robot, k] = read["wrench"][:, :3]
     contacts, falls = (
         _contents(found, topic) for topic in (_messages.CONTACTS_TOPIC, _messages.FALLS_TOPIC)
@@ -149,9 +147,7 @@ def _physics(found: _Found) -> PhysicsTrack | None:
     return PhysicsTrack(
         time=time / 1e9,
         base=base,
-        joints=joints["position"],
-        joint_rates=joints["velocity"],
-        torques=joints["effort"],
+        **joints,
         foot_forces=forces,
         contacts=tuple(
             ContactEvent(

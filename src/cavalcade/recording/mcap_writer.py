@@ -93,13 +93,11 @@ def physics_messages(track: PhysicsTrack) -> Iterator[_Message]:
         yield from _series(
             times, 10, f"{name}/body", _messages.POSE.pack(count, stamp=stamp, pose=pose)
         )
-        joints = _messages.joints_layout(robot).pack(
-            count,
-            stamp=stamp,
-            position=track.joints[:, robot],
-            velocity=track.joint_rates[:, robot],
-            effort=track.torques[:, robot],
-        )
+        columns = {
+            column: getattr(track, name)[:, robot]
+            for column, name in _messages.JOINT_COLUMNS.items()
+        }
+        joints = _messages.joints_layout(robot).pack(count, stamp=stamp, **columns)
         yield from _series(times, 10, f"{name}/joint_states", joints)
         wrench = np.zeros((count, len(LEGS), 6))
         wrench[..., :3] = track.foot_forces[:, robot]
@@ -136,24 +134,17 @@ def _connect(writer: Writer, kinds: dict[str, str]) -> dict[str, Any]:
 
 def _latched() -> Any:
     """The quality of service with which late subscribers still get the map."""
-    from rosbags.interfaces import (
-        Qos,
-        QosDurability,
-        QosHistory,
-        QosLiveliness,
-        QosReliability,
-        QosTime,
-    )
+    from rosbags import interfaces as ros
 
-    for_ever = QosTime(9223372036, 854775807)
-    return Qos(
-        history=QosHistory.KEEP_LAST,
+    for_ever = ros.QosTime(9223372036, 854775807)
+    return ros.Qos(
+        history=ros.QosHistory.KEEP_LAST,
         depth=1,
-        reliability=QosReliability.RELIABLE,
-        durability=QosDurability.TRANSIENT_LOCAL,
+        reliability=ros.QosReliability.RELIABLE,
+        durability=ros.QosDurability.TRANSIENT_LOCAL,
         deadline=for_ever,
         lifespan=for_ever,
-        liveliness=QosLiveliness.AUTOMATIC,
+        liveliness=ros.QosLiveliness.AUTOMATIC,
         liveliness_lease_duration=for_ever,
         avoid_ros_namespace_conventions=False,
     )
@@ -170,8 +161,9 @@ def _all_messages(
         (int(nanoseconds(time)), 0, "/map", _messages.grid_message(int(nanoseconds(time)), grid))
         for time, grid in maps
     ]
-    tracks = _messages.string_message(_tracks_text(recording.obstacles))
-    found.append((stamps[0] if stamps else 0, 1, _messages.OBSTACLES_TOPIC, tracks))
+    tracks = [_plain(track) for track in recording.obstacles]
+    start = recording.time[0] if stamps else 0.0
+    found.append(_text(start, 1, _messages.OBSTACLES_TOPIC, tracks))
     for time, text in recording.notes:
         found.append(_text(time, 2, _messages.NOTES_TOPIC, {"time": time, "text": text}))
     if not stamps:
@@ -231,19 +223,14 @@ def _markers(
             yield int(times[k]), 9, "/markers", data
 
 
-def _tracks_text(tracks: tuple[ObstacleTrack, ...]) -> str:
-    return json.dumps(
-        [
-            {
-                "shape": track.shape,
-                "start": track.start,
-                "end": None if np.isinf(track.end) else track.end,
-                "time": np.asarray(track.time).tolist(),
-                "offset": np.asarray(track.offset).tolist(),
-            }
-            for track in tracks
-        ]
-    )
+def _plain(track: ObstacleTrack) -> dict[str, Any]:
+    return {
+        "shape": track.shape,
+        "start": track.start,
+        "end": None if np.isinf(track.end) else track.end,
+        "time": np.asarray(track.time).tolist(),
+        "offset": np.asarray(track.offset).tolist(),
+    }
 
 
 def _series(
@@ -253,7 +240,7 @@ def _series(
     return ((time, order, topic, one) for time, one in zip(times.tolist(), data, strict=True))
 
 
-def _text(time: float, order: int, topic: str, content: dict[str, Any]) -> _Message:
+def _text(time: float, order: int, topic: str, content: Any) -> _Message:
     """What happened at a time in s, as JSON."""
     said = json.dumps(content, ensure_ascii=False)
     return int(nanoseconds(time)), order, topic, _messages.string_message(said)

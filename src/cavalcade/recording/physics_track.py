@@ -39,12 +39,7 @@ class ContactEvent:
 
 @dataclass(frozen=True)
 class FallEvent:
-    """A robot fell.
-
-    Attributes:
-        time: s.
-        robot: Which.
-    """
+    """A robot fell; `time` in s."""
 
     time: float
     robot: int

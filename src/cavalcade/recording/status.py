@@ -69,7 +69,13 @@ class StatusEncoder:
 
     def encode(self, status: PlannerStatus) -> str:
         """The text of the next status, without its paths."""
-        rare: dict[str, Any] = {
+        said: dict[str, Any] = {
+            "state": status.state,
+            "leader": int(status.leader),
+            "roles": np.asarray(status.roles).tolist(),
+            "goals": _plain(status.goals),
+            "eta": [None if value == np.inf else value for value in _plain(status.eta)],
+            "arrived": bool(status.arrived),
             "slots": _plain(status.slots),
             "connections": np.asarray(status.connections).reshape(-1, 2).tolist(),
             "goal": None if status.goal is None else _plain(status.goal),
@@ -79,19 +85,10 @@ class StatusEncoder:
             "waypoint": int(status.waypoint),
             "targets": None if status.targets is None else _plain(status.targets),
         }
-        said: dict[str, Any] = {
-            "state": status.state,
-            "leader": int(status.leader),
-            "roles": np.asarray(status.roles).tolist(),
-            "goals": _plain(status.goals),
-            "eta": [None if value == np.inf else value for value in _plain(status.eta)],
-            "arrived": bool(status.arrived),
-        }
-        for key, value in rare.items():
-            if key not in self._last or self._last[key] != value:
-                said[key] = value
-        self._last = rare
-        return json.dumps(said, separators=(",", ":"))
+        before, self._last = self._last, said
+        kept = {key for key in _RARE if key in before and before[key] == said[key]}
+        news = {key: value for key, value in said.items() if key not in kept}
+        return json.dumps(news, separators=(",", ":"))
 
 
 class StatusDecoder:

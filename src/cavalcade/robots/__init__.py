@@ -1,31 +1,5 @@
 """Robot models as data."""
 
-from cavalcade.robots.catalogue import (
-    MODELS,
-    ModelRegistry,
-    is_model_file,
-    load_model,
-    register_model,
-    robot_model,
-)
-from cavalcade.robots.description import JOINTS, LEGS, PARTS, BodyShape, QuadrupedDescription
-from cavalcade.robots.legs import LegModel
-from cavalcade.robots.model import Drive, RobotModel, check_model
+import lazy_loader
 
-__all__ = [
-    "JOINTS",
-    "LEGS",
-    "MODELS",
-    "PARTS",
-    "BodyShape",
-    "Drive",
-    "LegModel",
-    "ModelRegistry",
-    "QuadrupedDescription",
-    "RobotModel",
-    "check_model",
-    "is_model_file",
-    "load_model",
-    "register_model",
-    "robot_model",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

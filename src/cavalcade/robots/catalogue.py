@@ -10,8 +10,7 @@ from typing import Any
 
 from cavalcade.errors import InputError
 from cavalcade.robots.description import QuadrupedDescription
-from cavalcade.robots.legs import GO1, GO2, SPIRIT, LegModel
-from cavalcade.robots.model import Drive, RobotModel, check_model
+from cavalcade.robots.model import Drive, LegModel, RobotModel, check_model
 from cavalcade.robots.unitree import GO1_BODY, GO2_BODY
 
 _PAPER = "Norén et al., Role-Adaptive Collaborative Formation Planning"
@@ -19,7 +18,46 @@ _TRACKING_ERROR = 0.03
 """Of Go1 and Go2, m: of 100 positions 99 are foreseen to 0.026 m for 0.3 s and to 0.037 m for 0.6 s
 (`benchmarks/physics_plant.py`)."""
 
-_DB_CBS = "db-CBS (IMRCLab/db-CBS, src/robots.cpp)"
+SPIRIT = LegModel(
+    h_min=0.075,
+    h_nom=0.30,
+    h_max=0.375,
+    v_nom=0.75,
+    v_max=2.0,
+    yaw_rate=1.2,
+    acceleration=1.0,
+    trunk_length=0.3,
+    trunk_width=0.3,
+    trunk_height=0.05,
+    hip_x=0.2263,
+    hip_y=0.07,
+    mass=13.0,
+    mu=0.25,
+    grf_max=5.0,
+    gait_period=0.36,
+    duty=0.5,
+    swing_height=0.07,
+    source="Quad-SDK: its global body planner's parameters and its description of Spirit 40; "
+    "yaw rate and acceleration as for formations",
+)
+GO1 = replace(
+    SPIRIT,
+    h_nom=0.25,
+    hip_x=0.1881,
+    hip_y=0.04675,
+    mass=12.0,
+    source="Unitree's description of Go1: hips; Quad-SDK's parameters for Go1: nominal height, "
+    "mass; the rest as for Spirit, the gait too: it is the one that leg control walks with",
+)
+GO2 = replace(
+    SPIRIT,
+    h_nom=0.26,
+    hip_x=0.1934,
+    hip_y=0.0465,
+    mass=15.0,
+    source="Unitree's description and data sheet of Go2: hips, mass; Quad-SDK's parameters for "
+    "Go2: nominal height; the rest as for Spirit, the gait too",
+)
 
 
 class ModelRegistry(Mapping[str, RobotModel]):
@@ -68,12 +106,9 @@ def _quadruped(
     description: QuadrupedDescription | None = None,
 ) -> RobotModel:
     """A walking robot of `size` length, width, height with the speeds of the formation paper."""
-    length, width, height = size
     return RobotModel(
         name,
-        length,
-        width,
-        height,
+        *size,
         max_speed_x=0.50,
         max_speed_y=0.20,
         max_yaw_rate=1.2,
@@ -97,15 +132,14 @@ def _planar(
     unicycle = drive in ("unicycle", "unicycle-2")
     return RobotModel(
         name,
-        length=size[0],
-        width=size[1],
+        *size,
         height=0.25,
         max_speed_x=0.5,
         max_speed_y=0.0 if unicycle else 0.5,
         max_yaw_rate=0.5,
         max_acceleration=acceleration,
         max_yaw_acceleration=acceleration if unicycle else math.inf,
-        source=f"{_DB_CBS}: {source}",
+        source=f"db-CBS (IMRCLab/db-CBS, src/robots.cpp): {source}",
         drive=drive,
         round=size[0] == size[1],
     )

@@ -9,9 +9,51 @@ from typing import Literal, get_args
 
 from cavalcade.errors import InputError
 from cavalcade.robots.description import QuadrupedDescription
-from cavalcade.robots.legs import LegModel
 
 Drive = Literal["legged", "unicycle", "unicycle-2", "integrator", "integrator-2"]
+
+
+@dataclass(frozen=True)
+class LegModel:
+    """Figures of a quadruped for planning its body's motion over terrain.
+
+    Heights are clearances of the body's centre above the ground. The trunk that terrain is
+    tested against is smaller than the footprint that keeps robots apart.
+
+    Attributes:
+        h_min, h_nom, h_max: Least clearance, that of walking, and the reach of the legs, m.
+        v_nom, v_max: Walking speed and the largest speed of the body, m/s.
+        yaw_rate: Largest when walking in a bend or turning on the spot, rad/s.
+        acceleration: That walking robots speed up and slow down with, m/s².
+        trunk_length, trunk_width, trunk_height: m.
+        hip_x, hip_y: Hips stand at (±hip_x, ±hip_y) in the body frame, m.
+        mass: kg.
+        mu: Friction of the ground, which bounds horizontal accelerations by mu g.
+        grf_max: Largest ground reaction force in body weights.
+        gait_period, duty: Of the trot: s, and the share of it that a foot stands.
+        swing_height: Of a foot over the ground between steps, m.
+        source: Where the figures come from.
+    """
+
+    h_min: float
+    h_nom: float
+    h_max: float
+    v_nom: float
+    v_max: float
+    yaw_rate: float
+    acceleration: float
+    trunk_length: float
+    trunk_width: float
+    trunk_height: float
+    hip_x: float
+    hip_y: float
+    mass: float
+    mu: float
+    grf_max: float
+    gait_period: float
+    duty: float
+    swing_height: float
+    source: str
 
 
 @dataclass(frozen=True)

@@ -16,14 +16,7 @@ from cavalcade.robots.model import RobotModel
 
 
 class MotionLimits(NamedTuple):
-    """The motion limits of one robot, as kernels take them; see `RobotModel`.
-
-    Attributes:
-        max_speed_x, max_speed_y: Semi-axes of the velocity ellipse in the body frame, m/s.
-        max_yaw_rate: rad/s.
-        max_acceleration: m/s², of the velocity seen in the map frame.
-        max_yaw_acceleration: rad/s².
-    """
+    """The motion limits of one robot, as kernels take them: those of its `RobotModel`."""
 
     max_speed_x: float
     max_speed_y: float

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from cavalcade.robots.building import LegParts, described
-from cavalcade.robots.description import JointDescription
-from cavalcade.robots.inertial import Inertial, Vector
-from cavalcade.robots.looks import Outline
+from cavalcade.robots.building import LegParts, Outline, described
+from cavalcade.robots.description import Inertial, JointDescription, Vector
 
 TORQUE, SPEED = 23.7, 30.1
 """Largest torque and speed of the motor behind its gear (GO-M8010-6): N m, rad/s."""
@@ -117,9 +115,6 @@ _GO1_OUTLINE = Outline(
     hip_radius=0.046,
     hip_half=0.045,
     thigh_motor=(0.045, 0.03),
-    thigh_length=0.213,
-    calf_length=0.213,
-    thigh_side=0.08,
     thigh_radius=0.017,
     calf_radius=0.012,
     foot_radius=0.02,
@@ -181,7 +176,6 @@ _GO2_OUTLINE = replace(
     head=(0.06, 0.045, 0.05),
     head_place=(0.25, 0.0, 0.005),
     thigh_motor=(0.046, 0.03),
-    thigh_side=0.0955,
     calf_radius=0.013,
     foot_radius=0.022,
     body=(0.80, 0.81, 0.82),

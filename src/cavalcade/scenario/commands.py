@@ -4,9 +4,18 @@ from __future__ import annotations
 
 from typing import Annotated, Self
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from cavalcade.scenario.fields import Choice, Index, Number, Point, Seconds, Speed, expected
+from cavalcade.scenario.fields import (
+    Choice,
+    Index,
+    Number,
+    Point,
+    Seconds,
+    Speed,
+    expected,
+    in_time,
+)
 
 SPEED = 0.4
 """On the way to a point where nothing else is said, m/s."""
@@ -59,4 +68,6 @@ class CommandSection(Choice):
         return SPEED if self.speed is None else self.speed
 
 
-Commands = Annotated[tuple[CommandSection, ...], Field(min_length=1, max_length=100_000)]
+Commands = Annotated[
+    tuple[CommandSection, ...], Field(min_length=1, max_length=100_000), AfterValidator(in_time)
+]

@@ -12,7 +12,8 @@ from cavalcade.files import write_file
 from cavalcade.robots import is_model_file
 from cavalcade.scenario.fields import OneLine, without_nulls
 from cavalcade.scenario.model import Scenario
-from cavalcade.scenario.rules import RULES, plain_formation
+from cavalcade.scenario.rules import UNUSED_KEYS
+from cavalcade.scenario.task import INDIVIDUAL, Kind
 from cavalcade.scenario.worlds import resolve_scenario
 
 
@@ -43,21 +44,15 @@ def dump_scenario(scenario: Scenario, path: str | Path) -> None:
         ScenarioError, MapError: The world cannot be made.
         OutputError: The file cannot be written.
     """
-    write_file(path, scenario_text(scenario, Path(path).parent))
-
-
-def scenario_text(scenario: Scenario, folder: str | Path) -> str:
-    """The YAML text of the resolved scenario for a file in `folder`."""
-    data = _plain(resolve_scenario(scenario), Path(folder))
     text: str = yaml.dump(
-        data,
+        _plain(resolve_scenario(scenario), Path(path).parent),
         Dumper=_Dumper,
         sort_keys=False,
         default_flow_style=None,
         allow_unicode=True,
         width=10**9,
     )
-    return text
+    write_file(path, text)
 
 
 def _plain(scenario: Scenario, folder: Path) -> dict[str, Any]:
@@ -75,14 +70,31 @@ def _plain(scenario: Scenario, folder: Path) -> dict[str, Any]:
     for place, key in names:
         if key in place:
             place[key] = _relative(Path(place[key]), folder)
-    rules = RULES[scenario.task.kind]
-    data["task"] = rules.plain_task(data["task"])
-    planner = data["planner"]
-    data["planner"] = {k: value for k, value in planner.items() if k not in rules.unused_keys}
+    data["task"] = _task(scenario.task.kind, data["task"])
+    for key in UNUSED_KEYS[scenario.task.kind]:
+        del data["planner"][key]
     execution = data["execution"]
     execution["events"] = [_event(event) for event in execution["events"]]
     data |= {"world": world, "robots": robots}
     return {key: data[key] for key in Scenario.model_fields}
+
+
+def _task(kind: Kind, task: dict[str, Any]) -> dict[str, Any]:
+    """The dumped `task` section without what does not apply."""
+    if kind == "formation":
+        return {"formation": _formation(task["formation"]), "goals": task["goals"]}
+    if kind == "individual":
+        return {"goals": INDIVIDUAL}
+    said = [OneLine(without_nulls(command)) for command in task["commands"]]
+    return {"commands": said, "duration": task["duration"]}
+
+
+def _formation(formation: dict[str, Any]) -> dict[str, Any]:
+    said = without_nulls(formation)
+    joints = formation["connections"]
+    # Null stands for the shape's own springs: that is a choice, and is written out.
+    said["connections"] = joints if joints is None else [OneLine(joint) for joint in joints]
+    return said
 
 
 def _event(event: dict[str, Any]) -> dict[str, Any]:
@@ -91,7 +103,7 @@ def _event(event: dict[str, Any]) -> dict[str, Any]:
         if kind in said:
             said[kind] = without_nulls(said[kind])
     if "formation" in said:
-        said["formation"] = plain_formation(said["formation"])
+        said["formation"] = _formation(said["formation"])
     return said
 
 

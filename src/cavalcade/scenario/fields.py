@@ -131,6 +131,11 @@ Pose = Annotated[tuple[Coordinate, Coordinate, Coordinate], _numbers("x, y, yaw"
 File = Annotated[Path, BeforeValidator(checked_path), AfterValidator(below_file)]
 
 
+def in_time(said: tuple[Any, ...]) -> tuple[Any, ...]:
+    """What happens `at` some time, in order of time."""
+    return tuple(sorted(said, key=lambda one: one.at))
+
+
 class OneLine(dict[str, Any]):
     """A mapping that is written to a file on one line."""
 

@@ -1,7 +1,7 @@
 """A scenario: everything one run needs, as its file says it.
 
-The sections have modules of their own (`ground`, `obstacles`, `task`, `events`, `settings`); this
-is the whole with what must hold between them.
+The sections have modules of their own (`ground`, `task`, `settings`); this is the whole
+with what must hold between them.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from pydantic_core import PydanticCustomError
 
 from cavalcade.errors import ScenarioError
 from cavalcade.robots import RobotModel
-from cavalcade.scenario.events import Event
 from cavalcade.scenario.fields import expected
-from cavalcade.scenario.rules import BACKENDS, RULES, Parts, check_backend, with_planner_defaults
+from cavalcade.scenario.rules import BACKENDS, CHECKS, Parts, check_backend, with_planner_defaults
+from cavalcade.scenario.settings import Event
 from cavalcade.scenario.task import check_formation
 
 
@@ -41,7 +41,7 @@ class Scenario(Parts):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        RULES[self.task.kind].check(self)
+        CHECKS[self.task.kind](self)
         check_backend(self)
         if self.task.formation is not None:
             self._check_formations()

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, PrivateAttr
@@ -11,7 +10,7 @@ from pydantic_core import PydanticCustomError
 
 from cavalcade.robots import MODELS, RobotModel
 from cavalcade.scenario.commands import METHOD, VARIANT
-from cavalcade.scenario.fields import OneLine, Section, expected, without_nulls
+from cavalcade.scenario.fields import Section, expected, without_nulls
 from cavalcade.scenario.ground import WorldSection
 from cavalcade.scenario.settings import (
     FORMATION_KEYS,
@@ -59,65 +58,26 @@ class Parts(Section):
             yield f"robots[{index}]", robot, model
 
 
-class Rules(ABC):
-    """What holds for the scenarios of one kind of task."""
-
-    unused_keys: tuple[str, ...]
-    """Keys of `planner` that mean nothing here."""
-
-    def planner_defaults(self, planner: dict[str, Any]) -> dict[str, Any]:
-        """The `planner` section, with what this kind of task has by default written out."""
-        return planner
-
-    @abstractmethod
-    def check(self, scenario: Parts) -> None:
-        """Refuse what does not go together with the task.
-
-        Raises:
-            PydanticCustomError: One line with the key and what was expected.
-        """
-
-    @abstractmethod
-    def plain_task(self, task: dict[str, Any]) -> dict[str, Any]:
-        """The `task` section for a file: its dumped model without what does not apply."""
+UNUSED_KEYS: dict[Kind, tuple[str, ...]] = {
+    "formation": TEAM_KEYS,
+    "individual": FORMATION_KEYS,
+    "commands": (*FORMATION_KEYS, *TEAM_KEYS),
+}
+"""Keys of `planner` that mean nothing to a kind of task."""
 
 
-class _FormationRules(Rules):
-    unused_keys = TEAM_KEYS
-
-    def check(self, scenario: Parts) -> None:
-        for key, robot, model in scenario.team:
-            if robot.goal is not None:
-                raise expected(
-                    "the formation has the goals; expected none here, or task.goals: individual",
-                    key=f"{key}.goal",
-                )
-            if model.legs is None:
-                text = f"a {model.name} has no place in a formation; expected a robot with legs"
-                raise _legless(key, text)
-        if scenario.planner.method != "formation":
-            raise expected(
-                f"method {scenario.planner.method} is for individual goals; expected formation",
-                key="planner.method",
-            )
-        _refuse(
-            scenario.planner, self.unused_keys, "is for individual goals; the task is a formation"
-        )
-        if scenario.world.has_heights:
-            key = "terrain" if scenario.world.terrain is not None else "generate.kind"
-            raise expected(
-                "formations need level ground; terrain is for task.goals: individual",
-                key=f"world.{key}",
-            )
-
-    def plain_task(self, task: dict[str, Any]) -> dict[str, Any]:
-        return {"formation": plain_formation(task["formation"]), "goals": task["goals"]}
-
-
-class _IndividualRules(Rules):
-    unused_keys = FORMATION_KEYS
-
-    def planner_defaults(self, planner: dict[str, Any]) -> dict[str, Any]:
+def with_planner_defaults(data: Any) -> Any:
+    """A scenario's plain data with the planner that its task has by default written out."""
+    if not isinstance(data, dict) or not isinstance(data.get("task"), dict):
+        return data
+    planner, task = data.get("planner", {}), data["task"]
+    if not isinstance(planner, dict):
+        return data
+    kind = kind_of(task.get("commands"), task.get("goals") != INDIVIDUAL)
+    defaults = planner
+    if kind == "commands":
+        defaults = {"method": METHOD, **planner}
+    elif kind == "individual":
         published = planner.get("variant") == "published"
         defaults = {
             "method": "auto",
@@ -125,126 +85,115 @@ class _IndividualRules(Rules):
             "conflict": "first" if published else "costly",
             "leaps": True,
             "improve": 0,
+            **without_nulls(planner),
         }
-        return {**defaults, **without_nulls(planner)}
-
-    def check(self, scenario: Parts) -> None:
-        planner, execution = scenario.planner, scenario.execution
-        for key, robot, model in scenario.team:
-            if robot.goal is None:
-                raise expected(
-                    "missing; with individual goals each robot has one: [x, y, yaw]",
-                    key=f"{key}.goal",
-                )
-            _check_ground(scenario.world, key, model)
-        if planner.method not in TEAM_METHODS:
-            raise expected(
-                f"method {planner.method} has no individual goals",
-                key="planner.method",
-                choices=TEAM_METHODS,
-            )
-        if planner.variant not in TEAM_VARIANTS:
-            raise expected(
-                f"method {planner.method} has no variant {planner.variant}",
-                key="planner.variant",
-                choices=TEAM_VARIANTS,
-            )
-        _refuse(planner, self.unused_keys, "is for formations; goals are individual")
-        for key, said, default in (
-            ("events", execution.events, ()),
-            ("noise", execution.noise, Noise()),
-            ("delay", execution.delay, Delay()),
-        ):
-            if said != default:
-                raise expected(
-                    "individual goals are planned ahead, for a world that stays as it is; "
-                    f"expected no {key}",
-                    key=f"execution.{key}",
-                )
-
-    def plain_task(self, task: dict[str, Any]) -> dict[str, Any]:
-        return {"goals": INDIVIDUAL}
-
-
-class _CommandRules(Rules):
-    unused_keys = (*FORMATION_KEYS, *TEAM_KEYS)
-
-    def planner_defaults(self, planner: dict[str, Any]) -> dict[str, Any]:
-        return {"method": METHOD, **planner}
-
-    def check(self, scenario: Parts) -> None:
-        for key, robot, model in scenario.team:
-            if robot.goal is not None:
-                raise expected("commands say where it goes", key=f"{key}.goal")
-            _check_ground(scenario.world, key, model)
-        planner = scenario.planner
-        for key, said, known in (
-            ("method", planner.method, METHOD),
-            ("variant", planner.variant, VARIANT),
-        ):
-            if said != known:
-                raise expected(
-                    f"{said} follows no commands; expected {known}", key=f"planner.{key}"
-                )
-        _refuse(planner, self.unused_keys, "is for planners; the task has commands")
-        for index, event in enumerate(scenario.execution.events):
-            if event.kind in _FOR_FORMATIONS:
-                raise expected("is for formations", key=f"execution.events[{index}].{event.kind}")
-        task, robots = scenario.task, len(scenario.robots)
-        for index, command in enumerate(task.commands or ()):
-            if command.robot is not None and command.robot >= robots:
-                raise expected(
-                    f"there is no robot {command.robot}; "
-                    f"expected 0 to {robots - 1}, or none for all",
-                    key=f"task.commands[{index}].robot",
-                )
-        if task.length > scenario.execution.timeout:
-            raise expected(
-                f"the task lasts {task.length:g} s; expected at least as much",
-                key="execution.timeout",
-            )
-
-    def plain_task(self, task: dict[str, Any]) -> dict[str, Any]:
-        said = [OneLine(without_nulls(command)) for command in task["commands"]]
-        return {"commands": said, "duration": task["duration"]}
-
-
-RULES: dict[Kind, Rules] = {
-    "formation": _FormationRules(),
-    "individual": _IndividualRules(),
-    "commands": _CommandRules(),
-}
-
-
-def with_planner_defaults(data: Any) -> Any:
-    """A scenario's plain data with the planner that its task has by default written out."""
-    if not isinstance(data, dict) or not isinstance(data.get("task"), dict):
-        return data
-    planner = data.get("planner", {})
-    if not isinstance(planner, dict):
-        return data
-    task = data["task"]
-    kind = kind_of(task.get("commands"), task.get("goals") != INDIVIDUAL)
-    defaults = RULES[kind].planner_defaults(planner)
     return data if defaults == planner else {**data, "planner": defaults}
 
 
-def plain_formation(formation: dict[str, Any]) -> dict[str, Any]:
-    """A `formation` section for a file: its dumped model without what does not apply."""
-    said = without_nulls(formation)
-    joints = formation["connections"]
-    # Null stands for the shape's own springs: that is a choice, and is written out.
-    said["connections"] = joints if joints is None else [OneLine(joint) for joint in joints]
-    return said
+def _check_formation(scenario: Parts) -> None:
+    for key, robot, model in scenario.team:
+        if robot.goal is not None:
+            raise expected(
+                "the formation has the goals; expected none here, or task.goals: individual",
+                key=f"{key}.goal",
+            )
+        if model.legs is None:
+            text = f"a {model.name} has no place in a formation; expected a robot with legs"
+            raise _legless(key, text)
+    if scenario.planner.method != "formation":
+        raise expected(
+            f"method {scenario.planner.method} is for individual goals; expected formation",
+            key="planner.method",
+        )
+    _refuse(scenario, "is for individual goals; the task is a formation")
+    if scenario.world.has_heights:
+        key = "terrain" if scenario.world.terrain is not None else "generate.kind"
+        raise expected(
+            "formations need level ground; terrain is for task.goals: individual",
+            key=f"world.{key}",
+        )
 
+
+def _check_individual(scenario: Parts) -> None:
+    planner, execution = scenario.planner, scenario.execution
+    for key, robot, model in scenario.team:
+        if robot.goal is None:
+            raise expected(
+                "missing; with individual goals each robot has one: [x, y, yaw]",
+                key=f"{key}.goal",
+            )
+        _check_ground(scenario.world, key, model)
+    if planner.method not in TEAM_METHODS:
+        raise expected(
+            f"method {planner.method} has no individual goals",
+            key="planner.method",
+            choices=TEAM_METHODS,
+        )
+    if planner.variant not in TEAM_VARIANTS:
+        raise expected(
+            f"method {planner.method} has no variant {planner.variant}",
+            key="planner.variant",
+            choices=TEAM_VARIANTS,
+        )
+    _refuse(scenario, "is for formations; goals are individual")
+    for key, said, default in (
+        ("events", execution.events, ()),
+        ("noise", execution.noise, Noise()),
+        ("delay", execution.delay, Delay()),
+    ):
+        if said != default:
+            raise expected(
+                "individual goals are planned ahead, for a world that stays as it is; "
+                f"expected no {key}",
+                key=f"execution.{key}",
+            )
+
+
+def _check_commands(scenario: Parts) -> None:
+    for key, robot, model in scenario.team:
+        if robot.goal is not None:
+            raise expected("commands say where it goes", key=f"{key}.goal")
+        _check_ground(scenario.world, key, model)
+    planner = scenario.planner
+    for key, said, known in (
+        ("method", planner.method, METHOD),
+        ("variant", planner.variant, VARIANT),
+    ):
+        if said != known:
+            raise expected(f"{said} follows no commands; expected {known}", key=f"planner.{key}")
+    _refuse(scenario, "is for planners; the task has commands")
+    for index, event in enumerate(scenario.execution.events):
+        if event.kind in _FOR_FORMATIONS:
+            raise expected("is for formations", key=f"execution.events[{index}].{event.kind}")
+    task, robots = scenario.task, len(scenario.robots)
+    for index, command in enumerate(task.commands or ()):
+        if command.robot is not None and command.robot >= robots:
+            raise expected(
+                f"there is no robot {command.robot}; expected 0 to {robots - 1}, or none for all",
+                key=f"task.commands[{index}].robot",
+            )
+    if task.length > scenario.execution.timeout:
+        raise expected(
+            f"the task lasts {task.length:g} s; expected at least as much",
+            key="execution.timeout",
+        )
+
+
+CHECKS: dict[Kind, Callable[[Parts], None]] = {
+    "formation": _check_formation,
+    "individual": _check_individual,
+    "commands": _check_commands,
+}
+"""Refuse what does not go together with a kind of task: PydanticCustomError with the key."""
 
 _FOR_FORMATIONS = ("goals", "formation", "lose", "rejoin")
 """Events that mean something to a planner."""
 
 
-def _refuse(planner: PlannerSection, keys: tuple[str, ...], why: str) -> None:
-    for key in keys:
-        if getattr(planner, key) != PlannerSection.model_fields[key].default:
+def _refuse(scenario: Parts, why: str) -> None:
+    """Refuse keys of `planner` that mean nothing to the task."""
+    for key in UNUSED_KEYS[scenario.task.kind]:
+        if getattr(scenario.planner, key) != PlannerSection.model_fields[key].default:
             raise expected(why, key=f"planner.{key}")
 
 

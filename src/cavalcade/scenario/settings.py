@@ -4,20 +4,26 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, Strict, field_validator
+from pydantic import AfterValidator, Field, Strict
 
-from cavalcade.scenario.events import Event
 from cavalcade.scenario.fields import (
+    Choice,
     Fraction,
+    Index,
     Length,
     NotNegative,
     Number,
+    Point,
+    Pose,
     Positive,
     Seconds,
     Section,
     Seed,
     Speed,
+    in_time,
 )
+from cavalcade.scenario.ground import Obstacle
+from cavalcade.scenario.task import FormationSection
 
 Variant = Literal[
     "cavalcade",
@@ -161,6 +167,57 @@ class PhysicsSection(Section):
     state_delay: Annotated[Number, Field(ge=0, le=1)] = 0.0
 
 
+class Move(Obstacle):
+    """An obstacle that goes straight until its centre is at `to` (m), at `speed` m/s.
+
+    If an obstacle of exactly this shape stands there, it is this one that moves; otherwise it
+    appears and moves.
+    """
+
+    to: Point
+    speed: Speed
+
+    @property
+    def obstacle(self) -> Obstacle:
+        """The shape alone."""
+        return Obstacle.model_construct(box=self.box, circle=self.circle, polygon=self.polygon)
+
+
+Impulse = Annotated[Number, Field(ge=-1e4, le=1e4)]
+
+
+class Push(Section):
+    """A push on the trunk of a robot in physics: `impulse` x, y in N s, map frame, over `duration`.
+
+    It begins with the planner's cycle.
+    """
+
+    robot: Index
+    impulse: tuple[Impulse, Impulse]
+    duration: Annotated[Positive, Field(le=10)] = 0.1
+
+
+class Event(Choice):
+    """One thing that happens `at` seconds of simulated time.
+
+    `add` and `remove` an obstacle, `move` one, replace the `goals` or the `formation`, `lose` the
+    robot of that index (from 0) or let it `rejoin`, `push` a robot in physics.
+    """
+
+    kinds = ("add", "remove", "move", "goals", "formation", "lose", "rejoin", "push")
+    wanted = "expected `at` and exactly one thing that happens"
+
+    at: Seconds
+    add: Obstacle | None = None
+    remove: Obstacle | None = None
+    move: Move | None = None
+    goals: Annotated[tuple[Pose, ...], Field(min_length=1, max_length=1000)] | None = None
+    formation: FormationSection | None = None
+    lose: Index | None = None
+    rejoin: Index | None = None
+    push: Push | None = None
+
+
 class ExecutionSection(Section):
     """Who moves the robots, how long, how well, and what happens on the way.
 
@@ -174,10 +231,5 @@ class ExecutionSection(Section):
     noise: Noise = Noise()
     delay: Delay = Delay()
     physics: PhysicsSection = PhysicsSection()
-    events: Annotated[tuple[Event, ...], Field(max_length=10_000)] = ()
+    events: Annotated[tuple[Event, ...], Field(max_length=10_000), AfterValidator(in_time)] = ()
     seed: Seed = 0
-
-    @field_validator("events")
-    @classmethod
-    def _in_time(cls, events: tuple[Event, ...]) -> tuple[Event, ...]:
-        return tuple(sorted(events, key=lambda event: event.at))

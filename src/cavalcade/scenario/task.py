@@ -33,7 +33,6 @@ from cavalcade.scenario.fields import (
     expected,
 )
 
-SHAPES = ("square", "line", "column", "wedge", "triangle", "circle", "custom")
 _SIZE_KEY = {
     "square": "side",
     "triangle": "side",
@@ -223,11 +222,6 @@ class TaskSection(Section):
             raise expected("expected at least 1, got 0")
         return value
 
-    @field_validator("commands")
-    @classmethod
-    def _in_time(cls, commands: Commands | None) -> Commands | None:
-        return None if commands is None else tuple(sorted(commands, key=lambda one: one.at))
-
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
         if self.commands is not None:
@@ -290,8 +284,6 @@ def check_formation(
     """Refuse a formation that a team cannot take up.
 
     Args:
-        formation: To be taken up.
-        robots: How many there are.
         width: Of a robot's body, m.
         accepted: Other numbers of slots that are right too.
         place: Its key, for errors; None where the formation itself is what is validated.

@@ -11,9 +11,9 @@ import math
 from dataclasses import dataclass, replace
 
 from cavalcade.errors import ScenarioError
-from cavalcade.scenario.events import Move
+from cavalcade.scenario.ground import Obstacle
 from cavalcade.scenario.model import Scenario
-from cavalcade.scenario.obstacles import Obstacle
+from cavalcade.scenario.settings import Move
 
 _SAME = 1e-6
 """Shapes whose figures differ by less (m, rad) are the same."""

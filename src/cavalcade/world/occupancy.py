@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,8 +31,45 @@ MAX_EXTENT = 1e6
 Unknown = Literal["occupied", "free"]
 
 
+class PlacedGrid:
+    """What maps and terrains share: rows and columns of square cells, placed in the map frame."""
+
+    resolution: float
+    origin: tuple[float, float, float]
+    _cells: ClassVar[str]
+    """The attribute that has the rows and columns."""
+
+    @property
+    def rows(self) -> int:
+        """Number of rows."""
+        return len(getattr(self, self._cells))
+
+    @property
+    def cols(self) -> int:
+        """Number of columns."""
+        return int(getattr(self, self._cells).shape[1])
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Width and height in m, along the grid's own axes."""
+        return self.cols * self.resolution, self.rows * self.resolution
+
+    def to_local(self, points: ArrayLike) -> Array:
+        """Points `(N, 2)` of the map frame seen from the corner of cell [0, 0], x along columns."""
+        return inverse_transform_points(self.origin, np.asarray(points, dtype=float))
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, type(self)):
+            return NotImplemented
+        names = (field.name for field in fields(self))  # type: ignore[arg-type]
+        return all(np.array_equal(getattr(self, name), getattr(other, name)) for name in names)
+
+    def __hash__(self) -> int:
+        return hash((self.rows, self.cols, self.resolution, self.origin))
+
+
 @dataclass(frozen=True, eq=False)
-class OccupancyMap:
+class OccupancyMap(PlacedGrid):
     """A grid of occupancy values with its place in the map frame.
 
     Grids are indexed `[row, col]` = `[y, x]` with row 0 at the lowest y; a cell's value stands
@@ -55,6 +92,8 @@ class OccupancyMap:
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
     unknown: Unknown = "occupied"
 
+    _cells = "grid"
+
     def __post_init__(self) -> None:
         object.__setattr__(self, "grid", _checked_grid(self.grid))
         object.__setattr__(self, "resolution", checked_resolution(self.resolution))
@@ -74,21 +113,6 @@ class OccupancyMap:
         rows, cols = grid_shape(size, resolution)
         return cls(np.zeros((rows, cols), dtype=np.int8), resolution)
 
-    @property
-    def rows(self) -> int:
-        """Number of rows."""
-        return int(self.grid.shape[0])
-
-    @property
-    def cols(self) -> int:
-        """Number of columns."""
-        return int(self.grid.shape[1])
-
-    @property
-    def size(self) -> tuple[float, float]:
-        """Width and height in m, along the grid's own axes."""
-        return self.cols * self.resolution, self.rows * self.resolution
-
     @cached_property
     def occupied(self) -> NDArray[np.bool_]:
         """Obstacle cells `(rows, cols)`, read-only: at least 65, or unknown unless that is free."""
@@ -97,10 +121,6 @@ class OccupancyMap:
             occupied |= self.grid == UNKNOWN
         occupied.setflags(write=False)
         return occupied
-
-    def to_local(self, points: ArrayLike) -> Array:
-        """Points `(N, 2)` of the map frame seen from the corner of cell [0, 0], x along columns."""
-        return inverse_transform_points(self.origin, np.asarray(points, dtype=float))
 
     def to_map(self, points: ArrayLike) -> Array:
         """Points `(N, 2)` given from the corner of cell [0, 0], expressed in the map frame."""
@@ -139,15 +159,6 @@ class OccupancyMap:
         """This map with every cell occupied that one of the shapes (map frame) touches."""
         touched = rasterise(shapes, self.rows, self.cols, self.resolution, self.origin)
         return replace(self, grid=np.where(touched, np.int8(OCCUPIED), self.grid))
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, OccupancyMap):
-            return NotImplemented
-        same = self.resolution == other.resolution and self.origin == other.origin
-        return same and self.unknown == other.unknown and np.array_equal(self.grid, other.grid)
-
-    def __hash__(self) -> int:
-        return hash((self.grid.shape, self.resolution, self.origin, self.unknown))
 
     def __repr__(self) -> str:
         return (

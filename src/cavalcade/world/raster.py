@@ -33,8 +33,7 @@ def rasterise(
 
     Args:
         shapes: In the map frame, m.
-        rows: Number of rows; row 0 is the one at the lowest y.
-        cols: Number of columns; column 0 is the one at the lowest x.
+        rows, cols: Of the grid; cell [0, 0] is the one at the lowest y and x.
         resolution: Side of a cell, m.
         origin: Pose (x, y, yaw) of the lower-left corner of cell [0, 0] in the map frame.
     """

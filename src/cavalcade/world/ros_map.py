@@ -14,23 +14,31 @@ row 0 of a map is its bottom.
 from __future__ import annotations
 
 import warnings
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
+import yaml
 from numpy.typing import NDArray
 
 from cavalcade.errors import MapError
 from cavalcade.files import write_file
-from cavalcade.world._descriptions import (
-    MODES,
-    MapDescription,
-    Mode,
-    description_text,
-    read_description,
-)
+from cavalcade.world._descriptions import choice, load_mapping, number, numbers, required
 from cavalcade.world._images import encode_pgm, encode_png, read_grey
-from cavalcade.world.occupancy import FREE, OCCUPIED, UNKNOWN, OccupancyMap, Unknown
+from cavalcade.world.occupancy import (
+    FREE,
+    OCCUPIED,
+    UNKNOWN,
+    OccupancyMap,
+    Unknown,
+    checked_origin,
+    checked_resolution,
+)
+
+Mode = Literal["trinary", "scale", "raw"]
+
+MODES: tuple[Mode, ...] = get_args(Mode)
 
 _SAVED_UNKNOWN = 205
 """Grey that map savers write for unknown ground."""
@@ -42,6 +50,32 @@ _THRESHOLDS: dict[Mode, tuple[float, float]] = {
     "raw": (0.196, 0.65),
 }
 """free_thresh and occupied_thresh that a saved map is described with."""
+
+
+@dataclass(frozen=True)
+class _Description:
+    """What the YAML file says.
+
+    Attributes:
+        image: The picture as it is named there: relative to the YAML file, or absolute.
+        resolution: m per cell.
+        origin: Pose (x m, y m, yaw rad) of the lower-left corner of the picture.
+        mode: How grey becomes occupancy.
+        negate: White is occupied instead of black.
+        free_thresh: At most this occupancy is free, 0 to 1.
+        occupied_thresh: At least this occupancy is occupied, 0 to 1.
+        unknown: Whether unknown ground counts as an obstacle; a key of our own, which other
+            readers ignore.
+    """
+
+    image: str
+    resolution: float
+    origin: tuple[float, float, float]
+    mode: Mode
+    negate: bool
+    free_thresh: float
+    occupied_thresh: float
+    unknown: Unknown = "occupied"
 
 
 class MapWarning(UserWarning):
@@ -63,7 +97,7 @@ def load_map(path: str | Path, unknown: Unknown | None = None) -> OccupancyMap:
         MapWarning: `free_thresh` turns the grey that stands for unknown ground into free ground.
     """
     path = Path(path)
-    description = read_description(path)
+    description = _read_description(path)
     picture = path.parent / description.image
     if not _exists(picture):
         raise MapError(f"no such file: {description.image}", file=path, key="image")
@@ -98,7 +132,6 @@ def save_map(
     """Write a map so that `load_map` gives an equal one; both files appear whole or not at all.
 
     Args:
-        occupancy_map: The map.
         path: The YAML file to write, `*.yaml` or `*.yml`; the picture gets the same stem.
         image: Format of the picture.
         mode: `trinary`, `scale` or `raw`; by default the first of them that keeps every value.
@@ -124,22 +157,68 @@ def save_map(
         alpha = np.where(grid == UNKNOWN, 0, 255).astype(np.uint8)
     picture = path.with_suffix(f".{image}")
     free_thresh, occupied_thresh = _THRESHOLDS[chosen]
-    description = MapDescription(
-        image=picture.name,
-        resolution=occupancy_map.resolution,
-        origin=occupancy_map.origin,
-        mode=chosen,
-        negate=False,
-        free_thresh=free_thresh,
-        occupied_thresh=occupied_thresh,
-        unknown=occupancy_map.unknown,
-    )
+    document: dict[str, Any] = {
+        "image": picture.name,
+        "mode": chosen,
+        "resolution": occupancy_map.resolution,
+        "origin": list(occupancy_map.origin),
+        "negate": 0,
+        "occupied_thresh": occupied_thresh,
+        "free_thresh": free_thresh,
+    }
+    if occupancy_map.unknown != "occupied":
+        document["unknown"] = occupancy_map.unknown
     write_file(picture, encode_pgm(grey) if image == "pgm" else encode_png(grey, alpha))
     # Last, so that a description never names a picture that is not there.
-    write_file(path, description_text(description))
+    write_file(path, yaml.safe_dump(document, sort_keys=False, default_flow_style=None))
 
 
-def _occupancy_of_grey(description: MapDescription) -> NDArray[np.int8]:
+def _read_description(path: Path) -> _Description:
+    """Read and check the YAML description of a map."""
+    document = load_mapping(path)
+    try:
+        description = _Description(
+            image=_image(document, "image"),
+            resolution=checked_resolution(number(document, "resolution")),
+            origin=checked_origin(numbers(document, "origin")),
+            mode=choice(document, "mode", MODES, "trinary"),
+            negate=_flag(document, "negate"),
+            free_thresh=_threshold(document, "free_thresh"),
+            occupied_thresh=_threshold(document, "occupied_thresh"),
+            unknown=choice(document, "unknown", get_args(Unknown), "occupied"),
+        )
+    except MapError as error:
+        # The parts know the key; the file is known here.
+        raise error.at(file=path, key=error.key) from None
+    if description.free_thresh >= description.occupied_thresh:
+        raise MapError("must be less than occupied_thresh", file=path, key="free_thresh")
+    return description
+
+
+def _image(document: dict[str, Any], key: str) -> str:
+    """The name of a picture."""
+    value = required(document, key)
+    if not isinstance(value, str) or not value.strip():
+        raise MapError("expected the name of a picture", key=key)
+    return value
+
+
+def _flag(document: dict[str, Any], key: str) -> bool:
+    """0 or 1, false or true."""
+    value = required(document, key)
+    if not isinstance(value, (bool, int)):
+        raise MapError("expected 0 or 1", key=key)
+    return bool(value)
+
+
+def _threshold(document: dict[str, Any], key: str) -> float:
+    threshold = number(document, key)
+    if not 0.0 <= threshold <= 1.0:
+        raise MapError("expected a number from 0 to 1", key=key)
+    return threshold
+
+
+def _occupancy_of_grey(description: _Description) -> NDArray[np.int8]:
     """Occupancy `(256,)` for every grey; in single precision, as Nav2 compares."""
     grey = np.arange(256)
     if description.mode == "raw":

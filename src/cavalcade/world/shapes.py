@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import MISSING, dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -183,12 +183,7 @@ def distance_to_shapes(shapes: Sequence[Shape], points: ArrayLike) -> Array:
     return nearest
 
 
-_KEYS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
-    "box": (("center", "size"), ("yaw",)),
-    "circle": (("center", "radius"), ()),
-    "polygon": (("points",), ()),
-}
-"""Kind to its required and its optional keys."""
+_KINDS: Mapping[str, type[Shape]] = {"box": Box, "circle": Circle, "polygon": Polygon}
 
 
 def shape_from_mapping(mapping: Mapping[str, Any]) -> Shape:
@@ -199,22 +194,20 @@ def shape_from_mapping(mapping: Mapping[str, Any]) -> Shape:
             says which.
     """
     if not isinstance(mapping, Mapping) or len(mapping) != 1:
-        raise InputError("expected one shape, such as {circle: ...}", choices=_KEYS)
+        raise InputError("expected one shape, such as {circle: ...}", choices=_KINDS)
     kind, values = next(iter(mapping.items()))
-    if kind not in _KEYS:
-        raise InputError(f"unknown shape {str(kind)[:40]!r}", choices=_KEYS)
+    if kind not in _KINDS:
+        raise InputError(f"unknown shape {str(kind)[:40]!r}", choices=_KINDS)
     if not isinstance(values, Mapping):
         raise InputError("expected a mapping", key=kind)
-    required, optional = _KEYS[kind]
-    for name in required:
-        if name not in values:
+    known = {field.name: field.default for field in fields(_KINDS[kind])}
+    for name, default in known.items():
+        if default is MISSING and name not in values:
             raise InputError("is missing", key=f"{kind}.{name}")
     for name in values:
-        if name not in (*required, *optional):
-            choices = (*required, *optional)
-            raise InputError("unknown key", key=f"{kind}.{str(name)[:40]}", choices=choices)
-    shapes: dict[str, type[Shape]] = {"box": Box, "circle": Circle, "polygon": Polygon}
-    return shapes[kind](**values)
+        if name not in known:
+            raise InputError("unknown key", key=f"{kind}.{str(name)[:40]}", choices=known)
+    return _KINDS[kind](**values)
 
 
 def shape_to_mapping(shape: Shape) -> dict[str, dict[str, Any]]:

@@ -54,7 +54,7 @@ def test_spreads_are_those_that_numpy_finds(make_lines, suite, open_table):
     gaps = [line["summary"]["min_footprint_gap_m"] for line in lines]
     times = [line["summary"]["makespan_s"] for line in lines if line["success"]]
     for name, values in (("gap", gaps), ("time", times)):
-        found = cell.spread(name)
+        found = cell.spreads[name]
         shares = {"least": 0, "p5": 5, "p25": 25, "median": 50, "p75": 75, "p95": 95, "p99": 99,
                   "most": 100}  # fmt: skip
         for end, share in shares.items():
@@ -64,8 +64,8 @@ def test_spreads_are_those_that_numpy_finds(make_lines, suite, open_table):
 
 def test_what_nobody_measured_has_no_spread(make_line, open_table):
     (cell,) = cells_of(open_table([make_line(k) for k in range(3)]))
-    assert cell.spread("gap").median is None
-    assert cell.spread("time").mean is None
+    assert cell.spreads["gap"].median is None
+    assert cell.spreads["time"].mean is None
 
 
 def test_all_scenarios_can_be_counted_together(make_lines, suite, open_table):
@@ -87,10 +87,10 @@ def test_collisions_are_bounded_by_the_trials_that_ran(make_line, open_table):
 def test_time_is_of_successes_only_and_falls_back_on_the_end(make_line, open_table):
     done = {"reason": "arrived", "makespan_s": None, "sim_time_s": 40.0}
     (cell,) = cells_of(open_table([make_line(0, summary=done)]))
-    assert cell.spread("time").median == 40.0
+    assert cell.spreads["time"].median == 40.0
     failed = make_line(0, outcome="stuck", summary={"reason": "stuck", "makespan_s": 3.0})
     (cell,) = cells_of(open_table([failed]))
-    assert cell.spread("time").median is None
+    assert cell.spreads["time"].median is None
 
 
 def test_a_length_is_known_only_where_that_of_every_robot_is(make_line, open_table):
@@ -99,13 +99,14 @@ def test_a_length_is_known_only_where_that_of_every_robot_is(make_line, open_tab
         make_line(k, scenario=name, summary={"reason": "solved", "path_length_m": values})
         for k, (name, values) in enumerate(lengths.items())
     ]
-    found = {c.scenario: c.spread("length").most for c in cells_of(open_table(lines))}
+    found = {c.scenario: c.spreads["length"].most for c in cells_of(open_table(lines))}
     assert found == {"whole": 3.5, "part": None, "empty": None, "none": None}
 
 
 def test_lines_that_lack_everything_are_still_trials(open_table):
-    (found,) = open_table([{"trial": "x"}]).trials()
-    assert (found.name, found.scenario, found.outcome) == ("x", "?", "unknown")
+    table = open_table([{"trial": "x"}])
+    (found,) = table.trials()
+    assert (found.name, *table.order.scenarios, found.outcome) == ("x", "?", "unknown")
     assert not found.success
     assert not found.ran
     assert found.gap is None
@@ -122,7 +123,7 @@ def test_a_folder_may_be_called_like_a_pattern(make_line, tmp_path):
     folder = tmp_path / "it's [1]*" / "seed=3"
     folder.mkdir(parents=True)
     with TrialTable(write_table(folder, [make_line(7)]), None) as table:
-        assert [trial.seed for trial in table.trials()] == [7]
+        assert table.rows("SELECT seed FROM trials") == [(7,)]
 
 
 def test_unknown_outcomes_come_last():

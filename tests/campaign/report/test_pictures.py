@@ -7,7 +7,7 @@ from PIL import Image
 from cavalcade.campaign.report import write_report
 from cavalcade.campaign.report.pictures import draw_paths, tightest
 from cavalcade.campaign.report.worst import same_run
-from cavalcade.drawing.scene import scene_of
+from cavalcade.drawing.scene import Scene
 from cavalcade.jobs import JobResult
 from cavalcade.recording.frames import Recording
 from cavalcade.recording.status import PlannerStatus
@@ -46,7 +46,7 @@ def run():
 
 def test_the_tightest_place_is_where_it_is(run):
     scenario, world, recording, _ = run
-    found = tightest(scene_of(scenario, world, recording), world)
+    found = tightest(Scene(scenario, world, recording))
     flank = 2.4 + scenario.models[1].width / 2.0
     assert found.gap == pytest.approx(3.0 - 0.3 - flank, abs=0.01)
     assert found.place == pytest.approx([4.0, flank], abs=0.2)
@@ -56,7 +56,7 @@ def test_bodies_count_as_well(run):
     scenario, world, recording, _ = run
     poses = recording.poses.copy()
     poses[50, 0, 1] = 2.2  # upon the other one
-    found = tightest(scene_of(scenario, world, replace(recording, poses=poses)), world)
+    found = tightest(Scene(scenario, world, replace(recording, poses=poses)))
     assert found.cycle == 50
     assert found.gap == 0.0
 

@@ -11,7 +11,7 @@ import pytest
 from cavalcade.campaign.report import write_report
 from cavalcade.campaign.report.cells import cells_of
 from cavalcade.campaign.report.comparisons import PLAN_QUANTITIES, QUANTITIES, compare
-from cavalcade.campaign.report.tables import PAPER, paper_table, plan_table, refusal_table
+from cavalcade.campaign.report.tables import PAPER, PLAN, cell_table, paper_table, refusal_table
 from cavalcade.campaign.report.worst import worst_trials
 
 
@@ -113,7 +113,7 @@ def test_other_worlds_are_not_set_beside_the_paper(table):
 
 
 def test_lengths_and_planning_times(table):
-    made = plan_table(cells_of(table), table.order)
+    made = cell_table(cells_of(table), table.order, PLAN)
     row = dict(zip(made.head[2:], made.rows[0][2:], strict=True))
     seconds = [0.01 * (1 + seed) for seed in range(16)]
     assert row["average planning time (s)"] == f"{np.mean(seconds):.3f}"
@@ -144,7 +144,7 @@ def test_methods_are_compared_by_length_and_planning_time(table):
 
 
 def test_a_problem_that_was_not_refused_is_a_failure(table):
-    worst = [item.trial for item in worst_trials(table)]
+    worst = [trial for trial, _ in worst_trials(table)]
     assert "equal.0000.auto" in [trial.name for trial in worst]
     assert "equal.0001.auto" not in [trial.name for trial in worst if not trial.success]
 

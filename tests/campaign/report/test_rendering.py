@@ -7,7 +7,7 @@ from html.parser import HTMLParser
 import pytest
 
 from cavalcade.campaign.report import write_report
-from cavalcade.campaign.report.tables import table_of
+from cavalcade.campaign.report.tables import Table
 from cavalcade.campaign.report.wording import code, plain
 from cavalcade.campaign.report.writing import html_text, markdown_text
 
@@ -96,7 +96,7 @@ def test_what_trials_say_is_no_markup():
 
 
 def test_columns_are_numbers_texts_or_long_texts():
-    table = table_of(("a", "b", "c"), [("x", "1", "w" * 41)], 1, last=True)
+    table = Table(("a", "b", "c"), [("x", "1", "w" * 41)], 1, last=True)
     assert table.kinds == ("text", "number", "long")
 
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from pydantic import TypeAdapter, ValidationError
+from pydantic import ValidationError
 
-from cavalcade.campaign.samplers import DataFolder, SamplerSection, unplanned
+from cavalcade.campaign.samplers import SAMPLERS, DataFolder, unplanned
 from cavalcade.campaign.samplers.feasibility import DiscRegions
 from cavalcade.campaign.samplers.individual_goals import bodies_meet, keeps_apart
 from cavalcade.geometry import rectangle_corners, transform_points
@@ -46,7 +46,7 @@ WORLDS = {
 
 
 def section(said):
-    return TypeAdapter(SamplerSection).validate_python(said)
+    return SAMPLERS[said["sampler"]].model_validate(said)
 
 
 @pytest.mark.parametrize("name", WORLDS)

@@ -6,10 +6,11 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from pydantic import TypeAdapter, ValidationError
+from pydantic import ValidationError
 
-from cavalcade.campaign.samplers import DataFolder, SamplerSection
+from cavalcade.campaign.samplers import SAMPLERS, DataFolder
 from cavalcade.campaign.samplers.feasibility import RADIUS
+from cavalcade.campaign.samplers.generated import GeneratedSampler
 from cavalcade.errors import InputError
 from cavalcade.scenario import build_world, parse_scenario, resolve_scenario
 from cavalcade.world import is_connected
@@ -44,7 +45,7 @@ WORLDS = {
 
 
 def section(said):
-    return TypeAdapter(SamplerSection).validate_python(said)
+    return SAMPLERS.get(said["sampler"], GeneratedSampler).model_validate(said)
 
 
 @pytest.mark.parametrize("name", WORLDS)

@@ -5,7 +5,7 @@ import warnings
 import pytest
 
 from cavalcade.campaign.samplers import DataFolder
-from cavalcade.campaign.shipped import load_suite, suite_names
+from cavalcade.campaign.suite import load_suite, suite_names
 from cavalcade.scenario import build_world, parse_scenario, resolve_scenario
 from cavalcade.world import MapWarning
 

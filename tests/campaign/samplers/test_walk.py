@@ -7,9 +7,8 @@ import math
 
 import numpy as np
 import pytest
-from pydantic import TypeAdapter
 
-from cavalcade.campaign.samplers import DataFolder, SamplerSection
+from cavalcade.campaign.samplers import SAMPLERS, DataFolder
 from cavalcade.campaign.suite import parse_suite
 from cavalcade.campaign.trial import check_worlds, trials_of
 from cavalcade.errors import InputError, ScenarioError
@@ -32,7 +31,7 @@ WALKS = {
 
 def sampler(name, **more):
     said = {"sampler": "walk", **WALKS[name], **more}
-    return TypeAdapter(SamplerSection).validate_python(said)
+    return SAMPLERS[said["sampler"]].model_validate(said)
 
 
 def scenario(instance):

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from cavalcade.fleet.mujoco._rectangles import cover
-from cavalcade.fleet.mujoco.blocks import blocks_of_map, blocks_of_shape
+from cavalcade.fleet.mujoco.ground import blocks_of_map, blocks_of_shape
 from cavalcade.fleet.mujoco.ground_spec import clusters
 from cavalcade.geometry import inverse_transform_points
 from cavalcade.world import Box, Circle, OccupancyMap, Polygon

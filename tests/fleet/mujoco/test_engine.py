@@ -14,7 +14,7 @@ import cavalcade
 from cavalcade.errors import InputError
 from cavalcade.fleet.mujoco import PhysicsGround, PhysicsSettings, TeamSimulator
 from cavalcade.robots import robot_model
-ground, settings = PhysicsGround.flat(), PhysicsSettings()
+ground, settings = PhysicsGround(), PhysicsSettings()
 try:
     TeamSimulator([robot_model("go1")], [(0.0, 0.0, 0.0)], ground, settings)
 except InputError as error:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from cavalcade.fleet.mujoco.filtering import WORLD_AFFINITY, WORLD_TYPE, robot_bits
+from cavalcade.fleet.mujoco.ground_spec import WORLD_AFFINITY, WORLD_TYPE
+from cavalcade.fleet.mujoco.robot_spec import robot_bits
 
 
 def touch(one, other):

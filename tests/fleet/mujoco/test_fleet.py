@@ -10,8 +10,8 @@ import pytest
 from cavalcade.errors import InputError
 from cavalcade.fleet import CommandDelay, FallingFleet, Fleet, LocalisationNoise
 from cavalcade.fleet.mujoco import PhysicsGround, PhysicsSettings
-from cavalcade.fleet.mujoco.blocks import blocks_of_shape
 from cavalcade.fleet.mujoco.fleet import MujocoFleet
+from cavalcade.fleet.mujoco.ground import blocks_of_shape
 from cavalcade.fleet.mujoco.sensing import SensingErrors
 from cavalcade.robots import robot_model
 from cavalcade.scenario import Obstacle, ObstacleSpan
@@ -150,7 +150,7 @@ def test_noise_is_on_the_reports_only() -> None:
         off.append(noisy.observe().poses[0] - noisy.true_poses()[0])
     still.advance(2.0)
     assert np.array(off).std(axis=0) == pytest.approx([0.05, 0.05, 0.1], rel=0.25)
-    assert noisy.state_bytes() == still.state_bytes()
+    assert noisy.simulator.state_bytes() == still.simulator.state_bytes()
 
 
 def random_walk(seed: int, **options: Any) -> bytes:
@@ -160,7 +160,7 @@ def random_walk(seed: int, **options: Any) -> bytes:
     for _ in range(30):
         fleet.send(random.uniform((-0.3, -0.2, -0.8), (0.4, 0.2, 0.8), (2, 3)))
         fleet.advance(0.1)
-    return fleet.state_bytes()
+    return fleet.simulator.state_bytes()
 
 
 def test_same_seed_same_state_to_the_last_bit() -> None:
@@ -191,7 +191,7 @@ def test_how_time_is_cut_does_not_matter() -> None:
     for dt in (0.1, 0.05, 0.033, 0.017, 0.3):
         parts.advance(dt)
     assert parts.time == pytest.approx(whole.time)
-    assert parts.state_bytes() == whole.state_bytes()
+    assert parts.simulator.state_bytes() == whole.simulator.state_bytes()
 
 
 def test_odd_steps_add_up() -> None:
@@ -232,9 +232,10 @@ def test_physics_that_is_unstable_is_no_motion() -> None:
 def test_samples_tell_what_happened() -> None:
     fleet = fleet_of((0.0, 0.0, 0.0), (1.5, 0.0, 1.0), time=7.0)
     drive(fleet, FORWARDS, 2.01)
-    kept = fleet.samples()
+    kept = fleet.track()
     assert kept.time == pytest.approx(7.0 + 0.02 * np.arange(101))
-    assert kept.qpos.shape == (101, 2, 19)
+    assert kept.base.shape == (101, 2, 7)
+    assert kept.joints.shape == (101, 2, 12)
     weight = fleet.simulator.descriptions[0].mass * 9.81
     carried = kept.foot_forces[1:, :, :, 2].sum(axis=2).mean(axis=0)
     assert carried == pytest.approx([weight, weight], rel=0.02)
@@ -242,7 +243,8 @@ def test_samples_tell_what_happened() -> None:
     limits = fleet.simulator.descriptions[0].torque_limits
     assert np.all(np.abs(kept.torques) <= limits + 1e-9)
     assert np.abs(kept.torques[50:]).max(axis=(0, 1)).min() > 0.1
-    assert np.abs(kept.qpos[-1] - fleet.simulator.qpos).max() < 0.05
+    last = np.hstack((kept.base[-1], kept.joints[-1]))
+    assert np.abs(last - fleet.simulator.qpos).max() < 0.05
     assert kept.contacts == ()
 
 
@@ -256,23 +258,23 @@ def test_obstacles_come_move_and_go() -> None:
     ground = PhysicsGround(movable=(blocks_of_shape(circle),))
     fleet = fleet_of((0.0, 0.0, 0.0), ground=ground, obstacles=[span])
     drive(fleet, (0.0, 0.0, 0.0), 1.0)
-    assert fleet.samples().contacts == ()
+    assert fleet.track().contacts == ()
     drive(fleet, (0.0, 0.0, 0.0), 2.5)
-    touched = fleet.samples().contacts
+    touched = fleet.track().contacts
     assert {contact.other for contact in touched} == {"obstacle"}
     assert 1.0 < touched[0].time < 2.1
     assert fleet.true_poses()[0, 1] < -0.03
     last = touched[-1].time
     drive(fleet, (0.0, 0.0, 0.0), 1.0)
-    assert all(contact.time <= 4.02 for contact in fleet.samples().contacts)
-    assert last <= fleet.samples().contacts[-1].time
+    assert all(contact.time <= 4.02 for contact in fleet.track().contacts)
+    assert last <= fleet.track().contacts[-1].time
 
 
 def test_a_contact_is_told_again_while_it_lasts() -> None:
     """Two robots that push against each other touch in most intervals between samples."""
     fleet = fleet_of((0.0, 0.0, 0.0), (0.8, 0.0, np.pi))
     drive(fleet, (0.3, 0.0, 0.0), 3.0)
-    contacts = [c for c in fleet.samples().contacts if c.other.startswith("robot")]
+    contacts = [c for c in fleet.track().contacts if c.other.startswith("robot")]
     assert {(c.robot, c.other) for c in contacts} == {(0, "robot 1"), (1, "robot 0")}
     times = [contact.time for contact in contacts]
     assert times == sorted(times)

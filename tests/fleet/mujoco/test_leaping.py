@@ -57,11 +57,10 @@ def wait(fleet, command=(0.0, 0.0, 0.0), patience=20.0):
 
 
 def record_of(fleet, robot):
-    kept = fleet.samples()
+    kept = fleet.track()
     touches = [touch for touch in kept.contacts if touch.robot == robot]
-    qpos = kept.qpos[:, robot]
     return RobotRecord(
-        robot, kept.time, qpos[:, :7], qpos[:, 7:], kept.joint_rates[:, robot],
+        robot, kept.time, kept.base[:, robot], kept.joints[:, robot], kept.joint_rates[:, robot],
         kept.torques[:, robot], kept.foot_forces[:, robot],
         tuple(Touch(touch.time, touch.part, touch.other) for touch in touches),
     )  # fmt: skip

@@ -9,7 +9,7 @@ from cavalcade.drawing.figures import make_plan_figures
 from cavalcade.drawing.plans.motion import activities, leaps
 from cavalcade.drawing.plans.timing import team_gaps
 from cavalcade.drawing.plans.top_view import waits
-from cavalcade.drawing.scene import plan_scene, runs
+from cavalcade.drawing.scene import PlanScene, runs
 
 RED, BLUE = (215, 25, 28), (31, 95, 224)
 
@@ -86,7 +86,7 @@ def test_gaps_over_time_are_those_of_the_summary(make_scenario, straight_team):
         scenario = make_scenario(model=model)
         world = cv.build_world(scenario)
         made = cv.plan(scenario, coordinator=straight_team(waits=(0.0, 3.0)))
-        times, gaps = team_gaps(plan_scene(scenario, world, made))
+        times, gaps = team_gaps(PlanScene(scenario, world, made))
         assert times[-1] == pytest.approx(made.summary["makespan_s"], abs=1e-6)
         np.testing.assert_array_equal(gaps[:, 0], gaps[:, 1])
         # The obstacles are farther away than the robots come to each other.

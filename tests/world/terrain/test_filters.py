@@ -8,8 +8,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cavalcade.geometry import Array
-from cavalcade.world.terrain._kernels import any_within, disc, mean_within, normals_within
-from cavalcade.world.terrain.filters import filled, find_pits, make_layers
+from cavalcade.world import Terrain
+from cavalcade.world.terrain.filters import (
+    any_within,
+    disc,
+    filled,
+    find_pits,
+    mean_within,
+    normals_within,
+)
 
 CELL = 0.05
 
@@ -53,7 +60,7 @@ def test_a_line_of_cells_is_level_across() -> None:
 @settings(deadline=None, max_examples=30)
 def test_planes_have_their_own_normal(a: float, b: float, c: float, cell: float) -> None:
     y, x = (np.indices((6, 8)) + 0.5) * cell
-    layers = make_layers(a * x + b * y + c, cell)
+    layers = Terrain.from_heights(a * x + b * y + c, cell)
     normal = np.array([-a, -b, 1.0]) / np.sqrt(a * a + b * b + 1.0)
     # Smoothing tilts a plane at the grid's edge, where the means are one-sided.
     assert normals_within(a * x + b * y + c, disc(2.0), cell) == pytest.approx(
@@ -63,7 +70,7 @@ def test_planes_have_their_own_normal(a: float, b: float, c: float, cell: float)
 
 
 def test_level_ground_is_all_good() -> None:
-    layers = make_layers(np.full((5, 9), 1.7), CELL)
+    layers = Terrain.from_heights(np.full((5, 9), 1.7), CELL)
     assert (layers.height == 1.7).all()
     assert layers.smooth == pytest.approx(layers.height)
     assert layers.normals == pytest.approx(np.broadcast_to([0.0, 0.0, 1.0], (5, 9, 3)))
@@ -74,7 +81,7 @@ def test_level_ground_is_all_good() -> None:
 @settings(deadline=None, max_examples=30)
 def test_traversability_is_the_formula_of_the_layers(seed: int, size: float) -> None:
     heights = np.random.default_rng(seed).uniform(0.0, 0.1 * size, (12, 10))
-    layers = make_layers(heights, CELL)
+    layers = Terrain.from_heights(heights, CELL)
     normal = normals_within(heights, disc(3.0), CELL)
     rough, slope = np.abs(heights - layers.smooth), np.arccos(normal[..., 2])
     ground = 0.5 * (1.0 - rough / 0.1) + 0.5 * (1.0 - slope / 0.4)
@@ -85,7 +92,7 @@ def test_traversability_is_the_formula_of_the_layers(seed: int, size: float) -> 
 
 def test_the_higher_the_ground_moves_the_same_it_stays() -> None:
     heights = np.random.default_rng(1).uniform(0.0, 0.3, (20, 20))
-    one, other = make_layers(heights, CELL), make_layers(heights + 100.0, CELL)
+    one, other = Terrain.from_heights(heights, CELL), Terrain.from_heights(heights + 100.0, CELL)
     assert other.smooth - 100.0 == pytest.approx(one.smooth)
     assert other.traversability == pytest.approx(one.traversability, abs=1e-6)
 
@@ -95,7 +102,7 @@ def test_mirrored_ground_has_mirrored_layers(flip: tuple[int, int]) -> None:
     heights = np.random.default_rng(2).uniform(0.0, 0.9, (30, 24))
     heights[3:6, 4:9] = np.nan
     view = (slice(None, None, flip[0]), slice(None, None, flip[1]))
-    one, other = make_layers(heights, CELL), make_layers(heights[view], CELL)
+    one, other = Terrain.from_heights(heights, CELL), Terrain.from_heights(heights[view], CELL)
     assert other.smooth == pytest.approx(one.smooth[view], abs=1e-2)
     assert (other.traversability == 0.0).tolist() == (one.traversability[view] == 0.0).tolist()
 
@@ -103,7 +110,7 @@ def test_mirrored_ground_has_mirrored_layers(flip: tuple[int, int]) -> None:
 def test_no_foot_stands_in_a_hole_or_beside_it() -> None:
     heights = np.zeros((9, 9))
     heights[4, 4] = np.nan
-    layers = make_layers(heights, CELL)
+    layers = Terrain.from_heights(heights, CELL)
     beside = np.zeros((9, 9), dtype=bool)
     beside[3:6, 3:6] = True  # 0.075 m reach to the diagonal neighbours of 0.05 m cells
     assert ((layers.traversability == 0.0) == beside).all()
@@ -140,7 +147,7 @@ class TestPits:
     def test_a_deep_trench_is_one_and_the_smoothed_ground_goes_over_it(self) -> None:
         heights = np.zeros((40, 60))
         heights[:, 26:34] = -1.0
-        layers = make_layers(heights, CELL)
+        layers = Terrain.from_heights(heights, CELL)
         assert find_pits(heights, CELL).sum() == 40 * 8
         assert (layers.height == heights).all()
         assert layers.smooth == pytest.approx(np.zeros((40, 60)))

@@ -14,8 +14,7 @@ from hypothesis import strategies as st
 from cavalcade.errors import MapError
 from cavalcade.geometry import Array
 from cavalcade.world import load_terrain
-from cavalcade.world.terrain._mesh_raster import covered_cells, highest_surface
-from cavalcade.world.terrain.meshes import parse_mesh
+from cavalcade.world.terrain.meshes import covered_cells, highest_surface, parse_mesh
 
 _FEW = settings(
     max_examples=120, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]

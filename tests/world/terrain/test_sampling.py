@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import RegularGridInterpolator
 
-from cavalcade.world.terrain._sampling import block_means, resample, sample
+from cavalcade.world.terrain.samples import block_means, resample
+from cavalcade.world.terrain.terrain import sample
 
 _COORDINATE = st.floats(-3.0, 5.0)
 
@@ -50,6 +51,6 @@ def test_a_plane_stays_one_on_another_grid() -> None:
 
 def test_means_of_blocks() -> None:
     field = np.random.default_rng(0).uniform(size=(7, 8))
-    out = np.empty((2, 2))
-    block_means(field, 3, out)
-    assert out == pytest.approx(field[:6, :6].reshape(2, 3, 2, 3).mean(axis=(1, 3)))
+    assert block_means(field, 3) == pytest.approx(
+        field[:6, :6].reshape(2, 3, 2, 3).mean(axis=(1, 3))
+    )

@@ -17,11 +17,7 @@ __all__ = ["ENGINES", "Ended", "Engine", "make_engine"]
 
 
 def make_engine(name: str, workers: int | None) -> Engine:
-    """An engine by its name, not started yet.
-
-    Args:
-        name: `local` or `ray`.
-        workers: How many trials at a time; None for as many as there are cores.
+    """An engine by its name, not started yet; as many trials at a time as cores without `workers`.
 
     Raises:
         InputError: There is no such engine, or it is not installed.

@@ -10,6 +10,8 @@ from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from typing import Any, Self
 
+from pebble import ProcessExpired
+
 from cavalcade.campaign.engines.protocol import Ended, Work
 from cavalcade.campaign.engines.worker import Worker, WorkersError, cores
 
@@ -32,11 +34,7 @@ class _Job:
 
 
 class LocalEngine:
-    """Worker processes on this machine.
-
-    Args:
-        workers: How many; None for the number of cores that this process may use.
-    """
+    """As many worker processes on this machine as said, or as this process may use cores."""
 
     def __init__(self, workers: int | None = None) -> None:
         self._all = [Worker() for _ in range(workers if workers is not None else cores())]
@@ -47,14 +45,9 @@ class LocalEngine:
         self._ended: queue.SimpleQueue[tuple[str, Any]] = queue.SimpleQueue()
 
     @property
-    def workers(self) -> int:
-        """How many jobs are carried out at a time."""
-        return len(self._all)
-
-    @property
     def room(self) -> int:
         """How many more jobs may be submitted now."""
-        return self.workers + _AHEAD - len(self._under_way)
+        return len(self._all) + _AHEAD - len(self._under_way)
 
     def submit(self, key: str, work: Work, arguments: tuple[Any, ...], limit: float) -> None:
         """Have `work(*arguments)` carried out; see `Engine.submit`."""
@@ -87,7 +80,7 @@ class LocalEngine:
                 self._breaks = dict.fromkeys(self._all, 0)
                 del self._under_way[key]
                 found.append(_ended(key, future))
-                if _died(future):
+                if isinstance(future.exception(), ProcessExpired):
                     job.worker.start()
             self._idle.append(job.worker)
             job.worker = None
@@ -147,16 +140,7 @@ def _went_down_with_its_worker(future: Any) -> bool:
     return future.cancelled() or isinstance(future.exception(), BrokenProcessPool)
 
 
-def _died(future: Any) -> bool:
-    """Whether a job's process died within it."""
-    from pebble import ProcessExpired
-
-    return isinstance(future.exception(), ProcessExpired)
-
-
 def _ended(key: str, future: Any) -> Ended:
-    from pebble import ProcessExpired
-
     try:
         return Ended(key, "done", future.result())
     except FutureTimeout:

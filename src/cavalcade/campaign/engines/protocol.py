@@ -38,10 +38,6 @@ class Engine(Protocol):
     """
 
     @property
-    def workers(self) -> int:
-        """How many jobs are carried out at a time."""
-
-    @property
     def room(self) -> int:
         """How many more jobs may be submitted now."""
 

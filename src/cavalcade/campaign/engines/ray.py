@@ -58,30 +58,24 @@ class RayEngine:
     The cluster is that of `RAY_ADDRESS`; where there is none, one is started on this machine for
     as long as the campaign goes on.
 
-    Args:
-        workers: How many trials at a time; None for as many as the cluster has cores.
-
-    Raises:
-        InputError: Ray is not installed.
+    Attributes:
+        workers: How many jobs are carried out at a time; by default the cluster's cores, 0 until
+            it is joined.
     """
 
     def __init__(self, workers: int | None = None) -> None:
         try:
-            _ray()
+            import ray
         except ImportError:
             raise InputError(
                 "ray is not installed: pip install cavalcade[cluster]", key="--engine"
             ) from None
+        self._ray: Any = ray  # its types are not looked at: most installations do without it
         self._asked = workers
-        self._workers = workers or 0
+        self.workers = workers or 0
         self._seats: list[_Seat] = []
         self._started = False
         self._stillborn = 0
-
-    @property
-    def workers(self) -> int:
-        """How many jobs are carried out at a time."""
-        return self._workers
 
     @property
     def room(self) -> int:
@@ -96,12 +90,11 @@ class RayEngine:
 
     def collect(self, timeout: float) -> list[Ended]:
         """The jobs that ended since; waits for one for up to `timeout` s."""
-        ray = _ray()
         until = clock.monotonic() + timeout
         while True:
             waiting = [seat.answer for seat in self._seats if not seat.ready]
             left = max(0.0, min(until - clock.monotonic(), _ANSWER))
-            done = ray.wait(waiting, num_returns=1, timeout=left)[0] if waiting else []
+            done = self._ray.wait(waiting, num_returns=1, timeout=left)[0] if waiting else []
             found: list[Ended] = []
             awake = 0
             for place, seat in enumerate(self._seats):
@@ -116,11 +109,10 @@ class RayEngine:
 
     def __enter__(self) -> Self:
         """Join or start the cluster and ask for the actors."""
-        ray = _ray()
         use_one_thread()
         # Nothing is sent to Ray's makers, and no page is served.
         os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
-        self._started = not ray.is_initialized()
+        self._started = not self._ray.is_initialized()
         if self._started:
             quiet: dict[str, Any] = {"log_to_driver": False, "logging_level": "ERROR"}
             address = os.environ.get("RAY_ADDRESS")
@@ -129,48 +121,45 @@ class RayEngine:
             else:
                 quiet |= {"include_dashboard": False, "num_cpus": self._asked}
             try:
-                ray.init(**quiet)
+                self._ray.init(**quiet)
             except (ConnectionError, RuntimeError, ValueError, OSError) as error:
                 raise ClusterError(f"the Ray cluster cannot be reached: {error}") from None
-        cores = int(ray.cluster_resources().get("CPU", 0))
-        self._workers = self._asked or max(cores, 1)
-        self._seats = [self._seat() for _ in range(self._workers)]
+        cores = int(self._ray.cluster_resources().get("CPU", 0))
+        self.workers = self._asked or max(cores, 1)
+        self._seats = [self._seat() for _ in range(self.workers)]
         return self
 
     def __exit__(self, *error: object) -> None:
         """End every actor at once, and the cluster if it was started here."""
-        ray = _ray()
         for seat in self._seats:
-            ray.kill(seat.actor)
+            self._ray.kill(seat.actor)
         self._seats = []
         if self._started:
-            ray.shutdown()
+            self._ray.shutdown()
 
     def _seat(self) -> _Seat:
-        ray = _ray()
-        actor = ray.remote(num_cpus=1, max_restarts=0, max_task_retries=0)(_Worker).remote()
+        options = {"num_cpus": 1, "max_restarts": 0, "max_task_retries": 0}
+        actor = self._ray.remote(**options)(_Worker).remote()
         return _Seat(actor, actor.answer.remote())
 
     def _replace(self, place: int) -> None:
-        ray = _ray()
-        ray.kill(self._seats[place].actor)
+        self._ray.kill(self._seats[place].actor)
         self._seats[place] = self._seat()
 
     def _answered(self, place: int, seat: _Seat) -> list[Ended]:
-        ray = _ray()
-        key, answer = seat.key, seat.answer
+        key, faults = seat.key, self._ray.exceptions
         try:
-            value = ray.get(answer)
-        except ray.exceptions.RayTaskError as error:
+            value = self._ray.get(seat.answer)
+        except faults.RayTaskError as error:
             # The actor lives: the work, or this package, cannot be had there.
             text = str(error.cause or error)
             if key is None:
                 raise ClusterError(f"a node cannot carry trials out: {text}") from None
             seat.key = seat.answer = None
             return [Ended(key, "lost", detail=text)]
-        except ray.exceptions.RayError as error:
+        except faults.RayError as error:
             self._stillborn += key is None
-            if self._stillborn > _STILLBORN + self._workers:
+            if self._stillborn > _STILLBORN + self.workers:
                 raise ClusterError(f"the cluster's processes do not start: {error}") from None
             self._replace(place)
             detail = f"the worker or its node is gone ({type(error).__name__})"
@@ -198,11 +187,7 @@ class _Worker:
 
 
 def _check_reachable(address: str) -> None:
-    """Refuse an address where nobody answers; Ray itself would try for ten minutes.
-
-    Raises:
-        ClusterError: Nobody does.
-    """
+    """Refuse an address where nobody answers; Ray itself would try for ten minutes."""
     host, separator, port = address.removeprefix("ray://").rpartition(":")
     if not separator or not port.isdecimal():
         return  # such as `auto`
@@ -212,10 +197,3 @@ def _check_reachable(address: str) -> None:
         raise ClusterError(
             f"the Ray cluster cannot be reached: RAY_ADDRESS={address}: {error}"
         ) from None
-
-
-def _ray() -> Any:
-    """The package, whose types are not looked at: most installations do without it."""
-    import ray
-
-    return ray

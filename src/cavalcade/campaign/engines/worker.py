@@ -107,11 +107,7 @@ class Worker:
     def begin(self, work: Work, arguments: tuple[Any, ...], limit: float) -> Any:
         """Have `work(*arguments)` carried out, for up to `limit` s.
 
-        Returns:
-            Its future, which may stay undone if the worker breaks.
-
-        Raises:
-            RuntimeError: It is broken.
+        Its future may stay undone if the worker breaks; one that is broken raises RuntimeError.
         """
         return self._pool.schedule(work, args=arguments, timeout=limit)
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import base64
 import io
 import re
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -47,15 +46,7 @@ OTHER = "#c9ccd0"
 _DPI = 220
 
 _SVG: Any = {"svg.fonttype": "path", "svg.hashsalt": "cavalcade"}
-
-
-@contextmanager
-def chart_style() -> Iterator[None]:
-    """The style of the figures of runs; vectors come out the same every time."""
-    import matplotlib
-
-    with style.paper_style(), matplotlib.rc_context(_SVG):
-        yield
+"""Vectors come out the same every time."""
 
 
 def series_color(index: int) -> str:
@@ -68,31 +59,36 @@ def series_marker(index: int) -> str:
     return MARKERS[(index + index // len(SERIES)) % len(MARKERS)]
 
 
-def rows_figure(
-    labels: Sequence[str], panels: int, *, top: float = 0.26, bottom: float = 0.36
+def side_by_side(
+    count: int, margins: style.Margins, between: float, height: float
 ) -> tuple[MatplotlibFigure, list[Axes]]:
-    """Panels side by side that share named rows, the first on top.
+    """Panels as wide together as a page; room around and between them and height in inches."""
+    left, right, bottom, top = margins
+    width = (style.PAGE - left - right - (count - 1) * between) / count
+    figure = style.new_figure(style.PAGE, top + height + bottom)
+    places = [left + k * (width + between) for k in range(count)]
+    return figure, [style.add_panel(figure, x, bottom, width, height) for x in places]
+
+
+def rows_figure(
+    labels: Sequence[str], panels: int, *, top: float
+) -> tuple[MatplotlibFigure, list[Axes]]:
+    """Panels that share named rows, the first on top; row k stands at y = k.
 
     Args:
-        labels: Of the rows; row k stands at y = k.
-        panels: How many; as wide together as a page.
-        top, bottom: Room over and under the panels, inches.
+        labels: Of the rows.
+        panels: How many.
+        top: Room over the panels, inches.
     """
     longest = max((len(label) for label in labels), default=0)
     left = min(0.14 + 0.052 * longest, 0.45 * style.PAGE)
-    right, between = 0.12, 0.16
-    height = ROW * max(len(labels), 2)
-    total = top + height + bottom
-    width = (style.PAGE - left - right - (panels - 1) * between) / panels
-    figure = style.new_figure(style.PAGE, total)
-    axes = []
-    for k in range(panels):
-        axis = style.add_panel(figure, left + k * (width + between), bottom, width, height)
+    margins = style.Margins(left, right=0.12, bottom=0.36, top=top)
+    figure, axes = side_by_side(panels, margins, 0.16, ROW * max(len(labels), 2))
+    for k, axis in enumerate(axes):
         axis.set_ylim(max(len(labels), 2) - 0.5, -0.5)
         axis.set_yticks(range(len(labels)), labels if k == 0 else [""] * len(labels))
         axis.tick_params(axis="y", length=0)
         draw_grid(axis, "x")
-        axes.append(axis)
     return figure, axes
 
 
@@ -148,7 +144,9 @@ class Artist:
         """
         if self.folder is None:
             return []
-        with chart_style():
+        import matplotlib
+
+        with style.paper_style(), matplotlib.rc_context(_SVG):
             figure = draw(*args)
             path = style.save(figure, self.folder / f"{safe_name(name)}.png", dpi=_DPI)
             vectors = io.BytesIO()
@@ -163,11 +161,7 @@ class Artist:
         cells: Sequence[Cell],
         name: str,
     ) -> list[Figure]:
-        """One chart of the cells, or one per scenario where there are many rows.
-
-        Raises:
-            OutputError: A picture cannot be written.
-        """
+        """One chart of the cells, or one per scenario where there are many rows."""
         if len(cells) <= MOST_ROWS:
             return self.chart(caption, draw, cells, self._order, name=name) if cells else []
         figures: list[Figure] = []

@@ -69,28 +69,7 @@ _OF_SUCCESSES = (
     "formation_error",
     "solving_time",
 )
-_OF_ALL = (
-    "planning_time",
-    "cycle_p50",
-    "cycle_p99",
-    "cycle_max",
-    "gap",
-    "obstacle_distance",
-    "robot_distance",
-    "duration",
-    "speed_error",
-    "yaw_rate_error",
-    "drift",
-    "speed_rms",
-    "tilt",
-    "torque",
-    "real_time_factor",
-)
-MEASURED: Mapping[str, str] = {
-    **dict.fromkeys(_OF_SUCCESSES, "success"),
-    **dict.fromkeys(_OF_ALL, "true"),
-}
-"""Columns of the trials whose spread a cell has, and of which trials."""
+"""Quantities whose spread is that of the trials that succeeded."""
 
 
 @dataclass(frozen=True)
@@ -99,6 +78,7 @@ class Cell:
 
     Attributes:
         scenario, disturbance, variant: Which; the scenario may be `ALL`.
+        part: Which of the parts that its trials were put in; see `cells_of`.
         planned: Whether robots have individual goals.
         commanded: Whether robots were told how to walk, without a planner.
         in_physics: Whether robots have legs and dynamics.
@@ -116,12 +96,13 @@ class Cell:
             has to be.
         outcomes: How often it ended how, in the order of the report.
         failures, excused: The same of trials that failed in feasible and in other worlds.
-        spreads: Of each quantity in `MEASURED`.
+        spreads: Of each column of numbers; times and ratios are those of trials that succeeded.
     """
 
     scenario: str
     disturbance: str
     variant: str
+    part: int
     planned: bool
     commanded: bool
     in_physics: bool
@@ -142,10 +123,6 @@ class Cell:
     failures: Mapping[str, int]
     excused: Mapping[str, int]
     spreads: Mapping[str, Spread]
-
-    def spread(self, name: str) -> Spread:
-        """Of a quantity in `MEASURED`; times and ratios are those of trials that succeeded."""
-        return self.spreads[name]
 
     @property
     def interval(self) -> tuple[float, float]:
@@ -177,59 +154,46 @@ _COUNTS = """
     histogram(outcome) FILTER (feasible AND NOT success),
     histogram(outcome) FILTER (NOT feasible AND NOT success)
 """
-_SPREADS = ", ".join(
-    f"list_append(quantile_cont({column}, {_SHARES}) FILTER ({chosen}), "
-    f"avg({column}) FILTER ({chosen}))"
-    for column, chosen in ((f'"{name}"', chosen) for name, chosen in MEASURED.items())
-)
 _NOTHING = Spread(*(None,) * 9)
 
 
-def cells_of(table: TrialTable, where: str = "true", *, over_scenarios: bool = False) -> list[Cell]:
+def cells_of(
+    table: TrialTable, where: str = "true", *, over_scenarios: bool = False, part: str = "0"
+) -> list[Cell]:
     """The cells in the suite's order: scenario, disturbance, variant; empty ones left out.
 
     Args:
         table: The trials.
         where: Which of them count, as an SQL expression.
         over_scenarios: Count the trials of all scenarios together.
+        part: SQL expression of a whole number; trials of different ones are in different cells.
     """
-    return [cell for _, cell in _counted(table, where, (), over_scenarios)]
-
-
-def _counted(
-    table: TrialTable,
-    where: str,
-    bins: Sequence[tuple[float, float]],
-    over_scenarios: bool = False,
-) -> list[tuple[int, Cell]]:
-    """Cells with the number of their bin, which is 0 if there are no bins.
-
-    Arguments as of `cells_of`; bins are given by their lowest and highest levels.
-    """
+    measured = {
+        name: "success" if name in _OF_SUCCESSES else "true"
+        for name, kind, *_ in table.rows("DESCRIBE trials")
+        if kind == "DOUBLE"
+    }
+    spreads = ", ".join(
+        f'list_append(quantile_cont("{name}", {_SHARES}) FILTER ({chosen}), '
+        f'avg("{name}") FILTER ({chosen}))'
+        for name, chosen in measured.items()
+    )
     scenario = f"'{ALL}'" if over_scenarios else "min(scenario)"
-    keys = [*([] if over_scenarios else ["scenario_at"]), "disturbance_at", "variant_at"]
-    source, number = "trials", "0"
-    if bins:
-        rows = ", ".join(
-            f"({k}, {low!r}::DOUBLE, {high!r}::DOUBLE)" for k, (low, high) in enumerate(bins)
-        )
-        source += f" JOIN (VALUES {rows}) AS bins(number, low, high) ON level BETWEEN low AND high"
-        number, keys = "number", [*keys, "number"]
+    keys = ("" if over_scenarios else "scenario_at, ") + "disturbance_at, variant_at"
     query = f"""
-        SELECT {number}, {scenario}, min(disturbance), min(variant), {_COUNTS}, {_SPREADS}
-        FROM {source} WHERE {where}
-        GROUP BY {", ".join(keys)} ORDER BY {", ".join(keys)}
+        SELECT {scenario}, min(disturbance), min(variant), {part} AS part, {_COUNTS}, {spreads}
+        FROM trials WHERE {where} GROUP BY {keys}, part ORDER BY {keys}, part
     """
     found = []
-    for number, *row in table.rows(query):
-        *counts, outcomes, failures, excused = row[: -len(MEASURED)]
-        spreads = {
-            name: _NOTHING if values is None or values[0] is None else Spread(*values)
-            for name, values in zip(MEASURED, row[-len(MEASURED) :], strict=True)
-        }
+    for row in table.rows(query):
+        *counts, outcomes, failures, excused = row[: -len(measured)]
         histograms = [in_order(each or {}) for each in (outcomes, failures, excused)]
-        values: list[Any] = [*counts, *histograms, spreads]
-        found.append((number, Cell(*values)))
+        quantiles = [
+            Spread(*each) if each and each[0] is not None else _NOTHING
+            for each in row[-len(measured) :]
+        ]
+        values: list[Any] = [*counts, *histograms, dict(zip(measured, quantiles, strict=True))]
+        found.append(Cell(*values))
     return found
 
 
@@ -278,11 +242,6 @@ class Curve:
     axis: str
     points: tuple[Point, ...]
 
-    @property
-    def ends(self) -> tuple[float, ...]:
-        """Lowest and highest levels of all points."""
-        return tuple(end for point in self.points for end in (point.low, point.high))
-
 
 def curves_of(table: TrialTable, cells: Sequence[Cell]) -> dict[str, list[Curve]]:
     """Curves by scenario, all of one scenario over the same bins; none for a single level."""
@@ -296,13 +255,13 @@ def curves_of(table: TrialTable, cells: Sequence[Cell]) -> dict[str, list[Curve]
         here = [cell for cell in cells if cell.scenario == scenario]
         if len(levels) < 2 or max(cell.feasible for cell in here) < FEWEST_TRIALS:
             continue
-        bins = bins_of(levels)
         name = scenario.replace("'", "''")
+        bins = bins_of(levels)
+        part = f"len(list_filter({[low for low, _ in bins]}::DOUBLE[], lambda low: low <= level))"
         points: dict[tuple[str, str], list[Point]] = {}
-        for number, cell in _counted(table, f"{known} AND scenario = '{name}'", bins):
-            points.setdefault((cell.disturbance, cell.variant), []).append(
-                Point(*bins[number], cell)
-            )
+        for cell in cells_of(table, f"{known} AND scenario = '{name}'", part=part):
+            point = Point(*bins[cell.part - 1], cell)
+            points.setdefault((cell.disturbance, cell.variant), []).append(point)
         found[scenario] = [
             Curve(cell, axis or "level", tuple(points.get((cell.disturbance, cell.variant), ())))
             for cell in here

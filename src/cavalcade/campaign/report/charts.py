@@ -21,12 +21,7 @@ if TYPE_CHECKING:
 
 def cell_label(cell: Cell, order: Order) -> str:
     """Its scenario, and its variant and disturbance where there are several."""
-    parts = [cell.scenario]
-    if len(order.disturbances) > 1:
-        parts.append(cell.disturbance)
-    if len(order.variants) > 1:
-        parts.append(cell.variant)
-    return " · ".join(parts)
+    return " · ".join(getattr(cell, part) for part in order.parts)
 
 
 def cell_color(cell: Cell, order: Order) -> int:
@@ -44,7 +39,7 @@ def draw_success(cells: Sequence[Cell], order: Order) -> Figure:
     lowest = 1.0
     for row, cell in enumerate(cells):
         if not cell.feasible:
-            _remark(left, "no feasible world", 0.5, row)
+            _remark(left, "no feasible world", row)
             continue
         low, high = cell.interval
         lowest = min(lowest, low)
@@ -80,7 +75,7 @@ def _draw_failures(axes: Axes, cells: Sequence[Cell]) -> None:
     axes.set_xlim(0.0, 1.08 * longest if longest else 1.0)
     axes.set_xlabel("failures in feasible worlds (%), by reason")
     if not seen:
-        _remark(axes, "no failures", 0.5, (len(cells) - 1) / 2.0)
+        _remark(axes, "no failures", (len(cells) - 1) / 2.0)
         return
     handles = [
         Patch(facecolor=canvas.OUTCOME_COLORS.get(name, canvas.OTHER), label=name) for name in seen
@@ -89,9 +84,9 @@ def _draw_failures(axes: Axes, cells: Sequence[Cell]) -> None:
                 handlelength=0.8, handleheight=0.8, columnspacing=0.8, borderpad=0.3)  # fmt: skip
 
 
-def _remark(axes: Axes, text: str, x: float, row: float) -> None:
+def _remark(axes: Axes, text: str, row: float) -> None:
     axes.text(
-        x,
+        0.5,
         row,
         text,
         transform=axes.get_yaxis_transform(),
@@ -124,7 +119,7 @@ def draw_spreads(cells: Sequence[Cell], order: Order) -> Figure:
     for axis, (title, factor, name) in zip(axes, panels, strict=True):
         top, least = 0.0, math.inf
         for row, cell in enumerate(cells):
-            spread = cell.spread(name)
+            spread = cell.spreads[name]
             least = min(least, math.inf if spread.p5 is None else factor * spread.p5)
             _draw_spread(axis, row, spread, factor, cell_color(cell, order))
             top = max(top, factor * (spread.p95 or 0.0))
@@ -152,9 +147,7 @@ def _draw_spread(axes: Axes, row: int, spread: Spread, factor: float, number: in
 def draw_comparisons(comparisons: Sequence[Comparison], settings: bool) -> Figure:
     """Differences of success and of each quantity; hollow marks where none is shown.
 
-    Args:
-        comparisons: One per row.
-        settings: Name the setting, too.
+    There is a row per comparison, which names its setting, too, where `settings` says so.
     """
     usual = comparisons[0].first
     labels = [

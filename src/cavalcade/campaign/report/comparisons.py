@@ -109,15 +109,14 @@ def compare(table: TrialTable, factor: Factor) -> list[Comparison]:
     found = []
     for setting in settings:
         pairs = {
-            name: _pairs(table, factor, setting, reference, name)
+            (reference, name): _pairs(table, factor, setting, reference, name)
             for name in names
             if (reference := references.get(name, names[0])) != name
         }
         for scenario in groups:
-            for name, every in pairs.items():
+            for (reference, name), every in pairs.items():
                 inside = [pair for pair in every if scenario in (ALL, pair["scenario"])]
                 if inside:
-                    reference = references.get(name, names[0])
                     found.append(_comparison(scenario, setting, reference, name, inside))
     return found
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from cavalcade.campaign.report import canvas
@@ -25,16 +26,8 @@ def draw_curves(curves: Sequence[Curve], labels: Sequence[str]) -> Figure:
     columns = min(len(curves), _LEGEND_COLUMNS)
     top = 0.09 + 0.15 * -(-len(curves) // columns) if len(curves) > 1 else 0.06
     few = len(curves) <= FEW_CURVES
-    left, right, between, bottom, height = 0.42, 0.06, 0.44, 0.34, 1.55
-    width = (style.PAGE - left - right - 2 * between) / 3
-    total = top + height + bottom
-    from matplotlib.ticker import MaxNLocator
-
-    figure = style.new_figure(style.PAGE, total)
-    axes = [
-        style.add_panel(figure, left + k * (width + between), bottom, width, height)
-        for k in range(3)
-    ]
+    margins = style.Margins(left=0.42, right=0.06, bottom=0.34, top=top)
+    figure, axes = canvas.side_by_side(3, margins, between=0.44, height=1.55)
     handles: list[Any] = []
     for number, curve in enumerate(curves):
         points = curve.points
@@ -42,9 +35,12 @@ def draw_curves(curves: Sequence[Curve], labels: Sequence[str]) -> Figure:
         spread = "none" if not few else "bars" if len(curves) > 1 else "band"
         handles.append(_draw_line(axes[0], points, _success, 100.0, number, spread, shift))
         spread = "band" if few else "none"
-        _draw_line(axes[1], points, _quartiles("time_ratio"), 1.0, number, spread)
+        _draw_line(axes[1], points, partial(_quartiles, "time_ratio"), 1.0, number, spread)
         third, factor = ("solving_time", 1.0) if curve.cell.planned else ("formation_error", 100.0)
-        _draw_line(axes[2], points, _quartiles(third), factor, number, spread)
+        _draw_line(axes[2], points, partial(_quartiles, third), factor, number, spread)
+    from matplotlib.ticker import MaxNLocator
+
+    levels = [end for curve in curves for one in curve.points for end in (one.low, one.high)]
     titles = ["success (%)", "time over lower bound", "formation error (cm)"]
     if curves[0].cell.planned:
         titles[1:] = ["makespan over slowest alone", "planning time (s)"]
@@ -54,7 +50,7 @@ def draw_curves(curves: Sequence[Curve], labels: Sequence[str]) -> Figure:
                         else curves[0].axis)  # fmt: skip
         draw_grid(axis)
         axis.margins(x=0.03)
-        if all(float(end).is_integer() for curve in curves for end in curve.ends):
+        if all(float(level).is_integer() for level in levels):
             axis.xaxis.set_major_locator(MaxNLocator(nbins=6, integer=True))
     low, _ = axes[0].get_ylim()
     low = max(0.0, min(low, 95.0))
@@ -65,7 +61,7 @@ def draw_curves(curves: Sequence[Curve], labels: Sequence[str]) -> Figure:
             labels=list(labels),
             loc="upper center",
             ncols=columns,
-            bbox_to_anchor=(0.5, 1.0 - 0.02 / total),
+            bbox_to_anchor=(0.5, 1.0 - 0.02 / figure.get_figheight()),
         )
     return figure
 
@@ -87,14 +83,9 @@ def _success(point: Point) -> _Ends:
     return low, point.cell.successes / point.cell.trials, high
 
 
-def _quartiles(name: str) -> Callable[[Point], _Ends]:
-    """Quartiles and median of a quantity at a point."""
-
-    def take(point: Point) -> _Ends:
-        spread = point.cell.spread(name)
-        return spread.p25, spread.median, spread.p75
-
-    return take
+def _quartiles(name: str, point: Point) -> _Ends:
+    spread = point.cell.spreads[name]
+    return spread.p25, spread.median, spread.p75
 
 
 def _draw_line(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 from cavalcade.campaign.report import charts, tables
 from cavalcade.campaign.report.canvas import MOST_ROWS, Artist, Figure
@@ -13,7 +13,7 @@ from cavalcade.campaign.report.cells import Cell, cells_of, curves_of, in_order
 from cavalcade.campaign.report.comparison_tables import comparison_tables
 from cavalcade.campaign.report.comparisons import Comparison, Factor, compare, references_of
 from cavalcade.campaign.report.curve_chart import FEW_CURVES, draw_curves
-from cavalcade.campaign.report.tables import Table, cell_names, table_of
+from cavalcade.campaign.report.tables import Table, cell_names, cell_table
 from cavalcade.campaign.report.trials import Order, Trial, TrialTable
 from cavalcade.campaign.report.wording import bound, code, count, interval, plain, share
 from cavalcade.campaign.report.worst import Replay, shown_worst
@@ -38,13 +38,7 @@ def document(
 ) -> dict[str, Any]:
     """The variables of the templates; pictures are drawn on the way.
 
-    Args:
-        suite: That was run.
-        table: Of all trials.
-        lines: Of all trials, by their names.
-        command: That made the campaign; empty where it is not known.
-        artist: Draws.
-        replay: Repeats a trial in memory, or None.
+    Arguments as of `write_report`; `lines` are given by their trials' names.
 
     Raises:
         OutputError: A picture cannot be written.
@@ -56,7 +50,13 @@ def document(
     planned = [cell for cell in cells if cell.planned]
     commanded = [cell for cell in cells if cell.commanded]
     walked = [cell for cell in cells if cell.in_physics]
-    failures = table.failures()
+    judged = cells if any(cell.ran for cell in cells) else []
+    query = """
+        SELECT count(*), bool_or(NOT planned AND NOT commanded), bool_or(planned),
+            bool_or(commanded), bool_or(in_physics)
+        FROM trials
+    """
+    kinds = ("trials", "any_formation", "any_planned", "any_commanded", "any_physics")
     excused = table.trials("contacts > avoidable")
     return {
         "suite": suite.suite,
@@ -64,48 +64,38 @@ def document(
         "facts": _facts(table),
         "command": scrubbed(command),
         "sentences": _sentences(table, cells),
-        "success": tables.success_table(cells, order) if cells else None,
+        "success": cell_table(cells, order, tables.SUCCESS, every=True),
         "success_charts": artist.charts(
             "Success in feasible worlds with 95 % interval, and how the failures ended.",
             charts.draw_success,
             cells,
             "success",
         ),
-        "outcomes": tables.outcome_table(cells, order) if cells else None,
+        "outcomes": cell_table(cells, order, tables.outcome_columns(cells), every=True),
         "excused_outcomes": any(cell.excused for cell in cells),
         "paper": tables.paper_table(planned),
-        "formations": tables.formation_table(formations, order) if formations else None,
-        "plans": tables.plan_table(planned, order) if planned else None,
-        "commanded": tables.commanded_table(commanded, order) if commanded else None,
-        "physics": tables.physics_table(walked, order) if walked else None,
-        "refusals": tables.refusal_table(refused, order) if refused else None,
-        "spread_charts": _spread_charts(cells, artist),
-        "clearances": tables.clearance_table(cells, order) if any(c.ran for c in cells) else None,
+        "formations": cell_table(formations, order, tables.FORMATION),
+        "plans": cell_table(planned, order, tables.PLAN),
+        "commanded": cell_table(commanded, order, tables.COMMANDED),
+        "physics": cell_table(walked, order, tables.PHYSICS),
+        "refusals": tables.refusal_table(refused, order),
+        "spread_charts": _spread_charts(judged, artist),
+        "clearances": cell_table(judged, order, tables.CLEARANCE),
         "comparisons": [
-            *_comparisons(table, "variant", artist),
-            *_comparisons(table, "disturbance", artist),
+            _comparisons(table, factor, found, artist)
+            for factor in get_args(Factor)
+            if (found := compare(table, factor))
         ],
         "curves": _curves(table, cells, artist),
-        "failures": _failure_table(failures) if failures else None,
+        "failures": _failure_table(table.failures()),
         "excused_failures": len(table.trials("NOT success AND NOT feasible AND NOT unsolvable")),
-        "unavoidable": _unavoidable_table(excused) if excused else None,
+        "unavoidable": Table(("why", "trials", "which"), _by_reason(excused), 1, last=True),
         "unavoidable_trials": len(excused),
         "unavoidable_contacts": sum(trial.contacts - trial.avoidable for trial in excused),
         "worst": shown_worst(table, lines, artist, replay),
         "disturbed": len(order.disturbances) > 1,
-        **_kinds(table),
+        **dict(zip(kinds, table.rows(query)[0], strict=True)),
     }
-
-
-def _kinds(table: TrialTable) -> dict[str, Any]:
-    """How many trials there are, and of which kinds."""
-    query = """
-        SELECT count(*), bool_or(NOT planned AND NOT commanded), bool_or(planned),
-            bool_or(commanded), bool_or(in_physics)
-        FROM trials
-    """
-    names = ("trials", "any_formation", "any_planned", "any_commanded", "any_physics")
-    return dict(zip(names, table.rows(query)[0], strict=True))
 
 
 def _facts(table: TrialTable) -> list[str]:
@@ -115,16 +105,13 @@ def _facts(table: TrialTable) -> list[str]:
         "SELECT count(*), count(DISTINCT (scenario, seed)) FROM trials"
     )
     factors = [f"{count(worlds)} worlds"]
-    if len(order.disturbances) > 1:
-        factors.append(f"{len(order.disturbances)} disturbances")
-    if len(order.variants) > 1:
-        factors.append(f"{len(order.variants)} variants")
+    factors += [f"{len(getattr(order, f'{part}s'))} {part}s" for part in order.parts[1:]]
     facts = [f"**Trials:** {count(trials)} ({' × '.join(factors)})"]
     if order.variants:
         facts.append(f"**Variants:** {', '.join(code(name) for name in order.variants)}")
     if len(order.disturbances) > 1:
         facts.append(f"**Disturbances:** {', '.join(code(name) for name in order.disturbances)}")
-    versions = [f"{name} {' and '.join(found)}" for name, found in table.versions().items()]
+    versions = [f"{name} {' and '.join(found)}" for name, found in table.versions()]
     facts.append(f"**Versions:** {', '.join(versions) or 'not recorded, no trial ran'}")
     return facts
 
@@ -161,8 +148,6 @@ def _sentence(cell: Cell, order: Order) -> str:
 
 
 def _spread_charts(cells: Sequence[Cell], artist: Artist) -> list[Figure]:
-    if not any(cell.ran for cell in cells):
-        return []
     caption = "Median (mark), quartiles (bar) and 5 % to 95 % (line) over single trials."
     figures: list[Figure] = []
     for planned in (False, True):
@@ -172,15 +157,13 @@ def _spread_charts(cells: Sequence[Cell], artist: Artist) -> list[Figure]:
     return figures
 
 
-def _comparisons(table: TrialTable, factor: Factor, artist: Artist) -> list[dict[str, Any]]:
-    """The section, if there is anything to compare.
+def _comparisons(
+    table: TrialTable, factor: Factor, found: Sequence[Comparison], artist: Artist
+) -> dict[str, Any]:
+    """What is compared, the reference `first`, charts of the differences, and titles with tables.
 
-    It has what is compared, the reference `first`, charts of the differences, and titles with
-    tables, None in the place of one without any collision.
+    None stands in the place of a table without any collision.
     """
-    found = compare(table, factor)
-    if not found:
-        return []
     firsts = references_of(found)
     single = len(firsts) == 1
     settings, setting = table.order.disturbances, "disturbance"
@@ -201,14 +184,12 @@ def _comparisons(table: TrialTable, factor: Factor, artist: Artist) -> list[dict
             name = f"{factor}s-{part}" if part else f"{factor}s"
             named = len(settings) > 1 and not part
             figures += artist.chart(caption, charts.draw_comparisons, rows, named, name=name)
-    return [
-        {
-            "factor": factor,
-            "first": code(firsts[0]) if single else "its reference",
-            "figures": figures,
-            "tables": comparison_tables(found, factor, setting if len(settings) > 1 else ""),
-        }
-    ]
+    return {
+        "factor": factor,
+        "first": code(firsts[0]) if single else "its reference",
+        "figures": figures,
+        "tables": comparison_tables(found, factor, setting if len(settings) > 1 else ""),
+    }
 
 
 def _curves(table: TrialTable, cells: Sequence[Cell], artist: Artist) -> list[dict[str, Any]]:
@@ -218,13 +199,11 @@ def _curves(table: TrialTable, cells: Sequence[Cell], artist: Artist) -> list[di
     for scenario, curves in curves_of(table, cells).items():
         figures: list[Figure] = []
         # Lines by variant; a chart per disturbance where both vary.
-        crossed = len(order.variants) > 1 and len(order.disturbances) > 1
-        for part in order.disturbances if crossed else ("",):
+        for part in order.disturbances if len(order.parts) == 3 else ("",):
             shown = [curve for curve in curves if part in ("", curve.cell.disturbance)]
             if not shown:
                 continue
-            by_variant = len(order.variants) > 1
-            labels = [c.cell.variant if by_variant else c.cell.disturbance for c in shown]
+            labels = [getattr(c.cell, order.parts[-1]) for c in shown]
             third = "planning time" if shown[0].cell.planned else "formation error"
             text = f"success; median time and {third}"
             if len(shown) <= FEW_CURVES:
@@ -238,34 +217,21 @@ def _curves(table: TrialTable, cells: Sequence[Cell], artist: Artist) -> list[di
     return sections
 
 
-def _failure_table(failed: Sequence[Trial]) -> Table:
-    """Failures that need not have been, by reason, with examples."""
-    rows = []
-    for outcome in in_order(Counter(trial.outcome for trial in failed)):
-        same = [trial for trial in failed if trial.outcome == outcome]
-        for reason, group in _by_reason(same):
-            rows.append((outcome, plain(reason) or "–", count(len(group)), _some(group)))
-    return table_of(("reason", "detail", "trials", "which"), rows, 2, last=True)
-
-
-def _unavoidable_table(touched: Sequence[Trial]) -> Table:
-    """Collisions that are not held against the planner, by reason, with examples."""
+def _failure_table(failed: Sequence[Trial]) -> Table | None:
+    """Failures that need not have been, by reason, with examples; None without any."""
     rows = [
-        (plain(reason) or "–", count(len(group)), _some(group))
-        for reason, group in _by_reason(touched)
+        (outcome, *row)
+        for outcome in in_order(Counter(trial.outcome for trial in failed))
+        for row in _by_reason([trial for trial in failed if trial.outcome == outcome])
     ]
-    return table_of(("why", "trials", "which"), rows, 1, last=True)
+    return Table(("reason", "detail", "trials", "which"), rows, 2, last=True) if rows else None
 
 
-def _some(trials: Sequence[Trial]) -> str:
-    """The names of the first few."""
-    shown = ", ".join(code(trial.name) for trial in trials[:MOST_EXAMPLES])
-    more = len(trials) - MOST_EXAMPLES
-    return shown + (f" and {count(more)} more" if more > 0 else "")
+def _by_reason(trials: Sequence[Trial]) -> list[tuple[str, str, str]]:
+    """Reason, number and first names of those with the same reason but for its numbers.
 
-
-def _by_reason(trials: Sequence[Trial]) -> list[tuple[str, list[Trial]]]:
-    """Groups of the same reason but for its numbers, the largest first."""
+    The largest group comes first.
+    """
     groups: dict[str, list[Trial]] = {}
     for trial in trials:
         groups.setdefault(_NUMBER.sub("…", trial.reason), []).append(trial)
@@ -273,7 +239,13 @@ def _by_reason(trials: Sequence[Trial]) -> list[tuple[str, list[Trial]]]:
     for common, members in groups.items():
         texts = {trial.reason for trial in members}
         named.append((texts.pop() if len(texts) == 1 else common, members))
-    return sorted(named, key=lambda item: (-len(item[1]), item[0]))
+    rows = []
+    for reason, members in sorted(named, key=lambda item: (-len(item[1]), item[0])):
+        which = ", ".join(code(trial.name) for trial in members[:MOST_EXAMPLES])
+        more = len(members) - MOST_EXAMPLES
+        which += f" and {count(more)} more" if more > 0 else ""
+        rows.append((plain(reason) or "–", count(len(members)), which))
+    return rows
 
 
 def trial_list(trials: Sequence[Trial]) -> dict[str, Any]:

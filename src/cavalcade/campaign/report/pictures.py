@@ -13,7 +13,7 @@ from cavalcade.drawing import style
 from cavalcade.drawing.actors import draw_driven, draw_goals, draw_outline, draw_robot
 from cavalcade.drawing.distances import obstacle_distances
 from cavalcade.drawing.maps import draw_arena, draw_tracks, map_figure
-from cavalcade.drawing.scene import Scene, scene_of
+from cavalcade.drawing.scene import Scene
 from cavalcade.geometry import Array, transform_points
 
 if TYPE_CHECKING:
@@ -55,9 +55,7 @@ def draw_paths(
     Bodies stand there as outlines, and moving obstacles are drawn, as they were at that moment.
 
     Args:
-        scenario: That was run.
-        world: Its ground at the start.
-        recording: What happened.
+        scenario, world, recording: Of the run; its ground is that at the start.
         summary: The content of `summary.json`.
         path: The picture to write.
 
@@ -69,22 +67,22 @@ def draw_paths(
     """
     if len(recording.time) == 0:
         return None
-    scene = scene_of(scenario, world, recording)
+    scene, time = Scene(scenario, world, recording), recording.time
     with style.paper_style():
         figure, axes = map_figure(scene.view(), _MARGINS, 5.4, 4.6, narrowest=3.0)
-        draw_arena(axes, scene.arena)
-        found = tightest(scene, world)
-        moment = len(scene.time) - 1 if found is None else found.cycle
-        draw_tracks(axes, scene.tracks, float(scene.time[moment]))
-        draw_goals(axes, scene.status[-1])
+        draw_arena(axes, scene)
+        found = tightest(scene)
+        moment = len(time) - 1 if found is None else found.cycle
+        draw_tracks(axes, recording.obstacles, float(time[moment]))
+        draw_goals(axes, recording.status[-1])
         for robot, model in enumerate(scene.models):
-            poses, color = scene.poses[:, robot], style.robot_color(robot)
+            poses, color = recording.poses[:, robot], style.robot_color(robot)
             draw_driven(axes, poses, robot)
             draw_robot(axes, poses[0], model, color, hollow=True)
             draw_robot(axes, poses[-1], model, color)
         note = _draw_tightest(axes, scene, found, summary)
         reason = str(summary.get("reason") or "")
-        axes.set_title(f"{reason}, $t$ = {scene.time[-1]:.1f} s", loc="left", pad=3)
+        axes.set_title(f"{reason}, $t$ = {time[-1]:.1f} s", loc="left", pad=3)
         place = (_MARGINS.left / figure.get_figwidth(), 0.05 / figure.get_figheight())
         figure.text(*place, note, fontsize=7, color=style.LIMIT, va="bottom")
         return style.save(figure, path, dpi=200)
@@ -98,12 +96,12 @@ def _draw_tightest(
         return ""
     collisions = summary.get("collisions") or {}
     hits = sum(int(value or 0) for value in collisions.values())
-    for pose, model in zip(scene.poses[found.cycle], scene.models, strict=True):
+    for pose, model in zip(scene.recording.poses[found.cycle], scene.models, strict=True):
         draw_outline(axes, pose, model, edgecolor=style.INK, linewidth=0.5, zorder=6.3)
     axes.plot(*found.place, **style.mark("o", 11, style.LIMIT, 1.1, "none"), zorder=9)
     if hits:
         axes.plot(*found.place, **style.mark("x", 5.5, style.LIMIT, 1.3), zorder=9.1)
-    when = f"$t$ = {scene.time[found.cycle]:.1f} s"
+    when = f"$t$ = {scene.recording.time[found.cycle]:.1f} s"
     if hits:
         return f"{hits} contact{'s' * (hits > 1)}; ring and outlines: {when}"
     gap = summary.get("min_footprint_gap_m")
@@ -111,25 +109,26 @@ def _draw_tightest(
     return f"smallest gap{known}; ring and outlines: {when}"
 
 
-def tightest(scene: Scene, world: World) -> Tightest | None:
+def tightest(scene: Scene) -> Tightest | None:
     """The cycle and place where an outline, taken as points, came closest to anything.
 
     None for a robot alone in a world without end.
     """
+    time, poses = scene.recording.time, scene.recording.poses
     outlines = [_outline(model) for model in scene.models]
     points = max(len(outline) for outline in outlines)
-    stride = max(1, len(scene.time) * scene.size * points // _MOST_POINTS)
-    cycles = np.arange(0, len(scene.time), stride)
-    if cycles[-1] != len(scene.time) - 1:
-        cycles = np.append(cycles, len(scene.time) - 1)
+    stride = max(1, len(time) * scene.size * points // _MOST_POINTS)
+    last = len(time) - 1
+    cycles = np.unique([*range(0, last, stride), last])
     best: Tightest | None = None
     for robot, outline in enumerate(outlines):
-        places = np.stack([transform_points(scene.poses[k, robot], outline) for k in cycles])
+        places = np.stack([transform_points(poses[k, robot], outline) for k in cycles])
         headed = np.concatenate([places, np.zeros((*places.shape[:2], 1))], axis=2)
-        gaps = obstacle_distances(replace(scene, time=scene.time[cycles], poses=headed), world)
+        seen = replace(scene.recording, time=time[cycles], poses=headed)
+        gaps = obstacle_distances(replace(scene, recording=seen))
         for other, model in enumerate(scene.models):
             if other != robot:
-                away = _body_distance(places, scene.poses[cycles, other], model)
+                away = _body_distance(places, poses[cycles, other], model)
                 gaps = np.minimum(gaps, away)
         row, point = np.unravel_index(int(np.argmin(gaps)), gaps.shape)
         gap = float(gaps[row, point])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -30,12 +30,14 @@ class Table:
     Attributes:
         head: Column names.
         rows: Cells as texts.
-        texts: Columns that hold texts rather than numbers, by index.
+        left: The first so many columns hold texts rather than numbers,
+        last: and the last one, if so said.
     """
 
-    head: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-    texts: frozenset[int]
+    head: Sequence[str]
+    rows: Sequence[tuple[str, ...]]
+    left: int
+    last: bool = False
 
     @property
     def kinds(self) -> tuple[str, ...]:
@@ -44,91 +46,78 @@ class Table:
         for k in range(len(self.head)):
             longest = max((len(row[k]) for row in self.rows), default=0)
             text = "long" if longest > _LONG else "text"
-            found.append(text if k in self.texts else "number")
+            is_text = k < self.left or (self.last and k == len(self.head) - 1)
+            found.append(text if is_text else "number")
         return tuple(found)
 
 
 def table_of(
-    head: Sequence[str], rows: Iterable[Sequence[str]], left: int, *, last: bool = False
+    front: Sequence[tuple[str, Sequence[str]]],
+    columns: Sequence[tuple[str, Sequence[str]]],
+    last: bool = False,
 ) -> Table:
-    """A table whose first `left` columns, and the last one if so said, are texts."""
-    return Table(
-        tuple(head),
-        tuple(tuple(row) for row in rows),
-        frozenset([*range(left), *([len(head) - 1] if last else [])]),
-    )
+    """A table of columns, each with its name; those in `front` hold texts."""
+    head, texts = zip(*front, *columns, strict=True)
+    return Table(head, tuple(zip(*texts, strict=True)), len(front), last)
+
+
+def scenario_text(name: str) -> str:
+    """The name of a scenario as code, but for `ALL`."""
+    return name if name == ALL else code(name)
 
 
 def cell_names(cell: Cell, order: Order) -> tuple[str, ...]:
     """Which cell it is: its scenario, and what else there are several of."""
-    names = [cell.scenario if cell.scenario == ALL else code(cell.scenario)]
-    if len(order.disturbances) > 1:
-        names.append(code(cell.disturbance))
-    if len(order.variants) > 1:
-        names.append(code(cell.variant))
-    return tuple(names)
+    return (scenario_text(cell.scenario), *(code(getattr(cell, one)) for one in order.parts[1:]))
 
 
-def _head(order: Order) -> tuple[str, ...]:
-    """Names of the columns that say which cell a row is about."""
-    parts = (("disturbance", order.disturbances), ("variant", order.variants))
-    return ("scenario", *(name for name, values in parts if len(values) > 1))
+Columns = Sequence[tuple[str, Callable[[Cell], str]]]
+"""Each with its name, and its text for a cell."""
 
 
-_Column = tuple[str, Callable[[Cell], str]]
-"""Its name, and its text for a cell."""
-
-
-def _cell_table(
-    cells: Sequence[Cell],
-    order: Order,
-    columns: Sequence[_Column],
-    *,
-    every: bool = False,
-    left: int = 0,
-    last: bool = False,
-) -> Table:
-    """A row per cell, with what says which cell it is in front.
+def cell_table(
+    cells: Sequence[Cell], order: Order, columns: Columns, every: bool = False
+) -> Table | None:
+    """A row per cell, with what says which cell it is in front; None without cells.
 
     Args:
-        cells: At least one.
-        order: Of rows.
+        cells: In the order of rows.
+        order: What tells cells apart.
         columns: All others.
         every: Keep columns that hold nothing but dashes.
-        left, last: How many of these columns are texts, and whether the last one is.
     """
+    if not cells:
+        return None
     made = [(name, [text(cell) for cell in cells]) for name, text in columns]
     shown = [(name, texts) for name, texts in made if every or any(t != NONE for t in texts)]
-    head = (*_head(order), *(name for name, _ in shown))
-    rows = [
-        (*cell_names(cell, order), *(texts[k] for _, texts in shown))
-        for k, cell in enumerate(cells)
-    ]
-    return table_of(head, rows, len(_head(order)) + left, last=last)
+    return table_of(_front(cells, order), shown)
+
+
+def _front(cells: Sequence[Cell], order: Order) -> list[tuple[str, tuple[str, ...]]]:
+    names = zip(*(cell_names(cell, order) for cell in cells), strict=True)
+    return list(zip(order.parts, names, strict=True))
 
 
 def _spread(name: str, end: str, digits: int = 2, factor: float = 1.0) -> Callable[[Cell], str]:
     """The column's text: one figure of a spread, such as its `median`."""
-    return lambda cell: number(getattr(cell.spread(name), end), digits, factor)
+    return lambda cell: number(getattr(cell.spreads[name], end), digits, factor)
 
 
-def success_table(cells: Sequence[Cell], order: Order) -> Table:
-    """Success and collisions."""
-    columns: Sequence[_Column] = (
-        ("trials", lambda c: count(c.trials)),
-        ("feasible", lambda c: count(c.feasible)),
-        ("succeeded", lambda c: count(c.feasible_successes) if c.feasible else NONE),
-        ("success", lambda c: share(c.feasible_successes, c.feasible)),
-        ("95 % interval", lambda c: interval(c.interval, c.feasible)),
-        ("success of all", lambda c: share(c.successes, c.trials)),
-        ("with avoidable collision", lambda c: count(c.hit)),
-        ("95 % bound", lambda c: bound(c.hit_bound, c.ran)),
-        ("with any collision", lambda c: count(c.touched)),
-    )
-    return _cell_table(cells, order, columns, every=True)
+SUCCESS: Columns = (
+    ("trials", lambda c: count(c.trials)),
+    ("feasible", lambda c: count(c.feasible)),
+    ("succeeded", lambda c: count(c.feasible_successes) if c.feasible else NONE),
+    ("success", lambda c: share(c.feasible_successes, c.feasible)),
+    ("95 % interval", lambda c: interval(c.interval, c.feasible)),
+    ("success of all", lambda c: share(c.successes, c.trials)),
+    ("with avoidable collision", lambda c: count(c.hit)),
+    ("95 % bound", lambda c: bound(c.hit_bound, c.ran)),
+    ("with any collision", lambda c: count(c.touched)),
+)
+"""Success and collisions."""
 
 
-def outcome_table(cells: Sequence[Cell], order: Order) -> Table:
+def outcome_columns(cells: Sequence[Cell]) -> Columns:
     """How the trials ended, failures in worlds that cannot be crossed in brackets."""
 
     def ended(cell: Cell, outcome: str) -> str:
@@ -137,90 +126,73 @@ def outcome_table(cells: Sequence[Cell], order: Order) -> Table:
         return f"{text} ({count(excused)})" if excused else text
 
     seen = in_order({outcome: 1 for cell in cells for outcome in cell.outcomes})
-    columns = [(outcome, partial(ended, outcome=outcome)) for outcome in seen]
-    return _cell_table(cells, order, columns, every=True)
+    return [(outcome, partial(ended, outcome=outcome)) for outcome in seen]
 
 
-def formation_table(cells: Sequence[Cell], order: Order) -> Table:
-    """Time, formation and computing time of teams in formation."""
-    columns = (
-        ("time p50 (s)", _spread("time", "median", 1)),
-        ("p95", _spread("time", "p95", 1)),
-        ("over lower bound p50", _spread("time_ratio", "median")),
-        ("p95", _spread("time_ratio", "p95")),
-        ("formation error p50 (cm)", _spread("formation_error", "median", 1, 100.0)),
-        ("p95", _spread("formation_error", "p95", 1, 100.0)),
-        ("cycle p50 (ms)", _spread("cycle_p50", "median", 1)),
-        ("cycle p99 (ms)", _spread("cycle_p99", "median", 1)),
-        ("slowest cycle (ms)", _spread("cycle_max", "most", 0)),
-    )
-    return _cell_table(cells, order, columns)
+FORMATION: Columns = (
+    ("time p50 (s)", _spread("time", "median", 1)),
+    ("p95", _spread("time", "p95", 1)),
+    ("over lower bound p50", _spread("time_ratio", "median")),
+    ("p95", _spread("time_ratio", "p95")),
+    ("formation error p50 (cm)", _spread("formation_error", "median", 1, 100.0)),
+    ("p95", _spread("formation_error", "p95", 1, 100.0)),
+    ("cycle p50 (ms)", _spread("cycle_p50", "median", 1)),
+    ("cycle p99 (ms)", _spread("cycle_p99", "median", 1)),
+    ("slowest cycle (ms)", _spread("cycle_max", "most", 0)),
+)
+"""Time, formation and computing time of teams in formation."""
 
+PLAN: Columns = (
+    ("average summed length (m)", _spread("length", "mean")),
+    ("over lower bound p50", _spread("length_ratio", "median", 3)),
+    ("p95", _spread("length_ratio", "p95", 3)),
+    ("makespan p50 (s)", _spread("time", "median", 1)),
+    ("over slowest alone p50", _spread("time_ratio", "median")),
+    ("p95", _spread("time_ratio", "p95")),
+    ("average planning time (s)", _spread("planning_time", "mean", 3)),
+    ("p50", _spread("planning_time", "median", 3)),
+    ("p99", _spread("planning_time", "p99", 3)),
+    ("slowest", _spread("planning_time", "most", 3)),
+    ("over single plans p50", _spread("single_time_ratio", "median")),
+)
+"""Lengths, makespans and planning times of robots with individual goals."""
 
-def plan_table(cells: Sequence[Cell], order: Order) -> Table:
-    """Lengths, makespans and planning times of robots with individual goals."""
-    columns = (
-        ("average summed length (m)", _spread("length", "mean")),
-        ("over lower bound p50", _spread("length_ratio", "median", 3)),
-        ("p95", _spread("length_ratio", "p95", 3)),
-        ("makespan p50 (s)", _spread("time", "median", 1)),
-        ("over slowest alone p50", _spread("time_ratio", "median")),
-        ("p95", _spread("time_ratio", "p95")),
-        ("average planning time (s)", _spread("planning_time", "mean", 3)),
-        ("p50", _spread("planning_time", "median", 3)),
-        ("p99", _spread("planning_time", "p99", 3)),
-        ("slowest", _spread("planning_time", "most", 3)),
-        ("over single plans p50", _spread("single_time_ratio", "median")),
-    )
-    return _cell_table(cells, order, columns)
+COMMANDED: Columns = (
+    ("time p50 (s)", _spread("duration", "median", 1)),
+    ("summed lengths p50 (m)", _spread("length", "median", 1)),
+    ("error of mean speed (%)", _spread("speed_error", "most", 2, 100.0)),
+    ("of mean yaw rate (%)", _spread("yaw_rate_error", "most", 2, 100.0)),
+    ("mean drift aside (m/s)", _spread("drift", "most", 3)),
+    ("spread of speed (m/s)", _spread("speed_rms", "most", 3)),
+)
+"""How robots followed commanded velocities; errors are the largest over a cell's trials."""
 
+PHYSICS: Columns = (
+    ("trials", lambda cell: count(cell.ran)),
+    ("robots", lambda cell: count(cell.robots)),
+    ("simulated (s)", lambda cell: count(round(cell.seconds))),
+    ("with a fall", lambda cell: count(cell.fell)),
+    ("95 % bound", lambda cell: bound(upper_bound(cell.fell, cell.ran), cell.ran)),
+    ("crossed gap or step", lambda cell: count(cell.crossings) if cell.crossings else NONE),
+    ("strictly", lambda cell: share(cell.strict_crossings, cell.crossings)),
+    ("tilt p50 (rad)", _spread("tilt", "median")),
+    ("most", _spread("tilt", "most")),
+    ("torque p50", _spread("torque", "median")),
+    ("most", _spread("torque", "most")),
+    ("simulated over wall time", _spread("real_time_factor", "median", 1)),
+)
+"""Falls, and what bodies and joints went through."""
 
-def commanded_table(cells: Sequence[Cell], order: Order) -> Table:
-    """How robots followed commanded velocities; errors are the largest over a cell's trials."""
-    columns = (
-        ("time p50 (s)", _spread("duration", "median", 1)),
-        ("summed lengths p50 (m)", _spread("length", "median", 1)),
-        ("error of mean speed (%)", _spread("speed_error", "most", 2, 100.0)),
-        ("of mean yaw rate (%)", _spread("yaw_rate_error", "most", 2, 100.0)),
-        ("mean drift aside (m/s)", _spread("drift", "most", 3)),
-        ("spread of speed (m/s)", _spread("speed_rms", "most", 3)),
-    )
-    return _cell_table(cells, order, columns)
-
-
-def physics_table(cells: Sequence[Cell], order: Order) -> Table:
-    """Falls, and what bodies and joints went through."""
-    columns = (
-        ("trials", lambda cell: count(cell.ran)),
-        ("robots", lambda cell: count(cell.robots)),
-        ("simulated (s)", lambda cell: count(round(cell.seconds))),
-        ("with a fall", lambda cell: count(cell.fell)),
-        ("95 % bound", lambda cell: bound(upper_bound(cell.fell, cell.ran), cell.ran)),
-        ("crossed gap or step", lambda cell: count(cell.crossings) if cell.crossings else NONE),
-        ("strictly", lambda cell: share(cell.strict_crossings, cell.crossings)),
-        ("tilt p50 (rad)", _spread("tilt", "median")),
-        ("most", _spread("tilt", "most")),
-        ("torque p50", _spread("torque", "median")),
-        ("most", _spread("torque", "most")),
-        ("simulated over wall time", _spread("real_time_factor", "median", 1)),
-    )
-    return _cell_table(cells, order, columns)
-
-
-def clearance_table(cells: Sequence[Cell], order: Order) -> Table:
-    """Closest approaches over all trials that ran."""
-    distances = (
+CLEARANCE: Columns = [
+    (text, _spread(name, end, 3))
+    for label, name in (
         ("centre to obstacle (m)", "obstacle_distance"),
         ("centre to centre (m)", "robot_distance"),
         ("gap of footprints (m)", "gap"),
     )
-    columns = [
-        (text, _spread(name, end, 3))
-        for label, name in distances
-        for text, end in ((f"{label} least", "least"), ("p5", "p5"), ("p50", "median"))
-    ]
-    return _cell_table(cells, order, columns)
-
+    for text, end in ((f"{label} least", "least"), ("p5", "p5"), ("p50", "median"))
+]
+"""Closest approaches over all trials that ran."""
 
 _HAS_TO_BE = {
     "infeasible": "proven infeasible",
@@ -229,10 +201,11 @@ _HAS_TO_BE = {
 }
 
 
-def refusal_table(cells: Sequence[Cell], order: Order) -> Table:
+def refusal_table(cells: Sequence[Cell], order: Order) -> Table | None:
     """Problems without a plan: how many were refused as they have to be, and how fast."""
-    columns: Sequence[_Column] = (
-        ("has to be", lambda c: _HAS_TO_BE.get(c.expected, c.expected)),
+    if not cells:
+        return None
+    columns: Columns = (
         ("trials", lambda c: count(c.trials)),
         ("as it has to be", lambda c: share(c.successes, c.trials)),
         ("95 % interval", lambda c: interval(wilson(c.successes, c.trials), c.trials)),
@@ -240,7 +213,9 @@ def refusal_table(cells: Sequence[Cell], order: Order) -> Table:
         ("slowest", _spread("planning_time", "most", 4)),
         ("ended", lambda c: ", ".join(f"{count(n)} {name}" for name, n in c.outcomes.items())),
     )
-    return _cell_table(cells, order, columns, every=True, left=1, last=True)
+    has_to_be = [_HAS_TO_BE.get(cell.expected, cell.expected) for cell in cells]
+    front = [*_front(cells, order), ("has to be", has_to_be)]
+    return table_of(front, [(name, [text(c) for c in cells]) for name, text in columns], last=True)
 
 
 PAPER_GROUP = "random-goals"
@@ -272,47 +247,36 @@ def paper_table(cells: Sequence[Cell]) -> Table | None:
         (
             "this campaign's",
             code(cell.variant),
-            number(cell.spread("length").mean),
-            number(cell.spread("planning_time").mean, 3),
+            number(cell.spreads["length"].mean),
+            number(cell.spreads["planning_time"].mean, 3),
             f"{cell.successes}/{cell.trials}",
-            number(cell.spread("length_ratio").median, 3),
+            number(cell.spreads["length_ratio"].median, 3),
         )
         for cell in ours
     ]
-    return table_of(head, rows, 2)
+    return Table(head, rows, 2)
 
 
 def curve_table(curves: Sequence[Curve], order: Order) -> Table:
     """The numbers behind the curves of one scenario."""
+    measured: Columns = (
+        ("time over lower bound, median", _spread("time_ratio", "median")),
+        ("formation error, median (cm)", _spread("formation_error", "median", 1, 100.0)),
+    )
     if curves[0].cell.planned:
-        columns: tuple[_Column, ...] = (
+        measured = (
             ("makespan over slowest alone, median", _spread("time_ratio", "median")),
             ("planning time (s), median", _spread("solving_time", "median", 3)),
             ("p95", _spread("solving_time", "p95", 3)),
         )
-    else:
-        columns = (
-            ("time over lower bound, median", _spread("time_ratio", "median")),
-            ("formation error, median (cm)", _spread("formation_error", "median", 1, 100.0)),
-        )
-    head = (
-        *_head(order)[1:],
-        curves[0].axis,
-        "feasible trials",
-        "success",
-        "95 % interval",
-        *(name for name, _ in columns),
+    columns: Columns = (
+        ("feasible trials", lambda c: count(c.trials)),
+        ("success", lambda c: share(c.successes, c.trials)),
+        ("95 % interval", lambda c: interval(c.interval, c.trials)),
+        *measured,
     )
-    rows = [
-        (
-            *cell_names(curve.cell, order)[1:],
-            point.label,
-            count(point.cell.trials),
-            share(point.cell.successes, point.cell.trials),
-            interval(point.cell.interval, point.cell.trials),
-            *(text(point.cell) for _, text in columns),
-        )
-        for curve in curves
-        for point in curve.points
-    ]
-    return table_of(head, rows, len(_head(order)) - 1)
+    points = [point for curve in curves for point in curve.points]
+    cells = [point.cell for point in points]
+    levels = (curves[0].axis, [point.label for point in points])
+    made = [(name, [text(cell) for cell in cells]) for name, text in columns]
+    return table_of(_front(cells, order)[1:], [levels, *made])

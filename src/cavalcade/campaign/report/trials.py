@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, Self
 
 from cavalcade.campaign.methods import METHOD_VARIANTS
 from cavalcade.campaign.samplers import EXPECTED, SOLVED
 from cavalcade.campaign.suite import UNDISTURBED
-
-_FAILURE = "NOT success AND (feasible OR unsolvable OR avoidable > 0)"
-"""The trial failed where it need not have, or touched what it need not have."""
 
 
 @dataclass(frozen=True)
@@ -21,10 +18,6 @@ class Trial:
 
     Attributes:
         name: Unique ID.
-        scenario: The group of worlds it belongs to.
-        variant: Of the planner.
-        disturbance: `none` unless the suite names several.
-        seed: Of its world.
         outcome: How it ended.
         reason: One line about it: the detail, else the checker's first violation.
         success: Arrived, and the checker found nothing that could have been avoided.
@@ -45,10 +38,6 @@ class Trial:
     """
 
     name: str
-    scenario: str
-    variant: str
-    disturbance: str
-    seed: int
     outcome: str
     reason: str
     success: bool
@@ -81,37 +70,13 @@ class Order:
     scenarios: tuple[str, ...]
     variants: tuple[str, ...]
     disturbances: tuple[str, ...]
-    references: Mapping[str, str] = field(default_factory=dict)
+    references: Mapping[str, str]
 
-    @classmethod
-    def of(
-        cls,
-        suite: object,
-        scenarios: Iterable[str],
-        variants: Iterable[str],
-        disturbances: Iterable[str],
-    ) -> Order:
-        """The suite's own order where it has one; names it does not know follow by the alphabet.
-
-        Without an order of the suite, `cavalcade` and `none` come first among their kind.
-
-        Args:
-            suite: Its `worlds` (each with a `name`), `variants`, `disturbances` and `references`
-                are used, where it has them.
-            scenarios, variants, disturbances: Those that there are.
-        """
-        groups = getattr(suite, "worlds", None) or ()
-        return cls(
-            _arranged([str(getattr(group, "name", "")) for group in groups], set(scenarios)),
-            _arranged(getattr(suite, "variants", None) or ("cavalcade",), set(variants)),
-            _arranged(getattr(suite, "disturbances", None) or (UNDISTURBED,), set(disturbances)),
-            dict(getattr(suite, "references", None) or {}),
-        )
-
-
-def _arranged(named: Iterable[str], present: set[str]) -> tuple[str, ...]:
-    first = [name for name in dict.fromkeys(map(str, named)) if name in present]
-    return (*first, *sorted(present - set(first)))
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """What tells cells apart: their scenario, and what else there are several of."""
+        several = (("disturbance", self.disturbances), ("variant", self.variants))
+        return ("scenario", *(name for name, values in several if len(values) > 1))
 
 
 class TrialTable:
@@ -125,7 +90,9 @@ class TrialTable:
 
     Args:
         file: `trials.parquet`.
-        suite: That was run; see `Order.of`.
+        suite: That was run; its order of `worlds` (each with a `name`), `variants` and
+            `disturbances`, and its `references`, are used where it has them; names that it does
+            not know follow by the alphabet. Without its order `cavalcade` and `none` come first.
     """
 
     def __init__(self, file: Path, suite: object) -> None:
@@ -140,11 +107,18 @@ class TrialTable:
             f"CREATE TEMP TABLE unordered AS SELECT {_DERIVED} FROM {self._source}",
             {"methods": list(METHOD_VARIANTS), "unsolvable": list(EXPECTED), "solved": SOLVED},
         )
-        names = [
-            [name for (name,) in self.rows(f"SELECT DISTINCT {column} FROM unordered")]
-            for column in ("scenario", "variant", "disturbance")
-        ]
-        self.order = Order.of(suite, *names)
+        named = {
+            "scenario": [getattr(group, "name", "") for group in getattr(suite, "worlds", ())],
+            "variant": getattr(suite, "variants", None) or ("cavalcade",),
+            "disturbance": getattr(suite, "disturbances", None) or (UNDISTURBED,),
+        }
+        order = {}
+        for name, values in named.items():
+            present = {one for (one,) in self.rows(f"SELECT DISTINCT {name} FROM unordered")}
+            first = [one for one in dict.fromkeys(values) if one in present]
+            order[name] = (*first, *sorted(present - set(first)))
+        references = getattr(suite, "references", {})
+        self.order = Order(order["scenario"], order["variant"], order["disturbance"], references)
         self._connection.execute(
             """
             CREATE TEMP TABLE trials AS
@@ -153,18 +127,14 @@ class TrialTable:
             ) AS place
             FROM (
                 SELECT *,
-                    list_position($scenarios, scenario) AS scenario_at,
-                    list_position($disturbances, disturbance) AS disturbance_at,
-                    list_position($variants, variant) AS variant_at
+                    list_position($scenario, scenario) AS scenario_at,
+                    list_position($disturbance, disturbance) AS disturbance_at,
+                    list_position($variant, variant) AS variant_at
                 FROM unordered
             )
             ORDER BY place
             """,
-            {
-                "scenarios": list(self.order.scenarios),
-                "disturbances": list(self.order.disturbances),
-                "variants": list(self.order.variants),
-            },
+            {name: list(values) for name, values in order.items()},
         )
 
     def __enter__(self) -> Self:
@@ -189,17 +159,20 @@ class TrialTable:
 
     def failures(self, order_by: str = "place") -> list[Trial]:
         """Those that failed where they need not have, or touched what they need not have."""
-        return self.trials(_FAILURE, order_by)
+        return self.trials("NOT success AND (feasible OR unsolvable OR avoidable > 0)", order_by)
 
-    def versions(self) -> dict[str, list[str]]:
+    def versions(self) -> list[tuple[str, list[str]]]:
         """By package, every version that a trial ran with; this package and Python first."""
-        named = self.rows(f"DESCRIBE SELECT COLUMNS('^versions\\.') FROM {self._source}")
-        found = {}
-        for column, *_ in named:
-            query = f'SELECT DISTINCT "{column}"::VARCHAR FROM {self._source} ORDER BY ALL'
-            found[column.removeprefix("versions.")] = [v for (v,) in self.rows(query) if v]
-        names = sorted(found, key=lambda name: (name != "cavalcade", name != "python", name))
-        return {name: found[name] for name in names if found[name]}
+        query = f"""
+            SELECT package[10:], list(DISTINCT version ORDER BY version)
+            FROM (
+                UNPIVOT (SELECT COLUMNS('^versions\\.')::VARCHAR FROM {self._source})
+                ON COLUMNS(*) INTO NAME package VALUE version
+            )
+            WHERE version != '' GROUP BY package
+            ORDER BY package != 'versions.cavalcade', package != 'versions.python', package
+        """
+        return self.rows(query)
 
 
 _DERIVED = """

@@ -29,7 +29,11 @@ def code(text: str) -> str:
 
 def number(value: float | None, digits: int = 2, factor: float = 1.0) -> str:
     """With so many decimals; a dash where there is none."""
-    return NONE if value is None else _signless(f"{value * factor:.{digits}f}")
+    if value is None:
+        return NONE
+    text = f"{value * factor:.{digits}f}"
+    # No minus before a zero; a true minus before all else.
+    return text.lstrip("-") if float(text) == 0.0 else text.replace("-", MINUS)
 
 
 def count(value: int) -> str:
@@ -109,10 +113,3 @@ def value_text(found: PairedValues, quantity: Quantity) -> str:
     amount = abs(found.mean.value) * quantity.factor
     word = quantity.more if found.mean.value > 0 else quantity.less
     return f"{word} by {amount:.{quantity.digits}f} {quantity.unit}"
-
-
-def _signless(text: str) -> str:
-    """No minus before a zero; a true minus before all else."""
-    if float(text) == 0.0:
-        return text.lstrip("-")
-    return text.replace("-", MINUS)

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
+from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,60 +24,46 @@ worst trials only."""
 MOST = 8
 """So many are shown."""
 
-_SEVERITY = tuple(OUTCOME_COLORS)
+_SEVERITY = {outcome: rank for rank, outcome in enumerate(OUTCOME_COLORS)}
 
 
-@dataclass(frozen=True)
-class Worst:
-    """A trial and why it is among the worst."""
-
-    trial: Trial
-    why: str
-
-
-def worst_trials(table: TrialTable, most: int = MOST) -> list[Worst]:
-    """Failures, then the smallest gap, then the longest time ratio.
+def worst_trials(table: TrialTable) -> list[tuple[Trial, str]]:
+    """The worst, each with why: failures, then the smallest gap, then the longest time ratio.
 
     Of the failures one of each outcome comes first, collisions before all, and within an outcome
     those of the first variant. Failures in worlds that cannot be crossed count only where
     something was touched. Two places are kept for trials that succeeded.
     """
     failures = _in_turns(table)
-    closest = table.trials("success AND gap IS NOT NULL", "gap, place", most)
-    slowest = table.trials("success AND time_ratio IS NOT NULL", "time_ratio DESC, place", most)
-    places = most - min(len(failures), max(most - 2, 1))
+    closest = table.trials("success AND gap IS NOT NULL", "gap, place", MOST)
+    slowest = table.trials("success AND time_ratio IS NOT NULL", "time_ratio DESC, place", MOST)
+    places = MOST - min(len(failures), MOST - 2)
     chosen = [
-        Worst(t, f"{t.outcome}: {t.reason}" if t.reason else t.outcome)
-        for t in failures[: most - places]
+        (t, f"{t.outcome}: {t.reason}" if t.reason else t.outcome)
+        for t in failures[: MOST - places]
     ]
     chosen += [
-        Worst(t, f"smallest gap of those that succeeded: {t.gap:.3f} m")
+        (t, f"smallest gap of those that succeeded: {t.gap:.3f} m")
         for t in closest[: (places + 1) // 2]
     ]
-    taken = {worst.trial.name for worst in chosen}
+    taken = {trial.name for trial, _ in chosen}
     chosen += [
-        Worst(t, f"longest time of those that succeeded: {t.time_ratio:.2f} times {_bound_of(t)}")
-        for t in [trial for trial in slowest if trial.name not in taken][: most - len(chosen)]
+        (t, f"longest time of those that succeeded: {t.time_ratio:.2f} times {_bound_of(t)}")
+        for t in [trial for trial in slowest if trial.name not in taken][: MOST - len(chosen)]
     ]
     return chosen
 
 
 def _in_turns(table: TrialTable) -> list[Trial]:
     """Failures in turns from each outcome, the gravest outcome first."""
-    queues: dict[str, deque[Trial]] = {}
+    queues: dict[str, list[Trial]] = {}
     for trial in sorted(table.failures("variant_at, coalesce(gap, 0.0), place"), key=_severity):
-        queues.setdefault(trial.outcome, deque()).append(trial)
-    found = []
-    while any(queues.values()):
-        found += [queue.popleft() for queue in queues.values() if queue]
-    return found
+        queues.setdefault(trial.outcome, []).append(trial)
+    return [trial for turn in zip_longest(*queues.values()) for trial in turn if trial]
 
 
 def _severity(trial: Trial) -> int:
-    if trial.avoidable:
-        return -1
-    known = trial.outcome in _SEVERITY
-    return _SEVERITY.index(trial.outcome) if known else len(_SEVERITY)
+    return -1 if trial.avoidable else _SEVERITY.get(trial.outcome, len(_SEVERITY))
 
 
 def _bound_of(trial: Trial) -> str:
@@ -92,25 +77,19 @@ def shown_worst(
     artist: Artist,
     replay: Replay | None,
 ) -> list[dict[str, Any]]:
-    """The worst trials, each with a picture where it can be repeated.
+    """The worst trials, each with a picture where it can be repeated; arguments as of `document`.
 
     Of each it is said why it is here and what it measured, with the command that repeats it in the
     campaign's folder, and a remark on its repetition, which may be empty.
-
-    Args:
-        table: Of all trials.
-        lines: Of all trials, by their names.
-        artist: Draws.
-        replay: Repeats a trial, or None.
     """
     found = []
-    for worst in worst_trials(table):
-        trial, figure, remark = worst.trial, None, ""
+    for trial, why in worst_trials(table):
+        figure, remark = None, ""
         if artist.folder is not None and replay is not None and trial.ran:
             figure, remark = _repeat(trial, lines[trial.name], artist, replay)
         shown = {
             "name": trial.name,
-            "about": f"{_capital(plain(worst.why))}. {_facts(trial)}",
+            "about": f"{_capital(plain(why))}. {_facts(trial)}",
             "command": f"cavalcade trial . {trial.name} --out worst/{trial.name}",
             "remark": remark,
             "figure": figure,
@@ -147,14 +126,14 @@ def _draw(repeated: JobResult, path: Path) -> Path | None:
     """Draw the driven paths, or the plan; None where there is nothing to draw."""
     from cavalcade.campaign.report.pictures import draw_paths
     from cavalcade.drawing.plans.top_view import draw_top_view
-    from cavalcade.drawing.scene import plan_scene
+    from cavalcade.drawing.scene import PlanScene
 
     scenario, world, recording = repeated.scenario, repeated.world, repeated.recording
     if recording is not None:
         return draw_paths(scenario, world, recording, repeated.summary, path)
     if repeated.planned is None:
         return None
-    return draw_top_view(plan_scene(scenario, world, repeated.planned), path)
+    return draw_top_view(PlanScene(scenario, world, repeated.planned), path)
 
 
 def same_run(first: Mapping[str, Any], second: Mapping[str, Any]) -> bool:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-import json
 import re
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -66,33 +65,14 @@ def write_report(
         artist = Artist(make_directory(place / FIGURES) if pictures else None, table.order)
         content = document(suite, table, latest, command, artist, replay)
         trials = trial_list(table.trials())
-    for name, text in (
-        (MARKDOWN, rendered_markdown(content)),
-        (PAGE, rendered_page(content, trials)),
-    ):
-        write_file(place / name, text)
+    markdown = _template("report.md.j2", markdown_text, autoescape=False).render(content)
+    write_file(place / MARKDOWN, re.sub(r"\n{3,}", "\n\n", markdown).strip() + "\n")
+    page = _template("report.html.j2", html_text, autoescape=True)
+    text = page.render(content, trial_list=trials, sections=[]).strip() + "\n"
+    write_file(place / PAGE, text)
     artist.tidy()
     figures = (place / FIGURES / name for name in artist.names)
     return (place / MARKDOWN, place / PAGE, file, *figures)
-
-
-def rendered_markdown(content: Mapping[str, Any]) -> str:
-    """The report as GitHub's Markdown; pictures are named as they lie beside it."""
-    text: str = _template("report.md.j2", markdown_text, autoescape=False).render(content)
-    return re.sub(r"\n{3,}", "\n\n", text).strip() + "\n"
-
-
-def rendered_page(content: Mapping[str, Any], trials: Mapping[str, Any]) -> str:
-    """The report as one page that needs no other file and no network.
-
-    Args:
-        content: Of the report.
-        trials: `columns`, a list of `[name, decimals or null for texts]`, and `rows`: all trials,
-            for the table that can be sorted and searched.
-    """
-    template = _template("report.html.j2", html_text, autoescape=True)
-    text: str = template.render(content, trial_list=trials, sections=[])
-    return text.strip() + "\n"
 
 
 def _template(name: str, inline: Callable[[str], str], autoescape: bool) -> Any:
@@ -108,7 +88,11 @@ def _template(name: str, inline: Callable[[str], str], autoescape: bool) -> Any:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.policies["json.dumps_function"] = _json
+    environment.policies["json.dumps_kwargs"] = {
+        "ensure_ascii": False,
+        "allow_nan": False,
+        "separators": (",", ":"),
+    }
     environment.filters |= {
         "inline": inline,
         "code": code,
@@ -131,19 +115,14 @@ def markdown_text(text: str) -> str:
 
 def html_text(text: str) -> Markup:
     """Markup of `code` and **strong** as elements, everything else as text."""
-    parts = _SPANS.split(text)
-    return Markup("".join(_element(p) if k % 2 else html.escape(p) for k, p in enumerate(parts)))
+    return Markup(_SPANS.sub(_element, html.escape(text)))
 
 
-def _element(text: str) -> str:
-    if text.startswith("`"):
-        return f"<code>{html.escape(text[1:-1])}</code>"
-    return f"<strong>{html.escape(text[2:-2])}</strong>"
+def _element(span: re.Match[str]) -> str:
+    if span[0].startswith("`"):
+        return f"<code>{span[0][1:-1]}</code>"
+    return f"<strong>{span[0][2:-2]}</strong>"
 
 
 def _anchor(text: str) -> str:
     return re.sub(r"[^a-z0-9]+", "-", re.sub(r"[`*]", "", text).lower()).strip("-") or "section"
-
-
-def _json(value: Any, **_: Any) -> str:
-    return json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":"))

@@ -1,9 +1,5 @@
 """Seeded samplers of worlds with a team and its task, and whether the task can be done at all."""
 
-from typing import Annotated
-
-from pydantic import Field
-
 from cavalcade.campaign.samplers.barn import BarnSampler
 from cavalcade.campaign.samplers.boxes import BoxesSampler
 from cavalcade.campaign.samplers.crowd import CrowdSampler
@@ -19,22 +15,21 @@ from cavalcade.campaign.samplers.shipped import ShippedSampler
 from cavalcade.campaign.samplers.terrain import TerrainSampler
 from cavalcade.campaign.samplers.walk import WalkSampler
 
-SamplerSection = Annotated[
-    GeneratedSampler
-    | BarnSampler
-    | MapsSampler
-    | CrowdSampler
-    | EventsSampler
-    | ShippedSampler
-    | PairsSampler
-    | PassingSampler
-    | BoxesSampler
-    | TerrainSampler
-    | InfeasibleSampler
-    | WalkSampler,
-    Field(discriminator="sampler"),
-]
-"""What a group of a suite says of its worlds; `sampler` tells which it is."""
+SAMPLERS: dict[str, type[Sampler]] = {
+    "generated": GeneratedSampler,
+    "barn": BarnSampler,
+    "maps": MapsSampler,
+    "crowd": CrowdSampler,
+    "events": EventsSampler,
+    "shipped": ShippedSampler,
+    "pairs": PairsSampler,
+    "passing": PassingSampler,
+    "boxes": BoxesSampler,
+    "terrain": TerrainSampler,
+    "infeasible": InfeasibleSampler,
+    "walk": WalkSampler,
+}
+"""What a group of a suite may say as its `sampler`, and the section that goes with it."""
 
 
 def unplanned(sampler: Sampler) -> Sampler:
@@ -44,4 +39,4 @@ def unplanned(sampler: Sampler) -> Sampler:
     return sampler
 
 
-__all__ = ["EXPECTED", "SOLVED", "DataFolder", "Instance", "Sampler", "SamplerSection", "unplanned"]
+__all__ = ["EXPECTED", "SAMPLERS", "SOLVED", "DataFolder", "Instance", "Sampler", "unplanned"]

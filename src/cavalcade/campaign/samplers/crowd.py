@@ -11,15 +11,21 @@ from pydantic import Field, model_validator
 
 from cavalcade.campaign.samplers.data import DataFolder
 from cavalcade.campaign.samplers.feasibility import DiscRegions
-from cavalcade.campaign.samplers.sampler import Counts, Instance, Lengths, Sampler, sample_length
-from cavalcade.campaign.samplers.teams import Slots, TeamSection, sample_pose
+from cavalcade.campaign.samplers.sampler import (
+    Counts,
+    Instance,
+    Lengths,
+    Sampler,
+    generated_world,
+    sample_length,
+)
+from cavalcade.campaign.samplers.teams import OWN_COUNT, Slots, TeamSection, sample_pose
 from cavalcade.errors import InputError
 from cavalcade.scenario.fields import Length, NotNegative, Positive, expected
 from cavalcade.world import OccupancyMap, generate
 
 Shape = Literal["square", "triangle", "line", "column", "wedge", "circle", "custom"]
 
-_OWN_COUNT = {"square": 4, "triangle": 3}
 _TAG = 4
 _ATTEMPTS = 50
 _AROUND = 1.0
@@ -76,24 +82,17 @@ class CrowdSampler(Sampler):
         size = (round(self.band + 2.0 * zone, 2), round(max(2.0 * reach + 4.0, 7.0), 2))
         count = round(self.density * self.band * size[1])
         for _ in range(_ATTEMPTS):
-            number = int(rng.integers(2**31))
             options: dict[str, Any] = {"obstacles": count, "zone": zone}
+            number = int(rng.integers(2**31))
             world = generate("clutter", size, number, require_feasible=False, **options)
             ground = DiscRegions(OccupancyMap.empty(size), world.shapes)
             start = sample_pose(rng, ground, slots, (0.0, 0.0, zone, size[1]))
             goal = sample_pose(rng, ground, slots, (size[0] - zone, 0.0, *size))
             if start is None or goal is None:
                 continue
-            source = {
-                "kind": "clutter",
-                "size": list(size),
-                "seed": number,
-                "require_feasible": False,
-                **options,
-            }
-            name = f"{shape}-{robots}-{seed}"
+            name, said = f"{shape}-{robots}-{seed}", generated_world(world, options)
             return Instance(
-                team.scenario(name, {"generate": source}, start, goal, self.timeout, seed),
+                team.scenario(name, said, start, goal, self.timeout, seed),
                 team.gets_across(ground, start, goal),
                 float(robots),
             )
@@ -101,7 +100,7 @@ class CrowdSampler(Sampler):
 
     def _teams(self) -> list[tuple[Shape, int]]:
         """Shapes with numbers of robots, the smaller teams first."""
-        own = _OWN_COUNT | ({"custom": len(self.slots)} if self.slots else {})
+        own = OWN_COUNT | ({"custom": len(self.slots)} if self.slots else {})
         return [
             (shape, robots)
             for robots in range(self.robots[0], self.robots[1] + 1)
@@ -111,7 +110,7 @@ class CrowdSampler(Sampler):
 
     def _team(self, shape: Shape, robots: int, spacing: float) -> TeamSection:
         """The team with neighbouring slots `spacing` m apart."""
-        if shape in _OWN_COUNT:
+        if shape in OWN_COUNT:
             return TeamSection(shape=shape, side=spacing)
         if self.slots is not None and shape == "custom":
             # Rounded to whole millimetres.

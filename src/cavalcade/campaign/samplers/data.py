@@ -40,11 +40,7 @@ class DataFolder:
         return cls(next((place.resolve() for place in PLACES if place.is_dir()), None))
 
     def file(self, name: str | Path) -> Path:
-        """The absolute name of a file of the data.
-
-        Raises:
-            InputError: It is not there.
-        """
+        """The absolute name of a file of the data; InputError if it is not there."""
         found = None if self.path is None else self.path / name
         if found is None or not found.is_file():
             raise InputError(self.lack(name))

@@ -20,7 +20,6 @@ from cavalcade.campaign.samplers.sampler import (
     Counts,
     Instance,
     Lengths,
-    Pose,
     Sampler,
     open_world,
     rounded,
@@ -87,13 +86,11 @@ class EventsSampler(Sampler):
                 continue
             events = self._events(rng, instance.shapes)
             if events is not None:
-                break
-        else:
-            raise InputError("they leave hardly ever a way", key="obstacles")
-        world = open_world(SIZE, instance.shapes)
-        scenario = _TEAM.scenario(f"events-{seed}", world, START, GOAL, self.timeout, seed)
-        scenario["execution"]["events"] = events
-        return Instance(scenario, True)
+                world = open_world(SIZE, instance.shapes)
+                scenario = _TEAM.scenario(f"events-{seed}", world, START, GOAL, self.timeout, seed)
+                scenario["execution"]["events"] = events
+                return Instance(scenario, True)
+        raise InputError("they leave hardly ever a way", key="obstacles")
 
     def _events(
         self, rng: np.random.Generator, standing: Sequence[Shape]
@@ -111,7 +108,9 @@ class EventsSampler(Sampler):
         changed = _SHAPES[int(rng.integers(len(_SHAPES)))]
         events.append({"at": _time(rng, 5.0, 25.0), "formation": changed.formation})
         events.append({"at": _time(rng, 5.0, 25.0), "lose": int(rng.integers(_TEAM.robots))})
-        goal = _goal(rng)
+        yaw = rng.uniform(-math.pi, math.pi)
+        x, y = (rng.uniform(1.5, side - 1.5) for side in SIZE)
+        goal = rounded((x, y, yaw))
         events.append({"at": _time(rng, 8.0, 25.0), "goals": [list(goal)]})
         if len({event["at"] for event in events}) < len(events):
             return None  # the checker tells obstacles that appear by their time
@@ -164,13 +163,6 @@ def _target(rng: np.random.Generator, start: tuple[float, float]) -> tuple[float
         place = _place(rng)
         if WAY[0] <= math.dist(place, start) <= WAY[1]:
             return _round(place[0]), _round(place[1])
-
-
-def _goal(rng: np.random.Generator) -> Pose:
-    """Anywhere, at any yaw."""
-    yaw = rng.uniform(-math.pi, math.pi)
-    x, y = (rng.uniform(1.5, side - 1.5) for side in SIZE)
-    return rounded((x, y, yaw))
 
 
 def _time(rng: np.random.Generator, first: float, last: float) -> float:

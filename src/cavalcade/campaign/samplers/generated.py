@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from types import MappingProxyType
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -18,6 +17,7 @@ from cavalcade.campaign.samplers.sampler import (
     Lengths,
     Pose,
     Sampler,
+    generated_world,
     rounded,
     sample_count,
     sample_length,
@@ -37,14 +37,12 @@ from cavalcade.world import GeneratedWorld, OccupancyMap, generate
 
 Kind = Literal["clutter", "forest", "rooms", "corridor"]
 
-LEVELS: Mapping[Kind, str] = MappingProxyType(
-    {
-        "clutter": "obstacles",
-        "forest": "trees",
-        "rooms": "width of the doors, m",
-        "corridor": "width of the corridor, m",
-    }
-)
+LEVELS: dict[Kind, str] = {
+    "clutter": "obstacles",
+    "forest": "trees",
+    "rooms": "width of the doors, m",
+    "corridor": "width of the corridor, m",
+}
 """What each kind's curve runs over."""
 
 _CORRIDOR_STEP = 0.04
@@ -94,8 +92,7 @@ class GeneratedSampler(Sampler):
     @model_validator(mode="after")
     def _known_options(self) -> Self:
         known = KIND_OPTIONS[self.kind]
-        every = sorted(set().union(*(KIND_OPTIONS[kind] for kind in LEVELS)))
-        for name in every:
+        for name in sorted(set().union(*(KIND_OPTIONS[kind] for kind in LEVELS))):
             if name not in known and getattr(self, name) is not None:
                 raise expected(f"a {self.kind} has no such option", key=name, choices=known)
         return self
@@ -150,16 +147,9 @@ class GeneratedSampler(Sampler):
         goal = self._pose(rng, ground, areas[1], world.goal)
         if start is None or goal is None:
             return None
-        source = {
-            "kind": world.kind,
-            "size": list(world.size),
-            "seed": world.seed,
-            "require_feasible": False,
-            **options,
-        }
-        name, ground_data = f"{self.kind}-{seed}", {"generate": source}
+        name, said = f"{self.kind}-{seed}", generated_world(world, options)
         return Instance(
-            self.team.scenario(name, ground_data, start, goal, self.timeout, seed),
+            self.team.scenario(name, said, start, goal, self.timeout, seed),
             self.team.gets_across(ground, start, goal),
             self._level(world, options),
         )
@@ -193,16 +183,10 @@ class GeneratedSampler(Sampler):
 def _two_rooms(
     rng: np.random.Generator | None, size: tuple[float, float], side: float, apart: int
 ) -> tuple[Area, Area]:
-    """Two rooms of the rooms generator.
+    """Two rooms of the rooms generator at least `apart` doors from each other.
 
-    Args:
-        rng: Draws any two; None takes the first and the last, lower left and upper right.
-        size: Width and height of the world, m.
-        side: Wanted side of a room, m; the generator fits it to the world.
-        apart: Doors between them at least.
-
-    Raises:
-        InputError: There are no two such rooms.
+    Any two by `rng`; without it the first and the last, lower left and upper right. The generator
+    fits the wanted `side` of a room, m, to the world.
     """
     cols, rows = (max(1, round(length / side)) for length in size)
     pairs = [

@@ -32,10 +32,17 @@ ATTEMPTS = 50
 """Worlds that are sampled until one has room for all robots."""
 
 
-class IndividualGoalsSampler(Sampler):
-    """Keys and answers that all of these samplers share; `budget` is the planner's."""
+class TeamSampler(Sampler):
+    """Sets robots down at random, each with a goal of its own; `budget` is the planner's.
+
+    Footprints keep `gap` m from each other, and `border` m from the border, however they are
+    turned.
+    """
 
     budget: Budget = Budget()
+    models: Models = ("spirit",)
+    gap: NotNegative = 0.05
+    border: NotNegative = 0.01
 
     @property
     def individual_goals(self) -> bool:
@@ -60,17 +67,6 @@ class IndividualGoalsSampler(Sampler):
         budget = self.budget.model_dump(mode="json", exclude_none=True)
         return scenario | {"planner": {"budget": budget}} if budget else scenario
 
-
-class TeamSampler(IndividualGoalsSampler):
-    """With teams that are set down at random; footprints keep `gap` m from each other.
-
-    From the border they keep `border` m, however they are turned.
-    """
-
-    models: Models = ("spirit",)
-    gap: NotNegative = 0.05
-    border: NotNegative = 0.01
-
     def sample_robots(
         self,
         rng: np.random.Generator,
@@ -83,26 +79,46 @@ class TeamSampler(IndividualGoalsSampler):
     ) -> list[Robot] | None:
         """A robot for each pair of areas, to start in the first and end in the second one.
 
-        Args:
-            rng: Source of all randomness but for the models, which come in turn.
-            seed: Of the instance.
-            zones: x_min, y_min, x_max, y_max, m.
-            solids: What stands.
-            starts: Poses that are not to be sampled.
-            gap: As in `sample_poses`; None for the sampler's own.
-
-        Returns:
-            None where no place is found.
+        Their models come in turn by `seed`, their poses from `rng` unless `starts` are given.
+        `gap` stands in for the sampler's own. None where no place is found.
         """
         models = models_in_turn(self.models, seed, len(zones))
-        apart = self.gap if gap is None else gap
+        gap = self.gap if gap is None else gap
         here, there = zip(*zones, strict=True)
         if starts is None:
-            starts = sample_poses(rng, models, here, apart, solids, self.border)
-        goals = sample_poses(rng, models, there, apart, solids, self.border)
+            starts = self._sample_poses(rng, models, here, solids, gap)
+        goals = self._sample_poses(rng, models, there, solids, gap)
         if starts is None or goals is None:
             return None
         return [Robot(*row) for row in zip(models, starts, goals, strict=True)]
+
+    def _sample_poses(
+        self,
+        rng: np.random.Generator,
+        models: Sequence[str],
+        areas: Sequence[Area],
+        solids: Sequence[Shape],
+        gap: float,
+    ) -> list[Pose] | None:
+        """A pose for each robot in its area; None where none is found."""
+        found: list[tuple[str, Pose]] = []
+        for name, area in zip(models, areas, strict=True):
+            # Solids and the border of the area are kept off at any yaw.
+            reach = math.hypot(MODELS[name].length, MODELS[name].width) / 2.0 + self.border
+            for _ in range(_TRIES):
+                x = rng.uniform(area[0] + reach, max(area[2] - reach, area[0] + reach))
+                y = rng.uniform(area[1] + reach, max(area[3] - reach, area[1] + reach))
+                pose = rounded((x, y, rng.uniform(-math.pi, math.pi)))
+                free = all(
+                    float(shape.distance(np.array([pose[:2]]))[0]) >= reach + gap
+                    for shape in solids
+                )
+                if free and keeps_apart(name, pose, found, gap):
+                    found.append((name, pose))
+                    break
+            else:
+                return None
+        return [pose for _, pose in found]
 
 
 @dataclass(frozen=True)
@@ -149,42 +165,6 @@ def keeps_apart(model: str, pose: Pose, others: Sequence[tuple[str, Pose]], gap:
         _separation(MODELS[model], here, MODELS[name], np.array([other]))[0] >= gap
         for name, other in others
     )
-
-
-def sample_poses(
-    rng: np.random.Generator,
-    models: Sequence[str],
-    areas: Sequence[Area],
-    gap: float,
-    solids: Sequence[Shape],
-    border: float,
-) -> list[Pose] | None:
-    """A pose for each robot with the whole body in its area; None where none is found.
-
-    Args:
-        rng: Source of all randomness.
-        models: Of the robots.
-        areas: For each robot x_min, y_min, x_max, y_max, m; the body stays inside at any yaw.
-        gap: Between footprints at least, m; also to solids, at any yaw.
-        solids: What stands.
-        border: Kept free between the body at any yaw and the border of its area, m.
-    """
-    found: list[tuple[str, Pose]] = []
-    for name, area in zip(models, areas, strict=True):
-        reach = math.hypot(MODELS[name].length, MODELS[name].width) / 2.0 + border
-        for _ in range(_TRIES):
-            x = rng.uniform(area[0] + reach, max(area[2] - reach, area[0] + reach))
-            y = rng.uniform(area[1] + reach, max(area[3] - reach, area[1] + reach))
-            pose = rounded((x, y, rng.uniform(-math.pi, math.pi)))
-            free = all(
-                float(shape.distance(np.array([pose[:2]]))[0]) >= reach + gap for shape in solids
-            )
-            if free and keeps_apart(name, pose, found, gap):
-                found.append((name, pose))
-                break
-        else:
-            return None
-    return [pose for _, pose in found]
 
 
 def discs_pass(size: tuple[float, float], solids: Sequence[Shape], robots: Sequence[Robot]) -> bool:

@@ -65,24 +65,20 @@ class InfeasibleSampler(TeamSampler):
         first, second = (int(k) for k in rng.permutation(3)[:2])
         one, other = robots[first], robots[second]
         x, y, yaw = one.goal
+        solids: list[Shape] = []
         if self.kind == "goals-overlap":
             robots[second] = replace(other, goal=_overlapping(rng, one.goal))
-            return open_world(_SIZE)
-        if self.kind == "starts-overlap":
+        elif self.kind == "starts-overlap":
             robots[second] = replace(other, start=_overlapping(rng, one.start))
-            return open_world(_SIZE)
-        if self.kind == "goals-equal":
+        elif self.kind == "goals-equal":
             robots[second] = replace(other, goal=one.goal)
-            return open_world(_SIZE)
-        if self.kind == "goal-off-the-map":
+        elif self.kind == "goal-off-the-map":
             robots[first] = replace(one, goal=rounded((_SIZE[0] + rng.uniform(0.0, 2.0), y, yaw)))
-            return open_world(_SIZE)
-        if self.kind == "goal-in-a-hole":
+        elif self.kind == "goal-in-a-hole":
             hole = _SIZE[0] / 2.0 + rng.uniform(-0.1, 0.1)
             robots[first] = replace(one, goal=rounded((hole, y, yaw)))
             return {"generate": {"kind": "gap", "size": list(_SIZE), "width": 0.4}}
-        solids: list[Shape]
-        if self.kind == "goal-in-an-obstacle":
+        elif self.kind == "goal-in-an-obstacle":
             radius = round(float(rng.uniform(0.3, 0.6)), 3)
             solids = [Circle((x, y), radius)]
         else:

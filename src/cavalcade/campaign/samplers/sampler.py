@@ -13,7 +13,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, Strict
 
 from cavalcade.campaign.samplers.data import DataFolder
 from cavalcade.scenario.fields import Length, Section, expected
-from cavalcade.world import Shape, shape_to_mapping
+from cavalcade.world import GeneratedWorld, Shape, shape_to_mapping
 
 SOLVED, INFEASIBLE, UNSOLVED, REFUSED = "solved", "infeasible", "unsolved", "refused"
 
@@ -118,6 +118,12 @@ def open_world(size: Sequence[float], solids: Sequence[Shape] = ()) -> dict[str,
     if solids:
         world["obstacles"] = [shape_to_mapping(shape) for shape in solids]
     return world
+
+
+def generated_world(world: GeneratedWorld, options: Mapping[str, Any]) -> dict[str, Any]:
+    """A sample of a generator as the `world` of a scenario file."""
+    source = {"kind": world.kind, "size": list(world.size), "seed": world.seed}
+    return {"generate": {**source, "require_feasible": False, **options}}
 
 
 def sample_length(rng: np.random.Generator, bounds: tuple[float, float]) -> float:

@@ -62,18 +62,15 @@ class ShippedSampler(Sampler):
         values: dict[str, Any] = scenario.model_dump(mode="json", exclude_none=True)
         budget = self.budget.model_dump(mode="json", exclude_none=True)
         values["planner"]["budget"] = {**values["planner"].get("budget", {}), **budget}
-        if self.individual_goals:
-            values["task"] = {"goals": INDIVIDUAL}
-            values["planner"] = {
-                k: v for k, v in values["planner"].items() if k not in FORMATION_KEYS
-            }
-            _without_defaults(values["planner"])
         for source in ("map", "terrain", "movingai", "barn"):
             if source in values["world"]:
                 values["world"][source] = _absolute(values["world"][source])
-        if self.individual_goals:
-            return Instance(values, _each_feasible(scenario))
-        return Instance(values, _feasible(scenario))
+        if not self.individual_goals:
+            return Instance(values, _feasible(scenario))
+        values["task"] = {"goals": INDIVIDUAL}
+        values["planner"] = {k: v for k, v in values["planner"].items() if k not in FORMATION_KEYS}
+        _without_defaults(values["planner"])
+        return Instance(values, _each_feasible(scenario))
 
     def _loaded(self, seed: int) -> Scenario:
         from cavalcade.scenario import load_scenario

@@ -19,6 +19,9 @@ from cavalcade.scenario.task import FormationSection, check_formation
 Slots = Annotated[tuple[Point, ...], Field(min_length=1, max_length=64)]
 """Points of a custom shape in the formation's frame, m, the leader's first."""
 
+OWN_COUNT = {"square": 4, "triangle": 3}
+"""Robots of shapes that are for so many."""
+
 BODY = 0.36
 """A go1 or a spirit may stand at any yaw where its centre keeps this distance, m; it is half the
 diagonal of a go1 and a little, and of a spirit less its last 3 cm."""
@@ -48,7 +51,7 @@ class TeamSection(Section):
     def _count(cls, data: Any) -> Any:
         if not isinstance(data, dict) or data.get("robots") is not None:
             return data
-        own = {"square": 4, "triangle": 3}.get(str(data.get("shape")))
+        own = OWN_COUNT.get(str(data.get("shape")))
         if data.get("shape") == "custom" and isinstance(data.get("slots"), list | tuple):
             own = len(data["slots"])
         if own is None:
@@ -94,12 +97,7 @@ class TeamSection(Section):
     ) -> dict[str, Any]:
         """A scenario as its file says it, without a planner section.
 
-        Args:
-            name: Of the scenario.
-            world: Its `world`.
-            start, goal: Poses (x, y, yaw) of the formation's centre, m and rad.
-            timeout: s of simulated time.
-            seed: Of all that is random in the execution.
+        `start` and `goal` are the formation's centre's, `timeout` is in s of simulated time.
         """
         yaw = round(float(start[2]), 6)
         return {
@@ -132,14 +130,9 @@ def sample_pose(
     area: Area,
     yaw: float | None = None,
 ) -> Pose | None:
-    """A pose in the area at which the team fits; None if none is found.
+    """A pose in the area at which the team's `slots` fit; None if none is found.
 
-    Args:
-        rng: Source of all randomness.
-        ground: What stands.
-        slots: `(N, 2)` in the formation's frame, m.
-        area: Where every robot has to stand.
-        yaw: Of the formation, rad; None samples it too.
+    Without a `yaw`, rad, it is sampled too.
     """
     for _ in range(_TRIES):
         x, y = rng.uniform(area[0], area[2]), rng.uniform(area[1], area[3])

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from types import MappingProxyType
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -21,12 +20,10 @@ from cavalcade.scenario.fields import Coordinate, Length, Positive, Speed
 Kind = Literal["steady", "random", "push", "rough", "blocks", "stairs", "gap", "step"]
 
 _TAG = 12
-_TERRAINS: Mapping[str, float] = MappingProxyType(
-    {"rough": 0.05, "blocks": 0.05, "stairs": 0.08, "gap": 0.0, "step": 0.2}
-)
+_TERRAINS = {"rough": 0.05, "blocks": 0.05, "stairs": 0.08, "gap": 0.0, "step": 0.2}
 """Kinds on terrain and the height of their features, m."""
 
-_DURATIONS: Mapping[str, float] = MappingProxyType({"steady": 10.0, "random": 20.0, "push": 7.0})
+_DURATIONS = {"steady": 10.0, "random": 20.0, "push": 7.0}
 """s, where nothing else is given."""
 
 _APART, _FREE = 2.0, 2.0
@@ -87,19 +84,21 @@ class WalkSampler(Sampler):
         if self.kind in _TERRAINS:
             return Instance(self._on_terrain(rng, seed), True)
         duration = _DURATIONS[self.kind] if self.duration is None else self.duration
-        commands, events, starts = self._commands(rng, seed, duration)
-        low, high = _bounds(starts, commands, duration)
+        commands, events, starts, paths = self._commands(rng, seed, duration)
+        low = (np.floor((paths.min(axis=(0, 1)) - _FREE) / _CELL) * _CELL).tolist()
+        high = (np.ceil((paths.max(axis=(0, 1)) + _FREE) / _CELL) * _CELL).tolist()
         size = [math.ceil((b - a) / _CELL) * _CELL for a, b in zip(low, high, strict=True)]
         world = {
             "empty": {"size": [round(s, 3) for s in size], "origin": [round(v, 3) for v in low]},
             "resolution": _CELL,
         }
-        return Instance(self._scenario(seed, world, starts, commands, duration, events), True)
+        task = {"commands": commands, "duration": duration}
+        return Instance(self._scenario(seed, world, starts, task, events), True)
 
     def _commands(
         self, rng: np.random.Generator, seed: int, duration: float
-    ) -> tuple[list[dict[str, Any]], list[dict[str, Any]], Array]:
-        """Commands and events as a scenario says them, and starts `(N, 3)`."""
+    ) -> tuple[list[dict[str, Any]], list[dict[str, Any]], Array, Array]:
+        """Commands and events as a scenario says them, starts `(N, 3)` and paths `(T, N, 2)`."""
         for _ in range(_ATTEMPTS):
             yaws = rng.uniform(-math.pi, math.pi, self.robots)
             side = math.ceil(math.sqrt(self.robots))
@@ -118,8 +117,11 @@ class WalkSampler(Sampler):
                     ]
                     push = {"robot": robot, "impulse": impulse, "duration": 0.1}
                     events.append({"at": round(float(at), 2), "push": push})
-            if _paths_apart(starts, commands, duration):
-                return commands, events, starts
+            paths = _paths(starts, commands, duration)
+            off = paths[:, :, None] - paths[:, None]
+            near = np.hypot(off[..., 0], off[..., 1]) + 1e9 * np.eye(self.robots)
+            if near.min() >= _APART:
+                return commands, events, starts, paths
         raise InputError(f"no paths of {self.robots} robots keep apart", key="robots")
 
     def _commands_of(
@@ -156,7 +158,7 @@ class WalkSampler(Sampler):
         start = np.array([[_ENDS, round(across, 4), round(float(rng.uniform(-0.1, 0.1)), 4)]])
         to = {"at": _FIRST, "to": [_ENDS + way, middle], "speed": self.speed}
         world = {"generate": source, "resolution": _TERRAIN_CELL}
-        scenario = self._scenario(seed, world, start, [to], None, [])
+        scenario = self._scenario(seed, world, start, {"commands": [to]})
         scenario["execution"]["timeout"] = round(1.6 * way / self.speed + 5.0, 3)
         return scenario
 
@@ -171,19 +173,17 @@ class WalkSampler(Sampler):
         start = np.array([[middle - half - off[0], across + off[1], off[2]]]).round(4)
         leap = {"at": _FIRST, "leap": [round(middle + half + _BEYOND, 4), float(start[0, 1])]}
         world = {"generate": source, "resolution": _TERRAIN_CELL}
-        return self._scenario(seed, world, start, [leap], None, [])
+        return self._scenario(seed, world, start, {"commands": [leap]})
 
     def _scenario(
         self,
         seed: int,
         world: Mapping[str, Any],
         starts: Array,
-        commands: list[dict[str, Any]],
-        duration: float | None,
-        events: list[dict[str, Any]],
+        task: Mapping[str, Any],
+        events: Sequence[dict[str, Any]] = (),
     ) -> dict[str, Any]:
         models = models_in_turn(self.models, seed, self.robots)
-        task: dict[str, Any] = {"commands": commands}
         return {
             "version": 1,
             "name": f"walk-{self.kind}-{seed}",
@@ -192,8 +192,8 @@ class WalkSampler(Sampler):
                 {"model": model, "start": [float(value) for value in start]}
                 for model, start in zip(models, starts, strict=True)
             ],
-            "task": task if duration is None else {**task, "duration": duration},
-            "execution": {"seed": seed, "events": events},
+            "task": dict(task),
+            "execution": {"seed": seed, "events": list(events)},
         }
 
 
@@ -225,20 +225,3 @@ def _paths(starts: Array, commands: list[dict[str, Any]], duration: float) -> Ar
         pose[:, 2] += step * velocity[:, 2]
         found.append(pose[:, :2].copy())
     return np.array(found)
-
-
-def _paths_apart(starts: Array, commands: list[dict[str, Any]], duration: float) -> bool:
-    paths = _paths(starts, commands, duration)
-    off = paths[:, :, None] - paths[:, None]
-    near = np.hypot(off[..., 0], off[..., 1]) + 1e9 * np.eye(len(starts))
-    return bool(near.min() >= _APART)
-
-
-def _bounds(
-    starts: Array, commands: list[dict[str, Any]], duration: float
-) -> tuple[list[float], list[float]]:
-    """Lower left and upper right corner of ground for all paths, m."""
-    paths = _paths(starts, commands, duration).reshape(-1, 2)
-    low = np.floor((paths.min(axis=0) - _FREE) / _CELL) * _CELL
-    high = np.ceil((paths.max(axis=0) + _FREE) / _CELL) * _CELL
-    return low.tolist(), high.tolist()

@@ -11,8 +11,7 @@ from cavalcade.checking.physics.record import RobotRecord
 from cavalcade.checking.physics.rotations import turns
 from cavalcade.checking.report import Violation
 from cavalcade.checking.stretches import excesses, stretches
-from cavalcade.geometry import Array
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY, Array
 from cavalcade.robots.description import LEGS
 
 TOUCHING = 2.0

@@ -10,8 +10,7 @@ from cavalcade.checking.physics.kinematics import Posture, middles
 from cavalcade.checking.physics.record import RobotRecord
 from cavalcade.checking.report import Violation
 from cavalcade.checking.stretches import excesses
-from cavalcade.geometry import Array
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY, Array
 from cavalcade.robots.description import JOINTS, LEGS, QuadrupedDescription
 
 TORQUE = 1e-3

@@ -19,8 +19,7 @@ from cavalcade.checking.physics.kinematics import Posture, middles
 from cavalcade.checking.physics.record import RobotRecord
 from cavalcade.checking.report import Kind, Violation
 from cavalcade.checking.stretches import excesses, stretches
-from cavalcade.geometry import Array
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY, Array
 
 WEIGHT = 0.03
 """Mean vertical force may differ from the weight (and the change of momentum) by this fraction."""

@@ -14,7 +14,7 @@ from cavalcade.checking.heights import Ground
 from cavalcade.checking.plans.motion import LANDING, TAKE_OFF, WALK, Motion
 from cavalcade.checking.report import Violation
 from cavalcade.geometry import Array
-from cavalcade.robots.legs import LegModel
+from cavalcade.robots.model import LegModel
 
 LEAST_TRAVERSABILITY = 0.3
 

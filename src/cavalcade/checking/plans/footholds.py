@@ -16,7 +16,7 @@ from cavalcade.checking.plans.motion import FLIGHT, LANDING, TAKE_OFF, Motion
 from cavalcade.checking.report import Violation
 from cavalcade.checking.stretches import stretches
 from cavalcade.geometry import Array
-from cavalcade.robots.legs import LegModel
+from cavalcade.robots.model import LegModel
 
 STRETCH = 1.2
 """A stretched leg as a multiple of the reach that plans leave it: thigh and shank of Go1 measure

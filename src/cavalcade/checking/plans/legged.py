@@ -20,10 +20,9 @@ from cavalcade.checking.plans.motion import (
 )
 from cavalcade.checking.report import Violation
 from cavalcade.checking.stretches import excesses, stretches
-from cavalcade.geometry import wrap_angle
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY, wrap_angle
 from cavalcade.robots import RobotModel
-from cavalcade.robots.legs import LegModel
+from cavalcade.robots.model import LegModel
 
 YAW_TOLERANCE = 0.05
 """Yaw rates may exceed their limit by this fraction."""

@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cavalcade.drawing import style
 from cavalcade.drawing.actors import draw_driven, draw_robot, draw_team_goal
 from cavalcade.drawing.maps import add_scale, draw_arena, grid_transform, map_figure
 from cavalcade.drawing.scene import Scene
 from cavalcade.geometry import Array
-from cavalcade.world import OccupancyMap
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    from cavalcade.scenario import World
 
 DEFAULT_SAFE_DISTANCE = 1.50
 """The paper's `d_safe_A` in m, where the scenario does not set another one."""
@@ -28,19 +23,20 @@ _BLOCKED = "#e9e6e1"
 _MARGINS = style.Margins(left=0.34, right=0.42, bottom=0.30, top=0.05)
 
 
-def arrival_field(scene: Scene, world: World, goal: Array, safe: float) -> tuple[Array, Array]:
+def arrival_field(scene: Scene, goal: Array) -> tuple[Array, Array]:
     """Arrival times at `goal`, and the clearance they come from.
 
     Returns:
         `(rows, cols)` normalised seconds, inf where there is no way, and `(rows, cols)` m from a
         cell's centre to the nearest obstacle.
 
-    The leader's field: speed rises from 0 at the inflated obstacles to 1 at `safe` m from them
+    The leader's field: speed rises from 0 at the inflated obstacles to 1 at `d_safe_A` from them
     (Norén et al., section 2.2), as at the end of the run's first map; events change nothing.
     """
     from cavalcade import eikonal
 
-    grid = world.map
+    grid = scene.world.map
+    safe = scene.scenario.planner.d_safe_a or DEFAULT_SAFE_DISTANCE
     # Ground beyond the border counts as occupied.
     padded = np.pad(np.asarray(grid.occupied), 1, constant_values=True)
     surface = eikonal.surface_distance(padded, grid.resolution)[1:-1, 1:-1]
@@ -51,22 +47,20 @@ def arrival_field(scene: Scene, world: World, goal: Array, safe: float) -> tuple
     return times, np.asarray(surface)
 
 
-def draw_arrival_field(
-    scene: Scene, world: World, path: Path, safe: float | None = None
-) -> Path | None:
+def draw_arrival_field(scene: Scene, path: Path) -> Path | None:
     """Draw it a column wide; None where the team never had a goal or none can be reached."""
-    goals = [status.goal for status in scene.status if status.goal is not None]
+    goals = [status.goal for status in scene.recording.status if status.goal is not None]
     if not goals:
         return None
     goal = np.asarray(goals[-1], dtype=float)
-    times, clearance = arrival_field(scene, world, goal, safe or DEFAULT_SAFE_DISTANCE)
+    times, clearance = arrival_field(scene, goal)
     if np.isfinite(times).sum() < 2:
         return None
     view = scene.view()
     with style.paper_style():
         figure, axes = map_figure(view, _MARGINS, style.COLUMN, 5.0)
-        mesh = _draw_field(axes, world.map, times, clearance, scene.radius, view)
-        draw_arena(axes, replace(scene.arena, terrain=None))
+        mesh = _draw_field(axes, scene, times, clearance, view)
+        draw_arena(axes, scene, heights=False)
         _draw_paths(axes, scene)
         draw_team_goal(axes, goal)
         inches = axes.get_position().height * figure.get_figheight()
@@ -81,16 +75,7 @@ def _scale_label(inches: float) -> str:
     return "arrival time (s)" if inches >= 0.95 else "ETA (s)"
 
 
-def _in_view(grid: OccupancyMap, view: Array) -> NDArray[np.bool_]:
-    """`(rows, cols)`: the cells whose centres lie in the part that is shown."""
-    places = grid.centers(np.indices((grid.rows, grid.cols)).reshape(2, -1).T)
-    inside = ((places >= view[:2]) & (places <= view[2:])).all(axis=1)
-    return np.asarray(inside.reshape(grid.rows, grid.cols))
-
-
-def _draw_field(
-    axes: Axes, grid: OccupancyMap, times: Array, clearance: Array, radius: float, view: Array
-) -> Any:
+def _draw_field(axes: Axes, scene: Scene, times: Array, clearance: Array, view: Array) -> Any:
     """Shaded field and contour lines, on the map's own grid, turned with its origin."""
     from matplotlib.colors import LinearSegmentedColormap
     from matplotlib.ticker import MaxNLocator
@@ -99,7 +84,10 @@ def _draw_field(
     shades = LinearSegmentedColormap.from_list(
         "arrival", ["#fdfdf6", "#d9ead3", "#9ccfc4", "#5aa7b5", "#33719b", "#27406f"]
     )
-    seen = np.isfinite(times) & _in_view(grid, view)
+    grid, radius = scene.world.map, scene.radius
+    places = grid.centers(np.indices((grid.rows, grid.cols)).reshape(2, -1).T)
+    in_view = ((places >= view[:2]) & (places <= view[2:])).all(axis=1)
+    seen = np.isfinite(times) & in_view.reshape(grid.rows, grid.cols)
     # The last few cells before a wall take for ever: they would eat up the whole scale.
     highest = float(np.quantile(times[seen if seen.any() else np.isfinite(times)], 0.97)) or 1.0
     shown = np.ma.masked_invalid(times)
@@ -143,7 +131,7 @@ def _draw_field(
 def _draw_paths(axes: Axes, scene: Scene) -> None:
     for robot, model in enumerate(scene.models):
         color = style.robot_color(robot)
-        line = scene.poses[:, robot]
+        line = scene.recording.poses[:, robot]
         draw_driven(axes, line, robot, linestyle="-", linewidth=1.0, zorder=4,
                     path_effects=style.halo(2.0))  # fmt: skip
         draw_robot(axes, line[-1], model, color)

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from cavalcade.scenario import World
-
 _BAND, _HEIGHT, _GAP = 0.07, 1.62, 0.035
 _LEFT, _RIGHT, _BOTTOM = 0.40, 0.42, 0.33
 _ROW = 0.135
@@ -34,9 +32,9 @@ _Name = tuple[str, list[dict[str, Any]]]
 """A line's name, and the strokes it is drawn with, one over the other."""
 
 
-def draw_obstacle_distance(scene: Scene, world: World, path: Path) -> Path:
+def draw_obstacle_distance(scene: Scene, path: Path) -> Path:
     """Distance of each robot's centre to the nearest obstacle, as in the paper's Fig. 9."""
-    distances = obstacle_distances(scene, world)
+    distances = obstacle_distances(scene)
     with style.paper_style():
         figure, axes = _frame(scene, _robot_names(scene), distances)
         usual = float(np.quantile(distances, 0.995)) if distances.size else 1.0
@@ -55,17 +53,17 @@ def draw_pair_distance(scene: Scene, path: Path) -> Path | None:
     if scene.size < 2:
         return None
     few = scene.size <= MANY_ROBOTS
-    pairs, distances = pair_distances(scene.poses)
+    pairs, distances = pair_distances(scene.recording.poses)
     lines, names = distances, [_name(f"{a}\N{EN DASH}{b}", a, b) for a, b in pairs.tolist()]
     if not few:
-        lines, names = neighbour_distances(scene.poses), _robot_names(scene)
+        lines, names = neighbour_distances(scene.recording.poses), _robot_names(scene)
     with style.paper_style():
         figure, axes = _frame(scene, names, lines)
         highest = float(np.quantile(lines, 0.995))
         if not few:
             joined = _ever_connected(scene, pairs)
             for line in distances[:, joined].T:
-                axes.plot(scene.time, line, color="#b9bcc0", linewidth=0.4, zorder=1.5)
+                axes.plot(scene.recording.time, line, color="#b9bcc0", linewidth=0.4, zorder=1.5)
             if joined.any():
                 highest = max(highest, float(np.quantile(distances[:, joined], 0.98)))
         minimum = 2.0 * scene.radius
@@ -73,7 +71,7 @@ def draw_pair_distance(scene: Scene, path: Path) -> Path | None:
         rests = rest_lengths(scene)
         top = max(1.08 * highest, 2.8 * scene.radius, 1.1 * max((r[2] for r in rests), default=0))
         axes.set_ylim(0.0, top)
-        _rests(axes, rests, float(scene.time[-1]), top)
+        _rests(axes, rests, float(scene.recording.time[-1]), top)
         axes.set_ylabel("distance of robots (m)" if few else "nearest neighbour (m)")
         return style.save(figure, path, dpi=400)
 
@@ -100,14 +98,15 @@ def _frame(scene: Scene, names: list[_Name], lines: Array) -> tuple[Figure, Axes
     rows = -(-len(names) // most)
     per_row = -(-len(names) // rows)
     margins = style.Margins(_LEFT, _RIGHT, _BOTTOM, 0.05 + rows * _ROW)
-    start, end = float(scene.time[0]), float(scene.time[-1])
+    time = scene.recording.time
+    start, end = float(time[0]), float(time[-1])
     span = (start, end if end > start else start + 1.0)
     figure, (band, axes) = stacked_panels(style.COLUMN, margins, [_BAND, _HEIGHT], [_GAP], span)
     _draw_band(band, scene)
     draw_grid(axes)
     for (_, strokes), line in zip(names, lines.T, strict=True):
         for stroke in strokes:
-            axes.plot(scene.time, line, **stroke)
+            axes.plot(time, line, **stroke)
     # A legend fills its columns first; people read rows.
     order = [k for column in range(per_row) for k in range(column, len(names), per_row)]
     handles: list[Any] = [tuple(style.key("", **part) for part in names[k][1]) for k in order]
@@ -129,10 +128,11 @@ def _frame(scene: Scene, names: list[_Name], lines: Array) -> tuple[Figure, Axes
 
 def _draw_band(band: Axes, scene: Scene) -> None:
     """The leader's colour over time; grey where nobody leads."""
-    for leader, first, last in runs(status.leader for status in scene.status):
+    time = scene.recording.time
+    for leader, first, last in runs(status.leader for status in scene.recording.status):
         color = style.robot_color(leader) if leader >= 0 else "#e3e4e6"
-        end = scene.time[min(last, len(scene.time) - 1)]
-        band.axvspan(scene.time[first], end, facecolor=color, edgecolor="none")
+        end = time[min(last, len(time) - 1)]
+        band.axvspan(time[first], end, facecolor=color, edgecolor="none")
     band.set_xticks([])
     band.set_yticks([])
     for spine in band.spines.values():
@@ -153,9 +153,10 @@ def _rests(axes: Axes, rests: list[tuple[float, float, float]], end: float, top:
 
 
 def _ever_connected(scene: Scene, pairs: NDArray[np.int64]) -> NDArray[np.bool_]:
+    statuses = scene.recording.status
     joined = {
-        (min(a, b), max(a, b))
-        for status in scene.status[:: max(1, len(scene.status) // 200)]
-        for a, b in np.asarray(status.connections, dtype=int).reshape(-1, 2).tolist()
+        frozenset(pair)
+        for status in statuses[:: max(1, len(statuses) // 200)]
+        for pair in np.asarray(status.connections, dtype=int).reshape(-1, 2).tolist()
     }
-    return np.array([(int(a), int(b)) in joined for a, b in pairs], dtype=bool)
+    return np.array([frozenset(pair) in joined for pair in pairs.tolist()], dtype=bool)

@@ -74,12 +74,9 @@ def draw_sequence(scene: Scene, path: Path) -> Path:
 
 
 def _layout(panels: int, span: Array, body: float) -> tuple[int, float, float]:
-    """Columns, and a panel's width and height in inches.
+    """Columns, and a panel's width and height in inches, for so many that show `span` `(2,)` m.
 
-    Args:
-        panels: How many there are.
-        span: `(2,)` width and height of the part that is shown, m.
-        body: A robot's length, m; wide ground on which it would be a dot gets wider panels.
+    Wide ground on which a `body` of that length, m, would be a dot gets wider panels.
     """
     aspect = float(span[1] / span[0])
     columns = 3 if aspect < 1.45 else 6
@@ -94,12 +91,12 @@ def _layout(panels: int, span: Array, body: float) -> tuple[int, float, float]:
 
 
 def _draw_moment(axes: Axes, scene: Scene, cycle: int, view: Array) -> None:
-    status = scene.status[cycle]
-    poses = scene.poses[cycle]
-    draw_arena(axes, scene.arena)
-    draw_tracks(axes, scene.tracks, float(scene.time[cycle]))
+    recording = scene.recording
+    status, poses = recording.status[cycle], recording.poses[cycle]
+    draw_arena(axes, scene)
+    draw_tracks(axes, recording.obstacles, float(recording.time[cycle]))
     for robot in range(scene.size):
-        draw_driven(axes, scene.poses[: cycle + 1, robot], robot)
+        draw_driven(axes, recording.poses[: cycle + 1, robot], robot)
         if robot < len(status.paths) and len(status.paths[robot]) > 1:
             leads = robot == status.leader
             axes.plot(
@@ -126,9 +123,9 @@ def _draw_moment(axes: Axes, scene: Scene, cycle: int, view: Array) -> None:
 
 
 def _label_panel(axes: Axes, scene: Scene, cycle: int, number: int) -> None:
-    state = scene.status[cycle]
+    state = scene.recording.status[cycle]
     text = "arrived" if state.arrived else STATES.get(state.state, state.state)
-    name = f"({chr(ord('a') + number)})  $t$ = {scene.time[cycle]:.1f} s"
+    name = f"({chr(ord('a') + number)})  $t$ = {scene.recording.time[cycle]:.1f} s"
     axes.set_title(name, loc="left", pad=2.5)
     axes.set_title(text, loc="right", pad=2.5, fontsize=7.0, fontstyle="italic", color=style.GREY)
 
@@ -158,10 +155,10 @@ def choose_moments(scene: Scene, count: int = 6) -> NDArray[np.int64]:
     does not fill panels. Each is then moved, by less than half the spacing, to the tightest
     moment or to just after a change of leader or state nearby.
     """
-    cycles = len(scene.time)
+    cycles = len(scene.recording.time)
     if cycles <= count:
         return np.arange(cycles)
-    centre = np.median(scene.poses[..., :2], axis=1)
+    centre = np.median(scene.recording.poses[..., :2], axis=1)
     way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(centre, axis=0).T))])
     way = way + np.linspace(0.0, 1e-3 + 0.05 * way[-1], cycles)
     interest = _interest(scene)
@@ -181,8 +178,8 @@ def choose_moments(scene: Scene, count: int = 6) -> NDArray[np.int64]:
 
 def _interest(scene: Scene) -> Array:
     """`(T,)` how much a cycle has to tell, about 0..1."""
-    positions = scene.poses[..., :2]
-    cycles = len(scene.time)
+    time, positions = scene.recording.time, scene.recording.poses[..., :2]
+    cycles = len(time)
     interest = np.zeros(cycles)
     if scene.size > 1:
         offsets = positions - positions.mean(axis=1, keepdims=True)
@@ -191,8 +188,9 @@ def _interest(scene: Scene) -> Array:
         # A line has a vanishing second moment: the tighter the place, the flatter the team.
         flatness = 1.0 - np.sqrt(np.maximum(spread[:, 0], 0.0) / np.maximum(spread[:, 1], 1e-9))
         interest += 0.5 * flatness
-    step = float(np.median(np.diff(scene.time))) if cycles > 1 else 1.0
+    step = float(np.median(np.diff(time))) if cycles > 1 else 1.0
     lag = max(1, round(0.4 / max(step, 1e-6)))
-    for _, after, _ in runs((status.leader, status.state) for status in scene.status)[1:]:
+    said = ((status.leader, status.state) for status in scene.recording.status)
+    for _, after, _ in runs(said)[1:]:
         interest[after : after + lag] += 0.3
     return interest

@@ -26,8 +26,7 @@ from cavalcade.drawing.physics.signals import (
     spread,
     torque_share,
 )
-from cavalcade.geometry import Array
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY, Array
 from cavalcade.recording.physics_track import PhysicsTrack
 from cavalcade.robots.description import QuadrupedDescription
 
@@ -91,9 +90,8 @@ def draw_gait(
 
 def _number_row(axes: Axes, robot: int) -> None:
     """The robot's number on the right of its row."""
-    axes.annotate(str(robot), (1.0, 0.5), xytext=(4, 0), xycoords="axes fraction",
-                  textcoords="offset points", va="center", fontsize=8, fontweight="bold",
-                  color=style.robot_color(robot))  # fmt: skip
+    style.note(axes, str(robot), (1.0, 0.5), (4, 0), xycoords="axes fraction", va="center",
+               fontsize=8, fontweight="bold", color=style.robot_color(robot))  # fmt: skip
 
 
 def _draw_speeds(
@@ -129,8 +127,7 @@ def _draw_height(axes: Axes, track: PhysicsTrack, stand: list[float]) -> None:
         color = style.robot_color(robot)
         axes.fill_between(times, low[:, robot], high[:, robot], color=color, alpha=0.22,
                           linewidth=0.0, zorder=2.5)  # fmt: skip
-        axes.plot(times, mean[:, robot], color=color, linewidth=1.0,
-                  linestyle=style.robot_dash(robot), zorder=3)  # fmt: skip
+        axes.plot(times, mean[:, robot], **style.robot_line(robot), linewidth=1.0, zorder=3)
     bottom, top = float(low.min()), float(high.max())
     if top - bottom < 0.25:
         for level in sorted(set(stand)):
@@ -149,8 +146,7 @@ def _draw_torques(axes: Axes, track: PhysicsTrack, limits: Array) -> None:
     share = torque_share(track, limits)
     times, highest = peaks(track.time, 100.0 * share.max(axis=2), columns=500)
     for robot in range(track.size):
-        axes.plot(times, highest[:, robot], color=style.robot_color(robot), linewidth=0.7,
-                  linestyle=style.robot_dash(robot), zorder=3)  # fmt: skip
+        axes.plot(times, highest[:, robot], **style.robot_line(robot), linewidth=0.7, zorder=3)
     draw_limit(axes, 100.0, 200.0, "limit")
     when, worst, joint = np.unravel_index(int(np.argmax(share)), share.shape)
     value = 100.0 * float(share[when, worst, joint])
@@ -171,9 +167,8 @@ def _mark_events(axes: Axes, track: PhysicsTrack, robot: int) -> None:
     if fall is not None:
         end = float(track.time[-1])
         axes.axvspan(fall, end, facecolor=style.BEYOND, edgecolor="none", zorder=0.4)
-        axes.annotate("fell", (fall, 1.0), xycoords=axes.get_xaxis_transform(), xytext=(2, -2),
-                      textcoords="offset points", va="top", fontsize=7,
-                      color=style.LIMIT)  # fmt: skip
+        top = axes.get_xaxis_transform()
+        style.note(axes, "fell", (fall, 1.0), (2, -2), xycoords=top, va="top", color=style.LIMIT)
 
 
 def _draw_feet(axes: Axes, track: PhysicsTrack, robot: int, weight: float) -> None:

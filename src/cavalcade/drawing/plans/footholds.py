@@ -25,7 +25,7 @@ _WINDOW = 2.4
 
 def draw_footholds(scene: PlanScene, path: Path) -> Path | None:
     """Draw it a page wide; None where no foot steps."""
-    if not any(len(feet) for feet in scene.footholds):
+    if not any(len(feet) for feet in scene.plan.footholds):
         return None
     view = scene.view()
     span = view[2:] - view[:2]
@@ -44,7 +44,7 @@ def draw_footholds(scene: PlanScene, path: Path) -> Path | None:
         enlarged.set_ylabel("")
         enlarged.set_title("enlarged", loc="left", pad=3, fontsize=7, fontstyle="italic")
         for axes in (whole, enlarged):
-            draw_arena(axes, scene.arena)
+            draw_arena(axes, scene)
             _draw_feet(axes, scene, axes is enlarged)
         corners = window[[[0, 1], [2, 1], [2, 3], [0, 3]]]
         add_polygon(whole, corners, fill=False, edgecolor=style.INK, linewidth=0.8, zorder=6)
@@ -66,7 +66,7 @@ def _window(scene: PlanScene, view: Array) -> Array:
             centre = path.position[list(found[0]), :2].mean(axis=0)
             break
     if centre is None:
-        robots = [k for k, feet in enumerate(scene.footholds) if len(feet)]
+        robots = [k for k, feet in enumerate(scene.plan.footholds) if len(feet)]
         paths = [path for k, path in scene.known if k in robots]
         longest = max(paths, key=lambda path: path.length)
         centre = longest.poses_at(np.array([0.3 * longest.duration]))[0, :2]
@@ -87,7 +87,7 @@ def _draw_feet(axes: Axes, scene: PlanScene, enlarged: bool) -> None:
                 zorder=3,
             )
     edge = "white" if enlarged else "none"
-    for feet in scene.footholds:
+    for feet in scene.plan.footholds:
         for leg, (_, color, shape) in enumerate(style.LEGS):
             places = feet[feet[:, 2] == leg, 3:5]
             foot = style.mark(shape if enlarged else "o", size, edge, 0.4, color)

@@ -27,7 +27,7 @@ _PUSH, _EARTH = "#f4a582", "#5e5340"
 
 def draw_profile(scene: PlanScene, path: Path) -> Path | None:
     """Draw it a page wide, the first robots one below the other; None on flat ground."""
-    terrain = scene.arena.terrain
+    terrain = scene.world.terrain
     if terrain is None or not scene.known:
         return None
     shown = scene.known[:_MOST]
@@ -39,7 +39,7 @@ def draw_profile(scene: PlanScene, path: Path) -> Path | None:
             style.PAGE, _MARGINS, heights, gaps, span, "along the path (m)"
         )
         for axes, (robot, trajectory) in zip(panels, shown, strict=True):
-            _draw_one(axes, terrain, trajectory, scene.footholds[robot])
+            _draw_one(axes, terrain, trajectory, scene.plan.footholds[robot])
             if team > 1:
                 axes.text(0.995, 0.93, f"robot {robot}", transform=axes.transAxes, ha="right",
                           va="top", fontsize=7, fontweight="bold",
@@ -47,7 +47,7 @@ def draw_profile(scene: PlanScene, path: Path) -> Path | None:
             axes.set_ylabel("height (m)", labelpad=2)
         some = f" (first {rows} of {team} robots)" if rows < team else ""
         panels[0].set_title(scene.name + some, loc="left", pad=3)
-        _draw_legend(panels[0], any(len(feet) for feet in scene.footholds))
+        _draw_legend(panels[0], any(len(feet) for feet in scene.plan.footholds))
         return style.save(figure, path)
 
 

@@ -41,7 +41,7 @@ def draw_timing(scene: PlanScene, path: Path) -> Path | None:
         if len(panels) > 2:
             _draw_gaps(panels[2], scene)
         panels[0].set_title(scene.name, loc="left", pad=3)
-        if not scene.solved:
+        if not scene.plan.solved:
             panels[0].text(0.5, 1.02, scene.result[:60], transform=panels[0].transAxes,
                            ha="center", va="bottom", fontsize=7, color=style.LIMIT)  # fmt: skip
         return style.save(figure, path)
@@ -88,8 +88,8 @@ def _draw_progress(axes: Axes, scene: PlanScene) -> None:
     for robot, path in scene.known:
         travelled = along(path)
         longest = max(longest, float(travelled[-1]))
-        color, dash = style.robot_color(robot), style.robot_dash(robot)
-        axes.plot(path.time, travelled, color=color, linewidth=1.1, linestyle=dash, zorder=3)
+        color = style.robot_color(robot)
+        axes.plot(path.time, travelled, **style.robot_line(robot), linewidth=1.1, zorder=3)
         for kind, first, last in runs(activities(path)):
             piece = slice(first, last + 1)
             if kind == FLIES:
@@ -105,8 +105,7 @@ def _draw_gaps(axes: Axes, scene: PlanScene) -> None:
     times, gaps = team_gaps(scene)
     shown = np.minimum(gaps, _FAR * 1.1)
     for (robot, _), line in zip(scene.known, shown.T, strict=True):
-        axes.plot(times, line, color=style.robot_color(robot), linewidth=0.9,
-                  linestyle=style.robot_dash(robot), zorder=3)  # fmt: skip
+        axes.plot(times, line, **style.robot_line(robot), linewidth=0.9, zorder=3)
     row = int(np.argmin(gaps.min(axis=1)))
     least = float(gaps[row].min())
     top = min(_FAR, 1.08 * float(max(shown.max(), 0.2)))

@@ -33,16 +33,16 @@ _LONG_WAIT = 0.5
 
 def draw_top_view(scene: PlanScene, path: Path) -> Path:
     """Draw it as wide as a page or as high as fits; returns the file written."""
-    scale = 0.0 if scene.arena.terrain is None else 0.64
+    scale = 0.0 if scene.world.terrain is None else 0.64
     with style.paper_style():
         figure, axes = map_figure(
             scene.view(), _MARGINS, style.PAGE, 6.4, scale=scale, narrowest=3.2
         )
-        shown = draw_arena(axes, scene.arena)
+        shown = draw_arena(axes, scene)
         if shown is not None:
             add_scale(figure, axes, shown, "height (m)")
         axes.set_title(scene.name, loc="left", pad=13)
-        if not scene.solved:
+        if not scene.plan.solved:
             axes.set_title(scene.result[:70], loc="right", pad=13, color=style.LIMIT, fontsize=7)
         _draw_paths(axes, scene)
         _draw_ends(axes, scene)
@@ -55,7 +55,7 @@ def _draw_paths(axes: Axes, scene: PlanScene) -> None:
     many = scene.size > 8
     core, gap, edge = (0.8, 1.5, 2.3) if many else (1.2, 2.1, 3.3)
     moments = _moments(scene, points_per_metre(axes))
-    dash: Any = "-" if scene.solved else (0, (3, 1.5))
+    dash: Any = "-" if scene.plan.solved else (0, (3, 1.5))
     for robot, path in scene.known:
         color = style.robot_color(robot)
         for pose in path.poses_at(moments[moments < path.duration]):
@@ -98,7 +98,8 @@ def _moments(scene: PlanScene, scale: float) -> Array:
 def _draw_ends(axes: Axes, scene: PlanScene) -> None:
     """Starts as full bodies, goals as dashed ones, both numbered."""
     scale = points_per_metre(axes)
-    for robot, (start, goal) in enumerate(zip(scene.starts, scene.goals, strict=True)):
+    ends = np.array([scene.scenario.starts, scene.scenario.goals], dtype=float)
+    for robot, (start, goal) in enumerate(zip(*ends, strict=True)):
         color, model = style.robot_color(robot), scene.models[robot]
         draw_own_goal(axes, goal, model, color)
         draw_robot(axes, start, model, color)
@@ -124,6 +125,6 @@ def _draw_legend(axes: Axes, scene: PlanScene) -> None:
         Patch(facecolor=style.GREY, edgecolor=style.INK, label="start"),
         Patch(facecolor="white", edgecolor=style.GREY, linestyle=(0, (2.2, 1.1)), label="goal"),
     ]
-    if has_blocked_ground(scene.arena):
+    if has_blocked_ground(scene.world.terrain):
         handles.append(Patch(facecolor="#7d6c59", edgecolor="none", label="no foothold"))
     draw_legend(axes, handles, "left", borderaxespad=0.1, handlelength=1.3)

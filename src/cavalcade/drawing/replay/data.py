@@ -7,7 +7,8 @@ what a planner wanted and what happened on the way.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from cavalcade.drawing.replay.packing import rounded, whole
 from cavalcade.drawing.replay.run import run_data
 from cavalcade.drawing.replay.track import merged_contacts, track_data
 from cavalcade.drawing.replay.trajectories import plan_data
-from cavalcade.drawing.scene import PlanScene, plan_scene, scene_of
+from cavalcade.drawing.scene import PlanScene, Scene, Team
 from cavalcade.geometry import Array
 from cavalcade.recording.physics_track import PhysicsTrack
 from cavalcade.robots import RobotModel
@@ -46,34 +47,29 @@ def replay_data(
         RecordingError: The recording's track is empty, or not that of the scenario's robots.
     """
     track = None if recording is None else recording.physics
-    planned = None if plan is None or track is not None else plan_scene(scenario, world, plan)
+    planned = None if plan is None or track is not None else PlanScene(scenario, world, plan)
     scene = None
     if recording is not None and len(recording.time):
-        scene = scene_of(scenario, world, recording)
-    fixed = world.shapes if scene is None else scene.fixed
+        scene = Scene(scenario, world, recording)
     individual = bool(scenario.goals)
-    robots = [_robot(model) for model in scenario.models]
-    for robot, start in zip(robots, scenario.starts, strict=True):
-        robot["start"] = rounded(start, 4)
-    for robot, goal in zip(robots, scenario.goals, strict=False):
-        robot["goal"] = rounded(goal, 4)
+    members = zip_longest(scenario.models, scenario.starts, scenario.goals)
+    robots = [_robot(*member) for member in members]
     data: dict[str, Any] = {
         "name": str(scenario.name),
         "individual": individual,
         "outcome": _outcome(summary, planned),
         "facts": _facts(summary, planned, track, individual),
         "colours": {"light": style.ROBOTS, "dark": style.ROBOTS_ON_DARK},
-        **ground_data(world.base, fixed, world.terrain, dense=track is not None),
+        **ground_data(scene or Team(scenario, world), dense=track is not None),
         "robots": robots,
         "run": None,
     }
     begin, end = 0.0, 0.0
     places = [np.array([*scenario.starts, *scenario.goals])[:, :2]]
     if scene is not None:
-        begin, end = float(scene.time[0]), float(scene.time[-1])
-        places.append(scene.poses[..., :2].reshape(-1, 2))
-        driven = track is None and planned is None
-        data["run"] = run_data(scene, world, len(scenario.task.goals), individual, driven)
+        begin, end = float(scene.recording.time[0]), float(scene.recording.time[-1])
+        places.append(scene.recording.poses[..., :2].reshape(-1, 2))
+        data["run"] = run_data(scene, driven=track is None and planned is None)
     if planned is not None:
         end = max(planned.makespan, end)
         places += [path.position[:, :2] for _, path in planned.known]
@@ -86,7 +82,7 @@ def replay_data(
     return data | {"begin": round(begin, 4), "end": round(end, 4), "view": whole(view, 1000)}
 
 
-def _robot(model: RobotModel) -> dict[str, Any]:
+def _robot(model: RobotModel, start: Sequence[float], goal: Sequence[float] | None) -> Any:
     legs = model.legs
     return {
         "model": model.name,
@@ -101,6 +97,8 @@ def _robot(model: RobotModel) -> dict[str, Any]:
             "link": 0.6 * legs.h_max,
             "swing": legs.swing_height,
         },
+        "start": rounded(start, 4),
+        **({} if goal is None else {"goal": rounded(goal, 4)}),
     }
 
 
@@ -111,7 +109,7 @@ def _around(places: list[Array]) -> Array:
 
 def _outcome(summary: Mapping[str, Any], planned: PlanScene | None) -> dict[str, Any]:
     """How it ended, for people, and whether that is good."""
-    if planned is not None and not planned.solved:
+    if planned is not None and not planned.plan.solved:
         return {"text": planned.result, "good": False}
     reason, makespan = str(summary.get("reason") or ""), summary.get("makespan_s")
     text = reason or "run"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -10,11 +9,10 @@ from numpy.typing import NDArray
 
 from cavalcade.drawing.outlines import shape_ring
 from cavalcade.drawing.replay.packing import packed, whole
-from cavalcade.drawing.scene import map_border
+from cavalcade.drawing.scene import Team
 from cavalcade.geometry import Array
 from cavalcade.locomotion.footholds import LEAST_TRAVERSABILITY
-from cavalcade.world import OccupancyMap, Shape, Terrain
-from cavalcade.world.occupancy import UNKNOWN
+from cavalcade.world import OccupancyMap, Terrain
 
 WALL = 0.5
 """How high solid obstacles are drawn, m: as high as they are in physics; planners never look."""
@@ -24,24 +22,18 @@ _MOST_NODES_DENSE = 150_000
 _MOST_RECTANGLES = 3000
 
 
-def ground_data(
-    base: OccupancyMap, shapes: Sequence[Shape], terrain: Terrain | None, dense: bool = False
-) -> dict[str, Any]:
-    """Border, terrain, solids, walls and cells that nothing is known of.
+def ground_data(team: Team, dense: bool) -> dict[str, Any]:
+    """Border, terrain, solids, walls and unknown cells.
 
-    Args:
-        base: The map without the shapes.
-        shapes: The obstacles that stand there all the time.
-        terrain: The heights; None for level ground.
-        dense: Whether steps of the ground have to be drawn where feet find them.
+    `dense`: steps are to be drawn where feet find them.
     """
-    unknown = np.asarray(base.grid) == UNKNOWN
+    base, terrain, (walls, unknown) = team.world.base, team.world.terrain, team.cells
     most_nodes = _MOST_NODES_DENSE if dense else _MOST_NODES
     return {
-        "border": whole(map_border(base), 1000),
+        "border": whole(team.border, 1000),
         "terrain": None if terrain is None else _terrain(terrain, most_nodes),
-        "solids": [prism(shape_ring(shape, corners=28), terrain) for shape in shapes],
-        "walls": _walls(base, base.occupied & ~unknown, terrain),
+        "solids": [prism(shape_ring(shape, corners=28), terrain) for shape in team.fixed],
+        "walls": _walls(base, walls, terrain),
         "unknown": _walls(base, unknown, terrain),
     }
 

@@ -6,7 +6,7 @@ one before, which keeps a minute of four robots far below a megabyte.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -17,39 +17,32 @@ from cavalcade.drawing.replay.packing import rounded, steps
 from cavalcade.drawing.scene import Scene
 from cavalcade.geometry import Array
 
-if TYPE_CHECKING:
-    from cavalcade.scenario import World
-
 _MOST_POSES = 60_000
 _MOST_PATHS = 4_000
 _MOST_SERIES = 600
 
 
-def run_data(
-    scene: Scene, world: World, waypoints: int, individual: bool, driven: bool
-) -> dict[str, Any]:
+def run_data(scene: Scene, driven: bool) -> dict[str, Any]:
     """Goals, slots, phases, paths, obstacles that come and go, notes, distances over time.
 
-    Args:
-        scene: The run.
-        world: Its ground.
-        waypoints: How many goals the team has.
-        individual: Each robot has a goal of its own: no formation, no distances to keep.
-        driven: Whether the recorded poses move the robots of the page; then they travel too.
+    `driven`: whether the recorded poses move the robots of the page; then they travel too.
     """
-    stride = max(1, -(-scene.poses.shape[0] * scene.size // _MOST_POSES))
-    last = len(scene.time) - 1
+    recording = scene.recording
+    # Each robot has a goal of its own: no formation, no distances to keep.
+    individual = bool(scene.scenario.goals)
+    last = len(recording.time) - 1
+    stride = max(1, -(-len(recording.time) * scene.size // _MOST_POSES))
     picked = [*range(0, last, stride), last]
-    poses = scene.poses[picked]
-    goals = np.stack([scene.status[i].goals for i in picked])
+    poses = recording.poses[picked]
+    goals = np.stack([recording.status[i].goals for i in picked])
     goals = np.where(np.isfinite(goals), goals, poses[..., :2])
     slot_sets, phases = _phases(scene)
     yaw = np.unwrap(poses[..., 2], axis=0)
     columns = {"x": poses[..., 0], "y": poses[..., 1], "a": yaw}
     return {
-        "waypoints": waypoints,
+        "waypoints": len(scene.scenario.task.goals),
         "radius": scene.radius,
-        "time": steps(scene.time[picked], 1000),
+        "time": steps(recording.time[picked], 1000),
         "poses": [
             {name: steps(values[:, k], 1000) for name, values in columns.items()}
             for k in range(scene.size)
@@ -60,18 +53,18 @@ def run_data(
         "slots": [steps(slots, 1000) for slots in slot_sets],
         "phases": phases,
         "paths": _paths(scene),
-        "notes": [[round(float(time), 3), text] for time, text in scene.notes],
-        "series": None if individual else _series(scene, world),
+        "notes": [[round(float(time), 3), text] for time, text in recording.notes],
+        "series": None if individual else _series(scene),
         "movers": [
             {
-                **prism(shape_ring(track.solid), world.terrain),
+                **prism(shape_ring(track.solid), scene.world.terrain),
                 "start": round(track.start, 3),
                 "end": round(track.end, 3) if np.isfinite(track.end) else None,
                 "time": rounded(track.time, 3),
                 "x": rounded(track.offset[:, 0], 3),
                 "y": rounded(track.offset[:, 1], 3),
             }
-            for track in scene.tracks
+            for track in recording.obstacles
         ],
     }
 
@@ -81,7 +74,7 @@ def _phases(scene: Scene) -> tuple[list[Array], list[dict[str, Any]]]:
     sets: list[Array] = []
     number: dict[bytes, int] = {}
     phases: list[dict[str, Any]] = []
-    for time, status in zip(scene.time, scene.status, strict=True):
+    for time, status in zip(scene.recording.time, scene.recording.status, strict=True):
         slots = np.asarray(status.slots, dtype=float)
         key = slots.tobytes()
         if key not in number:
@@ -108,36 +101,31 @@ def _phases(scene: Scene) -> tuple[list[Array], list[dict[str, Any]]]:
 
 def _paths(scene: Scene) -> dict[str, Any]:
     """The paths being followed, a few times a second, with the fewest points that show them."""
-    duration = max(float(scene.time[-1] - scene.time[0]), 1e-6)
+    time = scene.recording.time
+    duration = max(float(time[-1] - time[0]), 1e-6)
     spacing = max(0.25, duration * scene.size / _MOST_PATHS)
-    marks = np.arange(scene.time[0], scene.time[-1] + spacing, spacing)
-    picked = np.unique(np.clip(np.searchsorted(scene.time, marks), 0, len(scene.time) - 1))
+    marks = np.arange(time[0], time[-1] + spacing, spacing)
+    picked = np.unique(np.clip(np.searchsorted(time, marks), 0, len(time) - 1))
     lines, etas = [], []
     for cycle in picked:
-        status = scene.status[int(cycle)]
-        lines.append([steps(simplified(_finite(line), 0.015), 100) for line in status.paths])
+        status = scene.recording.status[int(cycle)]
+        drawable = [line[np.isfinite(line).all(axis=1)] for line in status.paths]
+        lines.append([steps(simplified(line, 0.015), 100) for line in drawable])
         best = float(np.min(status.eta, initial=np.inf))
         etas.append(round(10.0 * best) if np.isfinite(best) else None)
-    return {"time": steps(scene.time[picked], 1000), "lines": lines, "eta": etas}
+    return {"time": steps(time[picked], 1000), "lines": lines, "eta": etas}
 
 
-def _finite(line: Array) -> Array:
-    """The points `(K, 2)` of a path that can be drawn."""
-    points = np.asarray(line, dtype=float).reshape(-1, 2)
-    return points[np.isfinite(points).all(axis=1)]
-
-
-def _series(scene: Scene, world: World) -> dict[str, Any]:
+def _series(scene: Scene) -> dict[str, Any]:
     """Distances over time, thinned to what a small chart can show without losing the minima."""
-    clear = np.minimum(obstacle_distances(scene, world), 99.0)
-    stride = max(1, -(-len(scene.time) // _MOST_SERIES))
-    starts = np.arange(0, len(scene.time), stride)
+    clear, time = np.minimum(obstacle_distances(scene), 99.0), scene.recording.time
+    starts = np.arange(0, len(time), max(1, -(-len(time) // _MOST_SERIES)))
     clear = np.minimum.reduceat(clear, starts, axis=0)
     nearest = np.zeros((len(starts), 0))
     if scene.size > 1:
-        nearest = np.minimum.reduceat(neighbour_distances(scene.poses), starts, axis=0)
+        nearest = np.minimum.reduceat(neighbour_distances(scene.recording.poses), starts, axis=0)
     return {
-        "time": steps(scene.time[starts], 1000),
+        "time": steps(time[starts], 1000),
         "obstacle": [steps(clear[:, k], 100) for k in range(scene.size)],
         "neighbour": [steps(np.minimum(line, 99.0), 100) for line in nearest.T],
     }

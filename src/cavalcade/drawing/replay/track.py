@@ -8,8 +8,7 @@ import numpy as np
 
 from cavalcade.drawing.physics.signals import descriptions_of
 from cavalcade.drawing.replay.packing import packed, ranged, rounded, steps
-from cavalcade.geometry import Array
-from cavalcade.geometry.constants import GRAVITY
+from cavalcade.geometry import GRAVITY, Array
 from cavalcade.recording.physics_track import ContactEvent, PhysicsTrack
 from cavalcade.robots.description import QuadrupedDescription
 
@@ -38,14 +37,7 @@ def track_data(
 ) -> dict[str, Any]:
     """Samples, mechanisms and events of a track; puts columns to each of the page's robots.
 
-    Args:
-        scenario: The scenario that was run.
-        track: What the robots did.
-        recording: What they were commanded, on the track's clock; None where nothing is known.
-        robots: The page's robots.
-
-    Raises:
-        RecordingError: The track is empty, or not that of the scenario's robots.
+    The recording, if there is one, tells what they were commanded, on the track's clock.
     """
     descriptions = descriptions_of(scenario, track)
     shown = track.thinned(-(-len(track.time) * track.size // _MOST_SAMPLES))
@@ -107,20 +99,12 @@ def skeleton_of(description: QuadrupedDescription) -> dict[str, Any]:
     `links[k]` is moved by joint `k` and is link `k + 1`: its `parent` link, the joint's `offset`
     in the parent's frame (m) and its `axis`. `feet` are the balls' centres in their calves' frames.
     """
-    links = []
+    links, feet = [], []
     for leg, said in enumerate(description.legs):
         for j, joint in enumerate(said.joints):
-            links.append(
-                {
-                    "parent": 0 if j == 0 else 3 * leg + j,
-                    "offset": [round(float(part), 7) for part in joint.offset],
-                    "axis": [float(part) for part in joint.axis],
-                }
-            )
-    feet = [
-        {"link": 3 * leg + 3, "offset": [round(float(part), 7) for part in said.foot]}
-        for leg, said in enumerate(description.legs)
-    ]
+            parent, axis = 3 * leg + j if j else 0, [float(part) for part in joint.axis]
+            links.append({"parent": parent, "offset": rounded(joint.offset, 7), "axis": axis})
+        feet.append({"link": 3 * leg + 3, "offset": rounded(said.foot, 7)})
     return {"links": links, "feet": feet, "radius": description.foot_radius}
 
 

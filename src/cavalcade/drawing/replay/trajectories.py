@@ -23,9 +23,10 @@ _MOST_FOOTHOLDS = 12_000
 
 def plan_data(scene: PlanScene, robots: list[dict[str, Any]]) -> dict[str, Any]:
     """The unit of the footholds' times; puts `path` and `feet` to each of the page's robots."""
-    stepping = sum(len(feet) for feet in scene.footholds) <= _MOST_FOOTHOLDS
+    paths, footholds = scene.plan.trajectories, scene.plan.footholds
+    stepping = sum(len(feet) for feet in footholds) <= _MOST_FOOTHOLDS
     tick = max(0.002, scene.makespan / 60_000)
-    for robot, path, feet in zip(robots, scene.paths, scene.footholds, strict=True):
+    for robot, path, feet in zip(robots, paths, footholds, strict=True):
         robot["path"] = None if path is None else _path(path)
         robot["feet"] = _feet(feet, tick) if stepping and len(feet) else None
     return {"tick": tick}

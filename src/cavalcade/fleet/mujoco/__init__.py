@@ -3,10 +3,10 @@
 Importing this package does not load MuJoCo; making a simulator does.
 """
 
-from cavalcade.fleet.mujoco.contacts import ContactRecorder
 from cavalcade.fleet.mujoco.fleet import MujocoFleet
 from cavalcade.fleet.mujoco.ground import PhysicsGround
 from cavalcade.fleet.mujoco.own_robot import own_robot
+from cavalcade.fleet.mujoco.sampling import ContactRecorder
 from cavalcade.fleet.mujoco.settings import PhysicsSettings
 from cavalcade.fleet.mujoco.simulator import TeamSimulator
 

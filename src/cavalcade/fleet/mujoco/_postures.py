@@ -29,11 +29,7 @@ def planar_poses(qpos):
 
 @njit(cache=True)
 def planar_velocities(qpos, qvel):
-    """`(N, 3)` m/s, m/s and rad/s about the vertical, map frame.
-
-    Args:
-        qpos, qvel: `(N, 19)`, `(N, 18)` as MuJoCo has them: rates are those of the body's frame.
-    """
+    """`(N, 3)` m/s, m/s and rad/s about the vertical, map frame, of states as MuJoCo has them."""
     velocities = np.empty((qpos.shape[0], 3))
     for k in range(qpos.shape[0]):
         w, x, y, z = qpos[k, 3], qpos[k, 4], qpos[k, 5], qpos[k, 6]
@@ -50,11 +46,8 @@ def planar_velocities(qpos, qvel):
 def find_falls(qpos, ground, lowest, most_tilt):
     """`(N,)` 0 for robots that stand, 1 for those that lean too much, 2 for those that are too low.
 
-    Args:
-        qpos: `(N, 19)` as MuJoCo has them.
-        ground: `(N,)` heights below the trunks, m.
-        lowest: `(N,)` least heights of trunks over it, m.
-        most_tilt: Largest magnitude of roll and pitch, rad.
+    `lowest` `(N,)` are the least heights of trunks over the `ground` `(N,)` below them, m;
+    `most_tilt` is the largest magnitude of roll and pitch, rad.
     """
     falls = np.zeros(qpos.shape[0], np.int64)
     for k in range(qpos.shape[0]):

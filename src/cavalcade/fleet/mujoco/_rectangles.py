@@ -29,12 +29,7 @@ def cover(grid: NDArray[np.bool_]) -> NDArray[np.int64]:
     """Rectangles of occupied cells that hold every occupied cell beside a free one.
 
     What lies deeper is covered as it comes: nothing gets there. Beyond the grid nothing is free.
-
-    Args:
-        grid: `(rows, cols)` bool, True where occupied.
-
-    Returns:
-        `(M, 4)` rows from, to, columns from, to (half-open).
+    Returns `(M, 4)` rows from, to, columns from, to (half-open).
     """
     inner = binary_erosion(grid, np.ones((3, 3), bool), border_value=1)
     return cover_wanted(grid, np.ascontiguousarray(grid.T), grid & ~inner)

@@ -5,11 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-FOOT = 4
-"""Index of `foot` in the parts."""
-
-OTHERS = 2
-"""What is no robot: ground 0, obstacle 1; robot k counts as 2 + k."""
+FOOT = 4  # index of `foot` in the parts
+OTHERS = 2  # what is no robot: ground 0, obstacle 1; robot k counts as 2 + k
 
 
 MOTOR = np.dtype(

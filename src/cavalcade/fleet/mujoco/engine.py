@@ -23,9 +23,5 @@ def load_mujoco() -> Any:
             "MuJoCo is not installed: pip install 'cavalcade[physics]'", key="physics"
         ) from None
     if mujoco.get_mju_user_warning() is None:
-        mujoco.set_mju_user_warning(_ignore)
+        mujoco.set_mju_user_warning(lambda _: None)
     return mujoco
-
-
-def _ignore(_: str) -> None:
-    """A warning that is counted."""

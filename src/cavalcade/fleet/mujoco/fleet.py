@@ -12,7 +12,7 @@ from cavalcade.errors import InputError
 from cavalcade.fleet.mujoco._postures import find_falls, planar_poses, planar_velocities
 from cavalcade.fleet.mujoco.ground import PhysicsGround
 from cavalcade.fleet.mujoco.leaping import APPROACH, Leapers
-from cavalcade.fleet.mujoco.sampling import Sampler, Samples
+from cavalcade.fleet.mujoco.sampling import Sampler
 from cavalcade.fleet.mujoco.sensing import Sensing, SensingErrors
 from cavalcade.fleet.mujoco.settings import PhysicsSettings
 from cavalcade.fleet.mujoco.simulator import TeamSimulator
@@ -22,6 +22,7 @@ from cavalcade.geometry import Array
 from cavalcade.lattice.ground import Ground
 from cavalcade.locomotion.control import LegControl
 from cavalcade.locomotion.settings import GaitSettings
+from cavalcade.recording.physics_track import FallEvent, PhysicsTrack
 from cavalcade.robots.model import RobotModel
 from cavalcade.scenario import ObstacleSpan
 
@@ -145,17 +146,14 @@ class MujocoFleet(RadioFleet):
         """
         self._leapers.take(robot, request)
 
-    def samples(self) -> Samples:
-        """What happened to bodies, joints and feet so far, 50 times a second."""
-        return self._sampler.samples()
+    def track(self, start: float = 0.0) -> PhysicsTrack:
+        """What happened so far, 50 times a second, in time since the clock showed `start` s."""
+        falls = tuple(FallEvent(round(fall.time - start, 9), fall.robot) for fall in self.falls)
+        return self._sampler.track(start, falls)
 
     def push(self, robot: int, force: ArrayLike, duration: float) -> None:
         """Push a trunk with the force `(3,)`, map frame, N, for so many seconds from now on."""
         self.simulator.push(robot, force, duration)
-
-    def state_bytes(self) -> bytes:
-        """The state of physics to the last bit, to compare runs."""
-        return self.simulator.state_bytes()
 
     def _move(self, start: float, dt: float) -> Array:
         """Leg control and physics in turns; physics is at most half a step of its own off."""
@@ -193,11 +191,7 @@ class MujocoFleet(RadioFleet):
                 self.simulator.place_obstacle(number, place)
 
     def _judge(self) -> None:
-        """Look for falls in the newest sample.
-
-        Raises:
-            InputError: Physics has become unstable: what it shows is no motion of robots.
-        """
+        """Look for falls in the newest sample; unstable physics shows no motion of robots."""
         trouble = self.simulator.trouble
         if trouble is not None:
             raise InputError(

@@ -1,22 +1,56 @@
-"""The ground that robots walk on in physics, and the obstacles on it."""
+"""The ground that robots walk on in physics, and the upright boxes and cylinders on it."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cavalcade.fleet.mujoco.blocks import HEIGHT, Block, blocks_of_map, blocks_of_shape
+from cavalcade.fleet.mujoco._rectangles import cover
 from cavalcade.geometry import Array, rectangle_corners
 from cavalcade.scenario.timeline import ObstacleSpan
 from cavalcade.scenario.worlds import World
-from cavalcade.world import OccupancyMap, Terrain, shape_from_mapping
+from cavalcade.world import (
+    Box,
+    Circle,
+    OccupancyMap,
+    Shape,
+    Terrain,
+    rasterise,
+    shape_from_mapping,
+)
+
+HEIGHT = 0.5
+"""Of obstacles over the ground, m: higher than a robot."""
+
+WALL = 0.2
+"""Thickness of the walls around a map, m."""
+
+
+@dataclass(frozen=True)
+class Block:
+    """An upright box or cylinder.
+
+    Attributes:
+        kind: Which.
+        pose: x, y, yaw of its centre in the map frame, m and rad.
+        half: Half lengths along its own x and y, m; of a cylinder both are its radius.
+        bottom, top: Heights, m.
+    """
+
+    kind: Literal["box", "cylinder"]
+    pose: tuple[float, float, float]
+    half: tuple[float, float]
+    bottom: float = 0.0
+    top: float = HEIGHT
 
 
 @dataclass(frozen=True)
 class PhysicsGround:
-    """The ground and what stands on it.
+    """The ground and what stands on it; level without end, and empty, by default.
 
     Attributes:
         terrain: Its heights; None for level ground without end at height 0.
@@ -27,11 +61,6 @@ class PhysicsGround:
     terrain: Terrain | None = None
     fixed: tuple[Block, ...] = ()
     movable: tuple[tuple[Block, ...], ...] = ()
-
-    @classmethod
-    def flat(cls) -> PhysicsGround:
-        """Level ground without end at height 0, and nothing on it."""
-        return cls()
 
     @classmethod
     def of_map(cls, map: OccupancyMap) -> PhysicsGround:
@@ -96,3 +125,39 @@ class PhysicsGround:
 def movable_spans(world: World) -> tuple[ObstacleSpan, ...]:
     """The spans of `world.spans` whose obstacles come, go or move, in order."""
     return tuple(span for span in world.spans if not span.fixed)
+
+
+def blocks_of_map(map: OccupancyMap) -> tuple[Block, ...]:
+    """Boxes whose union touches free ground where occupied cells and the map's border do.
+
+    Ground beyond the map counts as occupied: walls stand around it where it is free inside.
+    """
+    cells = math.ceil(WALL / map.resolution)
+    grid = np.pad(map.occupied, cells, constant_values=True)
+    return tuple(_box(map, *(int(v) - cells for v in edges)) for edges in cover(grid))
+
+
+def blocks_of_shape(shape: Shape, resolution: float = 0.05) -> tuple[Block, ...]:
+    """The shape itself, a box or a circle; a polygon as boxes of the cells that it touches."""
+    if isinstance(shape, Circle):
+        return (Block("cylinder", (*shape.center, 0.0), (shape.radius, shape.radius)),)
+    if isinstance(shape, Box):
+        half = (shape.size[0] / 2.0, shape.size[1] / 2.0)
+        return (Block("box", (*shape.center, shape.yaw), half),)
+    x_min, y_min, x_max, y_max = shape.bounds
+    # Cells on the map's own lines, with free ones around the shape.
+    col, row = math.floor(x_min / resolution) - 1, math.floor(y_min / resolution) - 1
+    rows = math.ceil(y_max / resolution) + 1 - row
+    cols = math.ceil(x_max / resolution) + 1 - col
+    origin = (col * resolution, row * resolution, 0.0)
+    grid = rasterise([shape], rows, cols, resolution, origin)
+    local = OccupancyMap(np.where(grid, np.int8(100), np.int8(0)), resolution, origin)
+    return tuple(_box(local, *(int(v) for v in edges)) for edges in cover(grid))
+
+
+def _box(map: OccupancyMap, low: int, high: int, left: int, right: int) -> Block:
+    """Rows `low` to `high` and columns `left` to `right` (half-open) of a map."""
+    cell = map.resolution
+    ((x, y),) = map.to_map([[(left + right) / 2.0 * cell, (low + high) / 2.0 * cell]])
+    half = ((right - left) / 2.0 * cell, (high - low) / 2.0 * cell)
+    return Block("box", (float(x), float(y), map.origin[2]), half)

@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from cavalcade.fleet.mujoco.blocks import Block
 from cavalcade.fleet.mujoco.engine import load_mujoco
-from cavalcade.fleet.mujoco.filtering import WORLD_AFFINITY, WORLD_TYPE
-from cavalcade.fleet.mujoco.ground import PhysicsGround
+from cavalcade.fleet.mujoco.ground import Block, PhysicsGround
 from cavalcade.world import Terrain
+
+WORLD_TYPE, WORLD_AFFINITY = 1, 0
+"""Bits of the ground and obstacles, which do not touch each other; see `robot_spec.robot_bits`."""
 
 AWAY = (0.0, 0.0, -1000.0)
 """Where obstacles are that are not there, m."""

@@ -46,22 +46,15 @@ class Leapers:
         return held
 
     def take(self, robot: int, request: LeapRequest) -> None:
-        """Take a robot over.
-
-        Raises:
-            InputError: No such robot, or one that has been taken over already.
-        """
+        """Take a robot over."""
         if not 0 <= robot < self._control.size:
             raise InputError(f"expected a robot from 0 to {self._control.size - 1}", key="robot")
         if robot in self._pilots:
             raise InputError(f"robot {robot} is leaping already", key="robot")
         self.failed[robot] = False
+        front = float(self._fronts[robot])
         self._pilots[robot] = LeapPilot(
-            request.take_off,
-            request.landed,
-            request.edges,
-            self._heights,
-            float(self._fronts[robot]),
+            request.take_off, request.landed, request.edges, self._heights, front
         )
 
     def due(self, now: float) -> bool:
@@ -79,12 +72,7 @@ class Leapers:
     def steer(self, now: float, qpos: Array) -> NDArray[np.bool_]:
         """Let the pilots decide; `overrule` says what their robots are to do then.
 
-        Args:
-            now: s.
-            qpos: `(N, 19)` as measured.
-
-        Returns:
-            `(N,)` whose pilots decided.
+        `qpos` is `(N, 19)` as measured; returns `(N,)` whose pilots decided.
         """
         steered = self.leaping
         control, poses = self._control, planar_poses(qpos)

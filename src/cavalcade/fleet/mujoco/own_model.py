@@ -19,24 +19,15 @@ import numpy as np
 
 from cavalcade.errors import InputError
 from cavalcade.fleet.mujoco.engine import load_mujoco
+from cavalcade.locomotion.parameters import AXES
 from cavalcade.robots.description import JOINTS, LEGS
-
-AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 1.0, 0.0))
-"""Axes of the joints of hip, thigh and calf when all angles are zero."""
 
 _SAME = 1e-3
 
 
 @dataclass(frozen=True)
 class RobotSpec:
-    """One robot as a specification, and what its things are called.
-
-    Attributes:
-        spec: A fresh `MjSpec`.
-        root: The free joint.
-        joints: The 12 hinges in their order.
-        feet: The geoms of the four feet in the order of legs.
-    """
+    """A robot as a fresh `MjSpec`, and names: the free joint, the 12 hinges, the feet's geoms."""
 
     spec: Any
     root: str
@@ -58,11 +49,7 @@ class OwnModel(RobotSpec):
 
 
 def read_own_model(file: str | Path) -> OwnModel:
-    """Read a file and find trunk, legs and feet in it.
-
-    Raises:
-        InputError: MuJoCo is missing, the file cannot be read, or it is no such quadruped.
-    """
+    """Read a file and find trunk, legs and feet in it."""
     mujoco = load_mujoco()
     path = Path(file)
     if not path.is_file():
@@ -86,13 +73,6 @@ def read_own_model(file: str | Path) -> OwnModel:
     for thing in (*world.geoms, *world.sites, *world.lights, *others):
         spec.delete(thing)
     return OwnModel(spec, root, joints, feet, spec.compile(), torques)
-
-
-def links_of(model: Any, joints: tuple[str, ...]) -> dict[int, int]:
-    """Body of the trunk and of the 12 links to index: 0, and `1 + 3 * leg + j`."""
-    bodies = [int(model.joint(name).bodyid[0]) for name in joints]
-    trunk = int(model.body_weldid[model.body_parentid[bodies[0]]])
-    return {trunk: 0, **{body: 1 + number for number, body in enumerate(bodies)}}
 
 
 def zero_state(model: Any) -> Any:
@@ -206,31 +186,27 @@ def _foot(model: Any, calf: str, leg: int, path: Path) -> str:
 
 def _torque(model: Any, name: str, path: Path) -> float:
     """The largest torque of a joint: its actuator's force or control range, or its own."""
-    torque = _upper_torque(model, name, path)
+    joint = model.joint(name).id
+    torque = float(model.jnt_actfrcrange[joint, 1]) if model.jnt_actfrclimited[joint] else None
+    for actuator in range(model.nu):
+        if torque is not None or model.actuator_trnid[actuator, 0] != joint:
+            continue
+        gear = abs(float(model.actuator_gear[actuator, 0]))
+        is_motor = model.actuator_biastype[actuator] == 0
+        if model.actuator_forcelimited[actuator]:
+            torque = gear * float(model.actuator_forcerange[actuator, 1])
+        elif is_motor and model.actuator_ctrllimited[actuator]:
+            gain = float(model.actuator_gainprm[actuator, 0])
+            torque = gear * gain * float(model.actuator_ctrlrange[actuator, 1])
+    if torque is None:
+        raise InputError(
+            f"joint {name!r} has no torque limit: expected `actuatorfrcrange` of the joint, or an "
+            "actuator of it with `forcerange`",
+            file=path,
+        )
     if not torque > 0.0:
         raise InputError(
             f"joint {name!r} has a largest torque of {torque:g} N m; expected a positive one",
             file=path,
         )
     return torque
-
-
-def _upper_torque(model: Any, name: str, path: Path) -> float:
-    joint = model.joint(name).id
-    if model.jnt_actfrclimited[joint]:
-        return float(model.jnt_actfrcrange[joint, 1])
-    for actuator in range(model.nu):
-        if model.actuator_trnid[actuator, 0] != joint:
-            continue
-        gear = abs(float(model.actuator_gear[actuator, 0]))
-        if model.actuator_forcelimited[actuator]:
-            return gear * float(model.actuator_forcerange[actuator, 1])
-        is_motor = model.actuator_biastype[actuator] == 0
-        if is_motor and model.actuator_ctrllimited[actuator]:
-            gain = float(model.actuator_gainprm[actuator, 0])
-            return gear * gain * float(model.actuator_ctrlrange[actuator, 1])
-    raise InputError(
-        f"joint {name!r} has no torque limit: expected `actuatorfrcrange` of the joint, or an "
-        "actuator of it with `forcerange`",
-        file=path,
-    )

@@ -10,22 +10,23 @@ from typing import Any
 import numpy as np
 
 from cavalcade.fleet.mujoco.engine import load_mujoco
-from cavalcade.fleet.mujoco.own_model import AXES, OwnModel, links_of, read_own_model, zero_state
+from cavalcade.fleet.mujoco.own_model import OwnModel, read_own_model, zero_state
+from cavalcade.locomotion.parameters import AXES
 from cavalcade.robots.description import (
+    PARTS,
     BodyShape,
+    Inertial,
     JointDescription,
     LegDescription,
-    PartName,
     QuadrupedDescription,
     ShapeKind,
+    Vector,
+    combined,
 )
-from cavalcade.robots.inertial import Inertial, Vector, combined
 from cavalcade.robots.model import RobotModel
 
 _BENT = 0.61
 """Height of a standing hip over the foot's centre, of the leg's length; as Go1 stands."""
-
-_PARTS: tuple[PartName, ...] = ("trunk", "hip", "thigh", "calf")
 
 
 def own_robot(file: str | Path, like: RobotModel) -> RobotModel:
@@ -41,14 +42,11 @@ def own_robot(file: str | Path, like: RobotModel) -> RobotModel:
     Raises:
         InputError: MuJoCo is missing, the file cannot be read, or it is no such quadruped.
     """
-    description = describe(read_own_model(file), Path(file))
-    return replace(like, name=description.name, source=str(file), description=description)
-
-
-def describe(own: OwnModel, file: Path) -> QuadrupedDescription:
-    """The description of a user's model."""
+    own = read_own_model(file)
     model, data = own.model, zero_state(own.model)
-    links = links_of(model, own.joints)
+    # Body of the trunk and of the 12 links to index: 0, and `1 + 3 * leg + j`.
+    bodied = (own.root, *own.joints)
+    links = {int(model.joint(name).bodyid[0]): number for number, name in enumerate(bodied)}
     places = [np.zeros(3), *(data.xanchor[model.joint(name).id] for name in own.joints)]
     bodies = _inertials(model, data, links, places)
     legs = []
@@ -66,8 +64,8 @@ def describe(own: OwnModel, file: Path) -> QuadrupedDescription:
     hip, thigh, calf = legs[0].joints
     length = math.hypot(*calf.offset[::2]) + math.hypot(*legs[0].foot[::2])
     looks, solids = _shapes(own, data, links, places)
-    return QuadrupedDescription(
-        name=file.stem,
+    description = QuadrupedDescription(
+        name=Path(file).stem,
         trunk=bodies[0],
         legs=(legs[0], legs[1], legs[2], legs[3]),
         foot_radius=radius,
@@ -77,6 +75,7 @@ def describe(own: OwnModel, file: Path) -> QuadrupedDescription:
         source=str(file),
         file=str(file),
     )
+    return replace(like, name=description.name, source=str(file), description=description)
 
 
 def _joint(own: OwnModel, number: int, offset: Vector) -> JointDescription:
@@ -139,7 +138,7 @@ def _shapes(
         mujoco.mju_mat2Quat(rotation, data.geom_xmat[geom])
         w, x, y, z = (float(value) for value in rotation)
         shape = BodyShape(
-            "foot" if foot else _PARTS[0 if link == 0 else 1 + (link - 1) % 3],
+            "foot" if foot else PARTS[0 if link == 0 else 1 + (link - 1) % 3],
             -1 if link == 0 else (link - 1) // 3,
             kind,
             _vector(size),

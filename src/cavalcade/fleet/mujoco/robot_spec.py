@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 from typing import Any
 
 from cavalcade.fleet.mujoco.engine import load_mujoco
 from cavalcade.fleet.mujoco.own_model import RobotSpec, read_own_model
-from cavalcade.robots.description import JOINTS, LEGS, BodyShape, QuadrupedDescription
-from cavalcade.robots.inertial import Inertial
+from cavalcade.robots.description import JOINTS, LEGS, BodyShape, Inertial, QuadrupedDescription
 
 FOOT_SOLREF = (0.01, 1.0)
 FOOT_SOLIMP = (0.9, 0.95, 0.001, 0.5, 2.0)
@@ -26,6 +27,24 @@ BODY_PRIORITY = 1
 TOUCH_SENSORS = tuple(f"cavalcade_touch_{leg}" for leg in LEGS)
 """Of names that no model of one's own is likely to have."""
 
+BITS = 30
+"""Bits that say which shapes may touch, for robots: the first is the world's, the 32nd the sign."""
+
+
+def robot_bits(robots: int) -> list[tuple[int, int]]:
+    """`contype` and `conaffinity` of each of so many robots: they touch all but themselves.
+
+    MuJoCo lets two shapes touch if the `contype` bits of one meet the `conaffinity` bits of the
+    other. Robots get sets of equally many bits, no two the same, and ask for all bits but their
+    own: two different sets of one size never lie in each other, so two robots always meet, and one
+    never meets itself. Sets of one bit serve 30 robots, of two 435, and so on.
+    """
+    size = next(size for size in range(1, BITS) if math.comb(BITS, size) >= robots)
+    everything = 2 ** (BITS + 1) - 1
+    sets = itertools.islice(itertools.combinations(range(1, BITS + 1), size), robots)
+    codes = [sum(1 << bit for bit in chosen) for chosen in sets]
+    return [(code, everything & ~code) for code in codes]
+
 
 def robot_spec(
     description: QuadrupedDescription,
@@ -36,15 +55,8 @@ def robot_spec(
     """A fresh specification of one robot: from its description, or from its own file.
 
     Motors are called `motor_` and the joint's number; touch sensors on the feet `TOUCH_SENSORS`.
-
-    Args:
-        description: Of the robot.
-        bits: `contype` and `conaffinity` of its shapes.
-        friction: Coulomb coefficient of its shapes.
-        looks: Whether to add the shapes for drawing.
-
-    Raises:
-        InputError: MuJoCo is missing, or the robot's own file cannot be used.
+    Of its shapes `bits` are `contype` and `conaffinity`, `friction` is the Coulomb coefficient;
+    with `looks` there are also those for drawing.
     """
     if description.file:
         robot: RobotSpec = read_own_model(description.file)

@@ -1,42 +1,98 @@
-"""Keeps what happened to a team in physics: samples in memory, 50 a second."""
+"""Keeps what happened to a team in physics: bodies, joints, forces and contacts, 50 times a second.
+
+It is read from the physics itself, and from nothing that leg control uses.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from operator import attrgetter
 
 import numpy as np
 
-from cavalcade.fleet.mujoco._step import keep_peaks
-from cavalcade.fleet.mujoco.contacts import ContactRecorder
+from cavalcade.fleet.mujoco._step import OTHERS, add_contacts, keep_peaks
 from cavalcade.fleet.mujoco.simulator import TeamSimulator
 from cavalcade.geometry import Array
-from cavalcade.recording.physics_track import ContactEvent
+from cavalcade.recording.physics_track import ContactEvent, FallEvent, PhysicsTrack
+from cavalcade.robots.description import PARTS
 
 SAMPLE_PERIOD = 0.02
 """Time between two samples, s."""
 
+QUIET = 0.1
+"""A contact that was gone for longer begins anew, s."""
 
-@dataclass(frozen=True)
-class Samples:
-    """N robots at T moments; map frame.
+_ROOM = 256
+"""Contacts that may begin in one step."""
 
-    Attributes:
-        time: `(T,)` s.
-        qpos: `(T, N, 19)` trunk's position in m and quaternion w, x, y, z, joint angles in rad.
-        joint_rates: `(T, N, 12)` rad/s.
-        torques: `(T, N, 12)` N m, of largest magnitude since the sample before.
-        foot_forces: `(T, N, 4, 3)` N, mean of the contact forces since the sample before.
-        contacts: In order of time, each when it begins and, while it lasts, between any two
-            samples.
+
+class ContactRecorder:
+    """Sums the forces on feet and lists all other contacts.
+
+    `record` is to be called after every step of the simulator.
+
+    Args:
+        simulator: Whose contacts.
     """
 
-    time: Array
-    qpos: Array
-    joint_rates: Array
-    torques: Array
-    foot_forces: Array
-    contacts: tuple[ContactEvent, ...]
+    def __init__(self, simulator: TeamSimulator) -> None:
+        team, size = simulator.team, simulator.size
+        self._simulator = simulator
+        self._data = simulator.data
+        self._kinds = np.stack([team.geom_robot, team.geom_part, team.geom_leg], axis=1)
+        self._quiet = round(QUIET / simulator.settings.step)
+        self._impulses = np.zeros((size, 4, 3))
+        self._seen = np.full((size, len(PARTS), OTHERS + size), -1)
+        self._begun = np.zeros((_ROOM, 3), dtype=np.int64)
+        self._names = ("ground", "obstacle", *(f"robot {k}" for k in range(size)))
+        self._steps, self._taken = 0, 0
+        self._contacts: list[ContactEvent] = []
+        # Arrays of at most one contact count as contiguous, others do not: compiled for both now.
+        contact = self._data.contact
+        self._add(contact.geom[:0], contact.frame[:0], contact.efc_address[:0])
+
+    @property
+    def contacts(self) -> tuple[ContactEvent, ...]:
+        """All that began so far, in order of time."""
+        return tuple(self._contacts)
+
+    def record(self) -> None:
+        """Add the contacts of the simulator's last step."""
+        contact = self._data.contact
+        begun = self._add(contact.geom, contact.frame, contact.efc_address)
+        self._steps += 1
+        if begun:
+            time = self._simulator.time
+            for robot, part, other in self._begun[:begun].tolist():
+                self._contacts.append(ContactEvent(time, robot, PARTS[part], self._names[other]))
+
+    def touching(self, steps: int) -> list[ContactEvent]:
+        """What was in contact during the last `steps` recorded steps, at the last time of each."""
+        since = max(self._steps - steps, 0)
+        step = self._simulator.settings.step
+        begin = self._simulator.time - self._steps * step
+        now = self._seen >= since
+        places, lasts = np.argwhere(now).tolist(), self._seen[now].tolist()
+        return [
+            ContactEvent(begin + (last + 1) * step, robot, PARTS[part], self._names[other])
+            for (robot, part, other), last in zip(places, lasts, strict=True)
+        ]
+
+    def take_forces(self) -> Array:
+        """`(N, 4, 3)` N: mean force on each foot since the last call, map frame; starts anew.
+
+        It is zero where no step was recorded since.
+        """
+        mean = self._impulses / max(self._steps - self._taken, 1)
+        self._impulses[:] = 0.0
+        self._taken = self._steps
+        return mean
+
+    def _add(self, geoms: Array, frames: Array, rows: Array) -> int:
+        contacts = (geoms, frames, rows, self._data.efc_force)
+        return add_contacts(
+            contacts, self._kinds, self._steps, self._quiet, self._impulses, self._seen, self._begun
+        )
 
 
 class Sampler:
@@ -45,23 +101,23 @@ class Sampler:
     Args:
         simulator: At its start, which is the first sample.
         time: The clock then, s.
+
+    Attributes:
+        contacts: In order of time, each when it begins and, while it lasts, between any two
+            samples.
     """
 
     def __init__(self, simulator: TeamSimulator, time: float) -> None:
         self._simulator = simulator
         self._start = time
         self._every = max(1, round(SAMPLE_PERIOD / simulator.settings.step))
-        size = simulator.size
         self._recorder = ContactRecorder(simulator)
         self._known = 0
-        self._peaks = np.zeros((size, 12))
+        self._peaks = np.zeros((simulator.size, 12))
         self._steps = 0
-        self._time: list[float] = []
-        self._qpos: list[Array] = []
-        self._rates: list[Array] = []
-        self._torques: list[Array] = []
-        self._foot_forces: list[Array] = []
-        self._contacts: list[ContactEvent] = []
+        # Time, positions, joint rates, torques and forces on feet of each sample.
+        self._kept: list[tuple[float, Array, Array, Array, Array]] = []
+        self.contacts: list[ContactEvent] = []
         self._keep()
 
     def step(self) -> bool:
@@ -77,35 +133,34 @@ class Sampler:
     @property
     def time(self) -> float:
         """Time of the last sample, s."""
-        return self._time[-1]
+        return self._kept[-1][0]
 
     @property
     def qpos(self) -> Array:
         """Positions and joint angles `(N, 19)` of the last sample."""
-        return self._qpos[-1]
+        return self._kept[-1][1]
 
-    @property
-    def contacts(self) -> list[ContactEvent]:
-        """All so far, as of `Samples`; not to be changed."""
-        return self._contacts
-
-    def samples(self) -> Samples:
-        """Everything so far."""
-        return Samples(
-            time=np.array(self._time),
-            qpos=np.array(self._qpos),
-            joint_rates=np.array(self._rates),
-            torques=np.array(self._torques),
-            foot_forces=np.array(self._foot_forces),
-            contacts=tuple(self._contacts),
+    def track(self, start: float, falls: tuple[FallEvent, ...]) -> PhysicsTrack:
+        """Everything so far, in time since the clock showed `start` s."""
+        time, qpos, rates, torques, forces = map(np.array, zip(*self._kept, strict=True))
+        return PhysicsTrack(
+            time=(time - start).round(9),
+            base=qpos[..., :7],
+            joints=qpos[..., 7:],
+            joint_rates=rates,
+            torques=torques,
+            foot_forces=forces,
+            contacts=tuple(
+                replace(contact, time=round(contact.time - start, 9)) for contact in self.contacts
+            ),
+            falls=falls,
         )
 
     def _keep(self) -> None:
-        self._time.append(round(self._start + self._simulator.time, 9))
-        self._qpos.append(self._simulator.qpos)
-        self._rates.append(self._simulator.qvel[:, 6:])
-        self._torques.append(self._peaks.copy())
-        self._foot_forces.append(self._recorder.take_forces())
+        simulator, forces = self._simulator, self._recorder.take_forces()
+        time = round(self._start + simulator.time, 9)
+        rates = simulator.qvel[:, 6:]
+        self._kept.append((time, simulator.qpos, rates, self._peaks.copy(), forces))
         self._peaks[:] = 0.0
         # Contacts that began since the last sample, and those that went on.
         begun = self._recorder.contacts[self._known :]
@@ -117,6 +172,6 @@ class Sampler:
             if (contact.robot, contact.part, contact.other) not in names
         )
         found = sorted((*begun, *lasting), key=attrgetter("time"))
-        self._contacts += (
+        self.contacts += (
             replace(contact, time=round(self._start + contact.time, 9)) for contact in found
         )

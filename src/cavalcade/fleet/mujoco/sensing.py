@@ -47,13 +47,7 @@ class SensingErrors:
 
 
 class Sensing:
-    """Makes measured states of true ones, one per step.
-
-    Args:
-        errors: Which.
-        step: Between two states, s.
-        seed: Of the noise.
-    """
+    """Makes measured states of true ones, one every `step` s; `seed` is that of the noise."""
 
     def __init__(self, errors: SensingErrors, step: float, seed: int = 0) -> None:
         self._kept: deque[State] = deque(maxlen=1 + round(errors.delay / step))

@@ -48,11 +48,7 @@ class PhysicsSettings:
             raise InputError("expected a number from 0 to less than 1", key="variation")
 
     def sample(self, robots: int) -> tuple[Array, Array]:
-        """Friction coefficients `(N,)` and mass factors `(N,)` of so many robots.
-
-        Raises:
-            InputError: There are values for another number of robots.
-        """
+        """Friction coefficients `(N,)` and mass factors `(N,)` of so many robots."""
         factors = 1.0 + self.variation * (
             2.0 * np.random.default_rng(self.seed).random((robots, 2)) - 1.0
         )

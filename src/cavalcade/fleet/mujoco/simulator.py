@@ -51,7 +51,7 @@ class TeamSimulator:
     ) -> None:
         start = start_poses(poses, len(models))
         mujoco = load_mujoco()
-        self.ground = ground or PhysicsGround.flat()
+        self.ground = ground or PhysicsGround()
         self.settings = settings or PhysicsSettings()
         self.descriptions = tuple(map(_description, models))
         self.team = build_team(self.descriptions, self.ground, self.settings)
@@ -129,7 +129,10 @@ class TeamSimulator:
         speed = self.settings.torque_speed
         limit_torques(wanted, self._motors, speed, self._qvel, self._given, self._ctrl)
         if self._pushes:
-            self._apply_pushes()
+            self._external[self.team.trunks, :3] = 0.0
+            self._pushes = [push for push in self._pushes if push[0] > self._steps]
+            for _, robot, vector in self._pushes:
+                self._external[self.team.trunks[robot], :3] += vector
         self._advance(self.model, self.data)
         self._steps += 1
 
@@ -178,12 +181,6 @@ class TeamSimulator:
     def state_bytes(self) -> bytes:
         """Time, positions and velocities to the last bit, to compare runs."""
         return np.float64(self.time).tobytes() + self.qpos.tobytes() + self.qvel.tobytes()
-
-    def _apply_pushes(self) -> None:
-        self._external[self.team.trunks, :3] = 0.0
-        self._pushes = [push for push in self._pushes if push[0] > self._steps]
-        for _, robot, force in self._pushes:
-            self._external[self.team.trunks[robot], :3] += force
 
 
 def _description(model: RobotModel) -> QuadrupedDescription:

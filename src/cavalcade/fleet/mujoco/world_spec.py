@@ -10,11 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.fleet.mujoco.engine import load_mujoco
-from cavalcade.fleet.mujoco.filtering import robot_bits
 from cavalcade.fleet.mujoco.ground import PhysicsGround
 from cavalcade.fleet.mujoco.ground_spec import add_ground
 from cavalcade.fleet.mujoco.own_model import RobotSpec
-from cavalcade.fleet.mujoco.robot_spec import TOUCH_SENSORS, robot_spec
+from cavalcade.fleet.mujoco.robot_spec import TOUCH_SENSORS, robot_bits, robot_spec
 from cavalcade.fleet.mujoco.settings import PhysicsSettings
 from cavalcade.geometry import Array
 from cavalcade.robots.description import PARTS, QuadrupedDescription
@@ -59,11 +58,7 @@ class TeamModel:
 def build_team(
     descriptions: Sequence[QuadrupedDescription], ground: PhysicsGround, settings: PhysicsSettings
 ) -> TeamModel:
-    """Compile the world of a team.
-
-    Raises:
-        InputError: MuJoCo is missing, or settings are for another number of robots.
-    """
+    """Compile the world of a team."""
     mujoco = load_mujoco()
     size = len(descriptions)
     friction, scales = settings.sample(size)

@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array
-from cavalcade.world.generators.corridor import corridor
 from cavalcade.world.generators.model import (
     GeneratedWorld,
     Generator,
@@ -20,8 +19,8 @@ from cavalcade.world.generators.model import (
     count,
     number,
 )
-from cavalcade.world.generators.scattered import clutter, forest
 from cavalcade.world.generators.walls import maze, rooms
+from cavalcade.world.generators.zones import clutter, corridor, forest
 from cavalcade.world.occupancy import checked_resolution, grid_shape
 from cavalcade.world.shapes import Shape
 
@@ -75,14 +74,12 @@ def generate(
         if feasible or not require_feasible:
             break
     return GeneratedWorld(
+        **vars(draw),
         kind=kind,
         seed=seed,
         size=extent,
         resolution=resolution,
-        shapes=draw.shapes,
         feasible=feasible,
-        start=draw.start,
-        goal=draw.goal,
         attempts=attempt + 1,
     )
 
@@ -105,8 +102,7 @@ def is_connected(
     Args:
         shapes: Obstacles in the world frame, m.
         size: Width and height of the world, m; its lower-left corner is (0, 0).
-        start: x, y, m; further numbers (a yaw) are ignored.
-        goal: Likewise.
+        start, goal: x, y, m; further numbers (a yaw) are ignored.
         radius: Of the disc, m.
         step: Distance of the nodes, m; coarser in very large worlds.
     """

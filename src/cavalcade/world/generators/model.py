@@ -27,7 +27,7 @@ class Draw:
 
     Attributes:
         shapes: The obstacles.
-        start, goal: Poses on free ground for a team to start and to end at.
+        start, goal: Poses on free ground for the centre of a team to start and to end at.
     """
 
     shapes: tuple[Shape, ...]
@@ -40,16 +40,14 @@ Generator = Callable[..., Draw]
 
 
 @dataclass(frozen=True)
-class GeneratedWorld:
+class GeneratedWorld(Draw):
     """A world drawn by a seed. Its shapes are the truth; maps are made from them.
 
     Attributes:
         kind, seed: What it was drawn from.
         size: Width and height, m; the lower-left corner is (0, 0).
         resolution: Side of the cells of its map, m.
-        shapes: The obstacles.
         feasible: A disc of the radius asked for gets from start to goal (never claimed wrongly).
-        start, goal: Poses (x, y, yaw) on free ground for the centre of a team.
         attempts: Draws that were needed.
     """
 
@@ -57,10 +55,7 @@ class GeneratedWorld:
     seed: int
     size: Size
     resolution: float
-    shapes: tuple[Shape, ...]
     feasible: bool
-    start: Pose
-    goal: Pose
     attempts: int
 
     def to_map(self) -> OccupancyMap:

@@ -34,7 +34,6 @@ def maze(
     asked for.
 
     Args:
-        size, rng: See `Generator`.
         passage: Least width of the passages, m; they are widened to fill the world evenly.
         wall: Thickness of the walls, m.
         loops: Fraction from 0 to 1 of the remaining walls that are taken away.
@@ -84,7 +83,6 @@ def rooms(
     Start is the room at the lower left, goal the one at the upper right.
 
     Args:
-        size, rng: See `Generator`.
         room: Wanted side of a room, wall included, m; sides are fitted to the world.
         door: Width of the doors, at least 1.0 m.
         wall: Thickness of the walls, m.

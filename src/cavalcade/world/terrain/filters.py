@@ -5,13 +5,13 @@ The filter chain of Quad-SDK (Norby et al., 2022), whose constants these are.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import math
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from cavalcade.geometry import Array
-from cavalcade.world.terrain._kernels import any_within, disc, mean_within, normals_within, relax
 
 SMOOTH_RADIUS = 0.2
 """Of the mean that is the smoothed height, m."""
@@ -40,21 +40,15 @@ PIT_DEPTH = 0.5
 PIT_WIDTH = 1.25
 """Ground this wide or wider is ground of its own, however deep, m."""
 
+Offsets = NDArray[np.int64]
+"""`(K, 2)` row, col of cells, seen from another."""
+
 _FILL_WORK = 100_000_000
 """Changes of cells that filling holes may take: some seconds."""
 
 
-class Layers(NamedTuple):
-    """Layers on the grid of the heights; see `Terrain`."""
-
-    height: Array
-    smooth: Array
-    normals: Array
-    traversability: Array
-
-
-def make_layers(heights: Array, cell: float) -> Layers:
-    """All layers of raw heights.
+def make_layers(heights: Array, cell: float) -> dict[str, Array]:
+    """The layers of a `Terrain` by name, of raw heights.
 
     Args:
         heights: `(rows, cols)` m; nan in a hole or where nothing is known. At least one is finite.
@@ -75,7 +69,7 @@ def make_layers(heights: Array, cell: float) -> Layers:
     ground = np.minimum(np.maximum(ground, 0.0) + LEAST, 1.0)
     ground[any_within(unknown | pits, disc(HOLE_RADIUS / cell))] = 0.0
     normals = normals_within(smooth, disc(SMOOTH_NORMAL_RADIUS / cell), cell)
-    return Layers(height, smooth, normals, ground)
+    return {"height": height, "smooth": smooth, "normals": normals, "traversability": ground}
 
 
 def filled(heights: Array, holes: NDArray[np.bool_]) -> Array:
@@ -111,3 +105,128 @@ def find_pits(height: Array, cell: float) -> NDArray[np.bool_]:
     inner = slice(2 * half, -2 * half)
     deep: NDArray[np.bool_] = closed[inner, inner] - height >= PIT_DEPTH
     return deep
+
+
+def disc(radius: float) -> Offsets:
+    """Offsets `(K, 2)` (row, col) of the cells whose centres lie within `radius` cells."""
+    reach = math.floor(radius + 1e-9)
+    steps = np.arange(-reach, reach + 1)
+    near = steps[:, None] ** 2 + steps**2 <= radius * radius + 1e-9
+    return np.ascontiguousarray(np.argwhere(near) - reach)
+
+
+@njit(cache=True)
+def mean_within(field: Array, offsets: Offsets) -> Array:
+    """Mean over the cells at `offsets` that are on the grid, `(rows, cols)`."""
+    rows, cols = field.shape
+    out = np.empty((rows, cols))
+    for row in range(rows):
+        for col in range(cols):
+            total, count = 0.0, 0
+            for k in range(offsets.shape[0]):
+                r, c = row + offsets[k, 0], col + offsets[k, 1]
+                if 0 <= r < rows and 0 <= c < cols:
+                    total += field[r, c]
+                    count += 1
+            out[row, col] = total / count
+    return out
+
+
+@njit(cache=True)
+def any_within(mask: NDArray[np.bool_], offsets: Offsets) -> NDArray[np.bool_]:
+    """Whether one of the cells at `offsets` is set, `(rows, cols)`."""
+    rows, cols = mask.shape
+    out = np.zeros((rows, cols), np.bool_)
+    for row in range(rows):
+        for col in range(cols):
+            if mask[row, col]:
+                for k in range(offsets.shape[0]):
+                    r, c = row + offsets[k, 0], col + offsets[k, 1]
+                    if 0 <= r < rows and 0 <= c < cols:
+                        out[r, c] = True
+    return out
+
+
+@njit(cache=True)
+def normals_within(field: Array, offsets: Offsets, cell: float) -> Array:
+    """Upward normals of the planes that fit the heights around each cell best, `(rows, cols, 3)`.
+
+    Least squares in z over the cells at `offsets` that are on the grid; level in a direction
+    that they don't span.
+    """
+    rows, cols = field.shape
+    out = np.empty((rows, cols, 3))
+    for row in range(rows):
+        for col in range(cols):
+            n, sx, sy, sz = 0, 0.0, 0.0, 0.0
+            sxx, sxy, syy, sxz, syz = 0.0, 0.0, 0.0, 0.0, 0.0
+            for k in range(offsets.shape[0]):
+                r, c = row + offsets[k, 0], col + offsets[k, 1]
+                if 0 <= r < rows and 0 <= c < cols:
+                    x, y = offsets[k, 1] * cell, offsets[k, 0] * cell
+                    z = field[r, c] - field[row, col]
+                    n += 1
+                    sx += x
+                    sy += y
+                    sz += z
+                    sxx += x * x
+                    sxy += x * y
+                    syy += y * y
+                    sxz += x * z
+                    syz += y * z
+            sxx -= sx * sx / n
+            sxy -= sx * sy / n
+            syy -= sy * sy / n
+            sxz -= sx * sz / n
+            syz -= sy * sz / n
+            least = 1e-9 * cell * cell
+            determinant = sxx * syy - sxy * sxy
+            a, b = 0.0, 0.0
+            if sxx > least and syy > least and determinant > least * least:
+                a = (sxz * syy - syz * sxy) / determinant
+                b = (syz * sxx - sxz * sxy) / determinant
+            elif sxx > least:
+                a = sxz / sxx
+            elif syy > least:
+                b = syz / syy
+            length = math.sqrt(a * a + b * b + 1.0)
+            out[row, col, 0] = -a / length
+            out[row, col, 1] = -b / length
+            out[row, col, 2] = 1.0 / length
+    return out
+
+
+@njit(cache=True)
+def relax(field: Array, cells: NDArray[np.int64], sweeps: int, tolerance: float) -> None:
+    """Make the given cells the means of their neighbours, in place (Gauss-Seidel).
+
+    Args:
+        field: `(rows, cols)`.
+        cells: `(K, 2)` row, col of the cells that may change.
+        sweeps: How often at most.
+        tolerance: Ends when no cell changes more, m.
+    """
+    rows, cols = field.shape
+    for _ in range(sweeps):
+        change = 0.0
+        for k in range(cells.shape[0]):
+            r, c = cells[k, 0], cells[k, 1]
+            total, count = 0.0, 0
+            if r > 0:
+                total += field[r - 1, c]
+                count += 1
+            if r < rows - 1:
+                total += field[r + 1, c]
+                count += 1
+            if c > 0:
+                total += field[r, c - 1]
+                count += 1
+            if c < cols - 1:
+                total += field[r, c + 1]
+                count += 1
+            if count > 0:
+                mean = total / count
+                change = max(change, abs(mean - field[r, c]))
+                field[r, c] = mean
+        if change <= tolerance:
+            break

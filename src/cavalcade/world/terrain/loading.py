@@ -17,8 +17,14 @@ from cavalcade.world._descriptions import as_float, choice, load_mapping, number
 from cavalcade.world._images import PNG_SIGNATURE
 from cavalcade.world.occupancy import checked_origin, checked_resolution
 from cavalcade.world.terrain.meshes import read_mesh
-from cavalcade.world.terrain.samples import Samples, to_grid
-from cavalcade.world.terrain.tables import read_archive, read_picture, read_table, read_triple
+from cavalcade.world.terrain.samples import (
+    Samples,
+    read_archive,
+    read_picture,
+    read_table,
+    read_triple,
+    to_grid,
+)
 from cavalcade.world.terrain.terrain import RESOLUTION, Terrain, checked_cell
 
 Kind = Literal["picture", "archive", "mesh", "table", "description"]

@@ -1,22 +1,34 @@
-"""Heights as a file gives them, brought to a terrain's grid."""
+"""Heights as files give them (pictures, tables, archives), brought to a terrain's grid."""
 
 from __future__ import annotations
 
+import io
 import math
+import re
+import zipfile
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
+from numba import njit
 
 from cavalcade.errors import MapError
+from cavalcade.files import read_bytes, read_head
 from cavalcade.geometry import Array
-from cavalcade.world.terrain._sampling import block_means, resample
+from cavalcade.world._images import decode_png, png_size
 from cavalcade.world.terrain.filters import filled
-from cavalcade.world.terrain.terrain import check_terrain_size, checked_heights
+from cavalcade.world.terrain.terrain import check_terrain_size, checked_heights, sample
 
 MAX_SAMPLES = 16_000_000
 """Most heights that are read from a file."""
 
-Pose = tuple[float, float, float]
+MAX_BYTES = 128_000_000
+"""Largest file that is read."""
+
+_EVEN = 1e-3
+"""Distances of samples may differ by this share of themselves."""
+
+_NAMES = ("height", "elevation", "z")
 
 
 @dataclass(frozen=True)
@@ -76,7 +88,7 @@ def to_grid(samples: Samples, cell: float, holes: bool = True) -> Array:
     weight = unknown.astype(float)
     block = math.floor(cell / step + 1e-9)
     if block >= 2 and min(heights.shape) >= block:
-        solid, weight = _means(solid, block), _means(weight, block)
+        solid, weight = block_means(solid, block), block_means(weight, block)
         low = -0.5 * (block - 1) * step
         step *= block
     if samples.cells:
@@ -92,7 +104,155 @@ def to_grid(samples: Samples, cell: float, holes: bool = True) -> Array:
     return out
 
 
-def _means(field: Array, block: int) -> Array:
-    out = np.empty((field.shape[0] // block, field.shape[1] // block))
-    block_means(np.ascontiguousarray(field), block, out)
-    return out
+@njit(cache=True)
+def resample(field: Array, step: float, out: Array, cell: float, x0: float, y0: float) -> None:
+    """Fill `out` `(rows, cols)` of cells `cell` from a grid of samples `step` apart.
+
+    Args:
+        field: Samples; [0, 0] stands at (0, 0), not at a cell's centre.
+        step: Distance of two samples, m.
+        out: Filled; cell [0, 0]'s lower-left corner lies at (x0, y0).
+        cell: Side of its cells, m.
+        x0, y0: m.
+    """
+    for row in range(out.shape[0]):
+        for col in range(out.shape[1]):
+            x = x0 + (col + 0.5) * cell
+            y = y0 + (row + 0.5) * cell
+            out[row, col] = sample(field, step, x + 0.5 * step, y + 0.5 * step)
+
+
+def block_means(field: Array, size: int) -> Array:
+    """Means of whole blocks of `size` x `size` values; nan where one is."""
+    rows, cols = (count // size for count in field.shape)
+    total = np.zeros((rows, cols))
+    for i in range(size):
+        for j in range(size):
+            total += field[i : rows * size : size, j : cols * size : size]
+    return total / (size * size)
+
+
+def read_picture(path: Path) -> Samples:
+    """Brightness 0 (black) to 1 (white) of a PNG of 8 or 16 bits; nan where it is transparent.
+
+    Raises:
+        MapError: Not such a picture, damaged or too large.
+    """
+    width, height = png_size(read_head(path, 64), path)
+    check_sample_count(height, width)
+    values, alpha = decode_png(read_bytes(path, 16 * width * height + 1_000_000), path)
+    heights = values.astype(np.float64) / np.iinfo(values.dtype).max
+    if alpha is not None:
+        heights[alpha < 128] = np.nan
+    return Samples(heights[::-1])
+
+
+def read_table(path: Path) -> Samples:
+    """A grid of numbers, one row a line, row 0 first; empty fields and `nan` are holes.
+
+    Separated by commas, semicolons or white space; lines that begin with `#` are skipped.
+
+    Raises:
+        MapError: Not such a file, or too large.
+    """
+    return Samples(_numbers(path))
+
+
+def read_triple(x: Path, y: Path, z: Path) -> Samples:
+    """Heights `z` at places `x`, `y`, three tables of one shape, as Quad-SDK writes them.
+
+    Raises:
+        MapError: The tables differ in shape, or the places are no even grid.
+    """
+    along, across, heights = _numbers(x), _numbers(y), _numbers(z)
+    if not along.shape == across.shape == heights.shape:
+        raise MapError(f"differs in shape from {x.name} and {y.name}")
+    if min(heights.shape) < 2:
+        raise MapError("expected at least 2 x 2 heights")
+    places = []
+    for name, table in ((x.name, along), (y.name, across.T)):
+        line = table[0]
+        steps = np.diff(line)
+        step = float(steps.mean())
+        with np.errstate(invalid="ignore"):
+            even = step != 0.0 and bool((np.abs(steps - step) <= _EVEN * abs(step)).all())
+            even = even and bool((np.abs(table - line) <= _EVEN * abs(step)).all())
+        if not even:
+            raise MapError(f"{name} gives no even grid: expected x along lines and y down them")
+        places.append((float(line.min()), step))
+    (x0, dx), (y0, dy) = places
+    if abs(abs(dx) - abs(dy)) > _EVEN * abs(dx):
+        raise MapError(f"expected the same distance in x and y, not {abs(dx):g} and {abs(dy):g} m")
+    heights = heights[:: 1 if dy > 0 else -1, :: 1 if dx > 0 else -1]
+    return Samples(heights, abs(dx), (x0, y0), cells=False)
+
+
+def read_archive(path: Path) -> Samples:
+    """The array `height` (or `elevation`, `z`, or the only one) of an NPZ archive.
+
+    `resolution` (m) and `origin` (x, y) are taken from it if they are there; row 0 is the first.
+
+    Raises:
+        MapError: Not such an archive, or too large.
+    """
+    content = read_bytes(path, MAX_BYTES)
+    try:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            if sum(member.file_size for member in archive.infolist()) > 4 * MAX_BYTES:
+                raise MapError(f"unpacks to more than {4 * MAX_BYTES // 1_000_000} MB")
+        with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
+            found = {name: np.asarray(arrays[name]) for name in arrays.files}
+    except (MapError, MemoryError):
+        raise
+    except Exception:
+        # Damaged archives are answered with errors of zipfile, zlib, struct, numpy and more.
+        raise MapError("not a readable NPZ archive of plain arrays") from None
+    grids = [name for name, array in found.items() if array.ndim == 2]
+    name = next((name for name in _NAMES if name in grids), None)
+    if name is None and len(grids) == 1:
+        name = grids[0]
+    if name is None:
+        raise MapError("expected an array `height` of two dimensions in the archive")
+    if found[name].dtype.kind not in "fiub":
+        raise MapError(f"expected numbers in the array {name[:40]!r}")
+    check_sample_count(*found[name].shape)
+    step = _given(found, "resolution", 1)
+    corner = _given(found, "origin", 2, 3)
+    return Samples(
+        found[name].astype(np.float64),
+        None if step is None else step[0],
+        None if corner is None else (corner[0], corner[1]),
+    )
+
+
+def _given(found: dict[str, Array], name: str, *counts: int) -> list[float] | None:
+    if name not in found:
+        return None
+    array = found[name].ravel()
+    if array.dtype.kind not in "fiu" or array.size not in counts or not np.isfinite(array).all():
+        raise MapError(f"expected {counts[0]} finite number(s) in the array {name!r}")
+    return [float(value) for value in array]
+
+
+def _numbers(path: Path) -> Array:
+    """The numbers of a text file `(rows, cols)`; nan where a field is empty or says so."""
+    try:
+        text = read_bytes(path, MAX_BYTES).decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise MapError("expected a text file of numbers", file=path) from None
+    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    if not lines:
+        raise MapError("there is no number in it", file=path)
+    mark = next((mark for mark in (",", ";") if mark in lines[0]), None)
+    check_sample_count(len(lines), lines[0].count(mark) + 1 if mark else len(lines[0].split()))
+    if mark is not None:
+        # An end of line after the last separator closes the field, it opens no new one.
+        empty = re.compile(rf"(?:^|(?<={mark}))[ \t]*(?={mark})")
+        lines = [empty.sub("nan", line.rstrip().removesuffix(mark)) or "nan" for line in lines]
+    try:
+        numbers = np.loadtxt(lines, delimiter=mark, ndmin=2, comments=None)
+    except ValueError as error:
+        reason = " ".join(str(error).split())[:120]
+        raise MapError(f"expected lines of as many numbers each: {reason}", file=path) from None
+    check_sample_count(*numbers.shape)
+    return np.asarray(numbers, dtype=np.float64)

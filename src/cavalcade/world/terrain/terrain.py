@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.errors import MapError
-from cavalcade.geometry import Array, inverse_transform_points
-from cavalcade.world.occupancy import MAX_EXTENT, OccupancyMap, checked_origin
-from cavalcade.world.terrain._sampling import sample_many
-from cavalcade.world.terrain.filters import Layers, make_layers
+from cavalcade.geometry import Array
+from cavalcade.world.occupancy import MAX_EXTENT, OccupancyMap, PlacedGrid, checked_origin
+from cavalcade.world.terrain.filters import make_layers
 
 RESOLUTION = 0.05
 """Side of a terrain's cells unless another one is asked for, m."""
@@ -29,7 +29,7 @@ _ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Terrain:
+class Terrain(PlacedGrid):
     """Heights of the ground and what legs need to know of it; arrays are read-only.
 
     Grids are indexed `[row, col]` = `[y, x]` with row 0 at the lowest y; a value stands at its
@@ -55,6 +55,8 @@ class Terrain:
     traversability: Array
     resolution: float
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    _cells = "height"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "resolution", checked_cell(self.resolution))
@@ -97,8 +99,7 @@ class Terrain:
         cell = checked_cell(resolution)
         raw = checked_heights(heights)
         check_terrain_size(*raw.shape)
-        layers: Layers = make_layers(raw, cell)
-        return cls(*layers, resolution=cell, origin=origin)
+        return cls(**make_layers(raw, cell), resolution=cell, origin=origin)
 
     @classmethod
     def from_map(cls, map: OccupancyMap) -> Terrain:
@@ -112,21 +113,6 @@ class Terrain:
         """
         heights = np.where(map.occupied, np.nan, 0.0)
         return cls.from_heights(heights, map.resolution, map.origin)
-
-    @property
-    def rows(self) -> int:
-        """Number of rows."""
-        return int(self.height.shape[0])
-
-    @property
-    def cols(self) -> int:
-        """Number of columns."""
-        return int(self.height.shape[1])
-
-    @property
-    def size(self) -> tuple[float, float]:
-        """Width and height in m, along the grid's own axes."""
-        return self.cols * self.resolution, self.rows * self.resolution
 
     def heights_at(self, points: ArrayLike) -> Array:
         """Heights `(N,)` in m at points `(N, 2)` of the map frame; beyond the edge that of it."""
@@ -142,29 +128,17 @@ class Terrain:
 
     def in_hole(self, points: ArrayLike) -> NDArray[np.bool_]:
         """Whether points `(N, 2)` of the map frame lie in a cell that no foot may use, `(N,)`."""
-        local = inverse_transform_points(self.origin, np.asarray(points, dtype=float))
+        local = self.to_local(points)
         cells = np.floor(local[:, ::-1] / self.resolution).astype(np.int64)
         cells = np.clip(cells, 0, (self.rows - 1, self.cols - 1))
         hole: NDArray[np.bool_] = self.traversability[cells[:, 0], cells[:, 1]] <= 0.0
         return hole
 
     def _sampled(self, layer: Array, points: ArrayLike) -> Array:
-        local = inverse_transform_points(self.origin, np.asarray(points, dtype=float))
+        local = self.to_local(points)
         out = np.empty(len(local))
         sample_many(layer, self.resolution, local, out)
         return out
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Terrain):
-            return NotImplemented
-        same = self.resolution == other.resolution and self.origin == other.origin
-        return same and all(
-            np.array_equal(getattr(self, name), getattr(other, name))
-            for name in ("height", "smooth", "normals", "traversability")
-        )
-
-    def __hash__(self) -> int:
-        return hash((self.height.shape, self.resolution, self.origin))
 
     def __repr__(self) -> str:
         return (
@@ -173,11 +147,13 @@ class Terrain:
         )
 
 
-def checked_cell(value: object, key: str = "resolution") -> float:
+def checked_cell(value: object) -> float:
     """`value` as the side of a terrain's cells, m."""
     valid = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
     if not valid or not FINEST <= float(value) <= COARSEST:  # type: ignore[arg-type]
-        raise MapError(f"expected cells of {FINEST:g} to {COARSEST:g} m for terrain", key=key)
+        raise MapError(
+            f"expected cells of {FINEST:g} to {COARSEST:g} m for terrain", key="resolution"
+        )
     return float(value)  # type: ignore[arg-type]
 
 
@@ -192,31 +168,61 @@ def check_terrain_size(rows: int, cols: int, key: str = "heights") -> None:
         )
 
 
-def checked_heights(heights: ArrayLike, key: str = "heights") -> Array:
+def checked_heights(heights: ArrayLike) -> Array:
     """An own array `(rows, cols)` of heights, some finite, the others nan."""
-    try:
-        raw = np.array(heights, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise MapError("expected a grid of numbers", key=key) from None
+    raw = _numbers(heights, "heights")
     if raw.ndim != 2:
-        raise MapError(f"expected two dimensions (rows, cols), not {raw.ndim}", key=key)
+        raise MapError(f"expected two dimensions (rows, cols), not {raw.ndim}", key="heights")
     if np.isinf(raw).any():
-        raise MapError("expected finite heights or nan for holes", key=key)
+        raise MapError("expected finite heights or nan for holes", key="heights")
     if raw.size and np.isnan(raw).all():
-        raise MapError("expected at least one height; all are nan", key=key)
+        raise MapError("expected at least one height; all are nan", key="heights")
     if raw.size and np.nanmax(np.abs(raw)) > MAX_HEIGHT:
-        raise MapError(f"expected heights within ±{MAX_HEIGHT:g} m", key=key)
+        raise MapError(f"expected heights within ±{MAX_HEIGHT:g} m", key="heights")
     return raw
 
 
 def _layer(value: object, name: str, dimensions: int) -> Array:
-    try:
-        layer = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise MapError("expected a grid of numbers", key=name) from None
+    layer = _numbers(value, name)
     if layer.ndim != dimensions:
         raise MapError(f"expected {dimensions} dimensions, not {layer.ndim}", key=name)
     if not np.isfinite(layer).all():
         raise MapError("expected finite numbers", key=name)
     layer.setflags(write=False)
     return layer
+
+
+def _numbers(value: object, key: str) -> Array:
+    try:
+        return np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise MapError("expected a grid of numbers", key=key) from None
+
+
+@njit(cache=True)
+def sample(field: Array, cell: float, x: float, y: float) -> float:
+    """Bilinear value of a grid at one point.
+
+    Args:
+        field: `(rows, cols)`; a value stands at its cell's centre.
+        cell: Side of a cell, m.
+        x, y: m from the lower-left corner of cell [0, 0]. Points beyond the outermost centres
+            take the value at the nearest point between them.
+    """
+    rows, cols = field.shape
+    u = min(max(x / cell - 0.5, 0.0), cols - 1.0)
+    v = min(max(y / cell - 0.5, 0.0), rows - 1.0)
+    col = min(int(u), max(cols - 2, 0))
+    row = min(int(v), max(rows - 2, 0))
+    right, above = min(col + 1, cols - 1), min(row + 1, rows - 1)
+    s, t = u - col, v - row
+    low = field[row, col] + s * (field[row, right] - field[row, col])
+    high = field[above, col] + s * (field[above, right] - field[above, col])
+    return low + t * (high - low)
+
+
+@njit(cache=True)
+def sample_many(field: Array, cell: float, points: Array, out: Array) -> None:
+    """`sample` at points `(N, 2)` x, y into `out` `(N,)`."""
+    for k in range(points.shape[0]):
+        out[k] = sample(field, cell, points[k, 0], points[k, 1])

@@ -21,10 +21,8 @@ function toggle(name, on = !shown[name]) {
 
 for (const [name, key, text, useful] of LAYERS) {
   if (!useful) continue;
-  buttons[name] = element("button", id("layers"), text);
-  buttons[name].title = `${text} (${key.toUpperCase()})`;
+  buttons[name] = button(id("layers"), text, `${text} (${key.toUpperCase()})`, () => toggle(name));
   buttons[name].setAttribute("aria-pressed", shown[name]);
-  buttons[name].addEventListener("click", () => toggle(name));
 }
 
 const nextRobot = () => follow((typeof camera.follow === "number" ? camera.follow + 1 : 0) % robots.length);
@@ -35,57 +33,44 @@ const VIEWS = [
   ["Team", "Go with the team (F)", () => teamView()],
   ["Follow", "Go with one robot after another (0 to 9)", nextRobot],
 ];
-for (const [text, hint, action] of VIEWS) {
-  const made = element("button", id("views"), text);
-  made.title = hint;
-  made.id = text.toLowerCase();
-  made.addEventListener("click", () => { action(); redraw(); });
-}
+for (const [text, hint, action] of VIEWS) button(id("views"), text, hint, () => { action(); redraw(); }).id = text.toLowerCase();
 id("top").setAttribute("aria-pressed", "false");
 
 const help = id("help"), ask = () => (help.open ? help.close() : help.showModal());
 id("ask").addEventListener("click", ask);
 help.addEventListener("click", (event) => { if (event.target === help) help.close(); });
-for (const [keys, text] of [
-  [["space"], "play, pause"],
-  [["←", "→"], "1 s back, on; with shift 0.1 s"],
-  [["page ↑", "page ↓"], "5 s back, on"],
-  [[",", "."], "one sample back, on"],
-  [["home", "end"], "to the start, the end"],
-  [["↑", "↓"], "faster, slower"],
-  [["T"], "straight from above, or in perspective"],
-  [["H"], "all of the way"],
-  [["F"], "go with the team"],
-  [["0", "…", "9"], "go with that robot"],
-  ...LAYERS.filter((layer) => layer[3]).map(([, key, text]) => [[key.toUpperCase()], text]),
-  [["D"], "dark, light"],
+
+// What keys do: how they are called, what for, and the actions of their events.
+const KEYS = [
+  [["space"], "play, pause", { " ": () => setPlaying(!playing), k: () => setPlaying(!playing) }],
+  [["←", "→"], "1 s back, on; with shift 0.1 s", { ArrowLeft: (step) => goTo(now - step), ArrowRight: (step) => goTo(now + step) }],
+  [["page ↑", "page ↓"], "5 s back, on", { PageUp: () => goTo(now - 5), PageDown: () => goTo(now + 5) }],
+  [[",", "."], "one sample back, on", { ",": () => stepBy(-1), ".": () => stepBy(1) }],
+  [["home", "end"], "to the start, the end", { Home: () => goTo(begin), End: () => goTo(end) }],
+  [["↑", "↓"], "faster, slower", { ArrowUp: () => faster(1), ArrowDown: () => faster(-1) }],
+  [["T"], "straight from above, or in perspective", { t: () => setTop(!camera.top) }],
+  [["H"], "all of the way", { h: () => wholeView() }],
+  [["F"], "go with the team", { f: () => (camera.follow === "team" ? wholeView() : teamView()) }],
+  [["0", "…", "9"], "go with that robot", Object.fromEntries([..."0123456789"].map((key) => [key, () => follow(Number(key))]))],
+  ...LAYERS.filter((layer) => layer[3]).map(([name, key, text]) => [[key.toUpperCase()], text, { [key]: () => toggle(name) }]),
+  [["D"], "dark, light", { d: turnTheme }],
   [["drag"], "turns, from above moves; with shift or the right button the other way round"],
   [["wheel"], "zooms; a double click shows all"],
-]) {
+];
+for (const [keys, text] of KEYS) {
   const name = element("dt", id("keys"));
   for (const key of keys) { element("kbd", name, key); name.append(" "); }
   element("dd", id("keys"), text);
 }
 
+const actions = Object.assign({ "?": ask }, ...KEYS.map((entry) => entry[2]));
 document.addEventListener("keydown", (event) => {
   if (event.ctrlKey || event.metaKey || event.altKey || help.open || event.target.tagName === "SELECT") return;
-  const step = event.shiftKey ? 0.1 : 1, key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
-  const actions = {
-    " ": () => setPlaying(!playing), k: () => setPlaying(!playing),
-    ArrowLeft: () => goTo(now - step), ArrowRight: () => goTo(now + step),
-    PageUp: () => goTo(now - 5), PageDown: () => goTo(now + 5),
-    ",": () => stepBy(-1), ".": () => stepBy(1),
-    Home: () => goTo(begin), End: () => goTo(end),
-    ArrowUp: () => faster(1), ArrowDown: () => faster(-1),
-    t: () => setTop(!camera.top), h: () => wholeView(), f: () => (camera.follow === "team" ? wholeView() : teamView()),
-    d: turnTheme, "?": ask,
-    ...Object.fromEntries(LAYERS.filter(([name]) => buttons[name]).map(([name, letter]) => [letter, () => toggle(name)])),
-  };
-  const action = actions[key] || (/^\d$/.test(key) ? () => follow(Number(key)) : null);
+  const action = actions[event.key.length === 1 ? event.key.toLowerCase() : event.key];
   if (!action) return;
   event.preventDefault();
   if (event.target.tagName === "BUTTON") event.target.blur();
-  action();
+  action(event.shiftKey ? 0.1 : 1);
   redraw();
 });
 

@@ -5,7 +5,7 @@ function canvasOf(name) {
   if (box.width !== across || box.height !== down) { box.width = across; box.height = down; }
   pen.setTransform(ratio, 0, 0, ratio, 0, 0);
   pen.clearRect(0, 0, width, height);
-  return { pen, width, height };
+  return { pen, width, height, fill: (colour, ...box) => { pen.fillStyle = colour; pen.fillRect(...box); } };
 }
 
 const LEFT = 26, RIGHT = 4, TOP = 5, BOTTOM = 14;
@@ -18,11 +18,10 @@ for (const { name } of charts) {
 }
 
 function layChart({ name, limit }) {
-  const { pen, width, height } = canvasOf(name), lines = series[name], all = lines.flatMap((line) => Array.from(line)).sort((a, b) => a - b);
+  const { pen, width, height, fill } = canvasOf(name), lines = series[name], all = lines.flatMap((line) => Array.from(line)).sort((a, b) => a - b);
   const high = Math.max(1.1 * all[Math.floor(0.985 * (all.length - 1))], 2.2 * limit);
   const px = (t) => LEFT + (t - begin) / (end - begin || 1) * (width - LEFT - RIGHT), py = (v) => TOP + (1 - v / high) * (height - TOP - BOTTOM);
-  pen.fillStyle = ink.badfill;
-  pen.fillRect(LEFT, py(limit), width - LEFT - RIGHT, py(0) - py(limit));
+  fill(ink.badfill, LEFT, py(limit), width - LEFT - RIGHT, py(0) - py(limit));
   pen.font = "10.5px system-ui, sans-serif"; pen.textBaseline = "middle"; pen.textAlign = "right";
   pen.strokeStyle = ink.line; pen.fillStyle = ink.soft; pen.lineWidth = 1;
   const level = (v) => { pen.beginPath(); pen.moveTo(LEFT, py(v)); pen.lineTo(width - RIGHT, py(v)); pen.stroke(); };
@@ -47,34 +46,29 @@ function layChart({ name, limit }) {
 // A lane per robot: walking, standing, flight; red ticks are unwanted contacts. Under a formation a
 // line in the leader's colour; dark triangles are notes.
 function layBand() {
-  const { pen, width, height } = canvasOf("band"), x = (time) => 4 + (time - begin) * (width - 8) / Math.max(end - begin, 1e-6);
+  const { pen, width, height, fill } = canvasOf("band"), x = (time) => 4 + (time - begin) * (width - 8) / Math.max(end - begin, 1e-6);
   const lanes = robots.filter((robot) => robot.spans), led = formation && robots.length > 1, room = height - (led && lanes.length ? 14 : 6);
   const tall = Math.min(room / Math.max(lanes.length, 1), 12), top = (room - tall * lanes.length) / 2 + 3;
   lanes.forEach((robot, k) => {
     const y = top + k * tall, thick = Math.max(tall - (tall > 3 ? 1 : 0), 1);
-    const kinds = [ink.rest, physics ? palette(robot.index) : ink.walk, ink.fly, ink.turn], thin = (from, to) => pen.fillRect(x(from), y + 0.3 * thick, Math.max(x(to) - x(from), 1), Math.max(0.4 * thick, 1));
+    const kinds = [ink.rest, physics ? palette(robot.index) : ink.walk, ink.fly, ink.turn];
+    const thin = (colour, from, to) => fill(colour, x(from), y + 0.3 * thick, Math.max(x(to) - x(from), 1), Math.max(0.4 * thick, 1));
     for (const [kind, from, to] of robot.spans) {
       pen.globalAlpha = physics && kind === 1 ? 0.78 : 1;
-      pen.fillStyle = kinds[kind];
-      if (physics && !kind) thin(from, to); else pen.fillRect(x(from), y, Math.max(x(to) - x(from), 1), thick);
+      if (physics && !kind) thin(kinds[kind], from, to); else fill(kinds[kind], x(from), y, Math.max(x(to) - x(from), 1), thick);
     }
     pen.globalAlpha = 1;
-    pen.fillStyle = ink.rest;
-    if (robot.path) thin(robot.path.end, end);
-    pen.fillStyle = ink.bad;
-    if (robot.fell < Infinity) pen.fillRect(x(robot.fell), y, x(end) - x(robot.fell), thick);
+    if (robot.path) thin(ink.rest, robot.path.end, end);
+    if (robot.fell < Infinity) fill(ink.bad, x(robot.fell), y, x(end) - x(robot.fell), thick);
     for (const [when] of robot.contacts) {
-      pen.fillStyle = ink.card;
-      pen.fillRect(x(when) - 2, y, 4, thick);
-      pen.fillStyle = ink.bad;
-      pen.fillRect(x(when) - 1, y - 1, 2, thick + 2);
+      fill(ink.card, x(when) - 2, y, 4, thick);
+      fill(ink.bad, x(when) - 1, y - 1, 2, thick + 2);
     }
   });
   const [y, thick] = lanes.length ? [height - 8, 4] : [height / 2 - 4, 8];
   if (led || !lanes.length) (run ? run.phases : [{ t: begin, leader: -1 }]).forEach(({ t, leader, roles }, k, all) => {
     const from = k ? x(t) : 4, to = k + 1 < all.length ? x(all[k + 1].t) : width - 4;
-    pen.fillStyle = leader >= 0 && led ? palette(shown.slots ? Math.max(roles[leader], 0) : leader) : ink.rest;
-    pen.fillRect(from, y, to - from + 0.5, thick);
+    fill(leader >= 0 && led ? palette(shown.slots ? Math.max(roles[leader], 0) : leader) : ink.rest, from, y, to - from + 0.5, thick);
   });
   pen.fillStyle = ink.ink;
   for (const [when] of run ? run.notes : []) {

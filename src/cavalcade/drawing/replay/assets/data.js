@@ -11,6 +11,14 @@ function element(tag, parent, text = "", kind = "") {
   parent.append(made);
   return made;
 }
+
+function button(parent, text, title, action) {
+  const made = element("button", parent, text);
+  made.title = title;
+  made.addEventListener("click", action);
+  return made;
+}
+
 // What is told in words needs no picture.
 id("name").textContent = scene.name;
 id("outcome").textContent = scene.outcome.text;
@@ -50,11 +58,12 @@ function placed(origin, x, y) {
 }
 
 // Index of the last of the ascending values that is not after v; 0 before the first one.
-function reached(values, v) {
+const itself = (value) => value;
+function reached(values, v, of = itself) {
   let low = 0, high = values.length - 1;
   while (low < high) {
     const middle = (low + high + 1) >> 1;
-    if (values[middle] <= v) low = middle; else high = middle - 1;
+    if (of(values[middle]) <= v) low = middle; else high = middle - 1;
   }
   return low;
 }
@@ -72,8 +81,9 @@ function along(xs, ys, x) {
   return ys[k] + f * (ys[n] - ys[k]);
 }
 
-const border = [];
-for (let k = 0; k < scene.border.length; k += 2) border.push([scene.border[k] / 1000, scene.border[k + 1] / 1000]);
+// Points out of x, y, x, y, ... in mm.
+const points = (list) => Array.from({ length: list.length / 2 }, (_, k) => [list[2 * k] / 1000, list[2 * k + 1] / 1000]);
+const border = points(scene.border);
 
 const terrain = scene.terrain && (() => {
   const t = scene.terrain, x = t.x.map((v) => v / 1000), y = t.y.map((v) => v / 1000);

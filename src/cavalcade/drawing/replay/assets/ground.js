@@ -7,6 +7,9 @@ function heightColour(share) {
   return PALETTE[k].map((part, i) => part + (v - k) * (PALETTE[k + 1][i] - part));
 }
 
+const SHAPE = [0.50, 0.53, 0.57], WALL = [0.56, 0.59, 0.63], UNKNOWN = [0.76, 0.77, 0.79], MOVER = [0.60, 0.42, 0.32];
+const QUAD = [0, 1, 2, 0, 2, 3], UP = [0, 0, 1];
+
 const ground = terrain ? terrainMesh() : flatMesh();
 const contour = terrain && terrain.span > 0.02 ? niceStep(terrain.span / 7) : 0;
 
@@ -16,9 +19,9 @@ function niceStep(v) {
 }
 
 function flatMesh() {
-  const p = [], n = [], c = [];
-  for (const k of [0, 1, 2, 0, 2, 3]) { p.push(...border[k], 0); n.push(0, 0, 1); c.push(0.93, 0.935, 0.925); }
-  return mesh(p, n, c);
+  const { face, made } = faces();
+  face(QUAD.map((k) => [...border[k], 0]), UP, [0.93, 0.935, 0.925]);
+  return made();
 }
 
 function terrainMesh() {
@@ -40,23 +43,19 @@ function terrainMesh() {
   return mesh(place, normal, colour, index);
 }
 
-const SHAPE = [0.50, 0.53, 0.57], WALL = [0.56, 0.59, 0.63], UNKNOWN = [0.76, 0.77, 0.79], MOVER = [0.60, 0.42, 0.32];
-
-// A collector of flat faces with their normals.
+// A collector of flat faces, or of their corners one by one, with their normals.
 function faces() {
   const p = [], n = [], c = [];
   const face = (points, normal, paint) => points.forEach((at) => { p.push(...at); n.push(...normal); c.push(...paint); });
-  const side = (a, b, low, high, paint) => {
-    const out = unit([b[1] - a[1], a[0] - b[0], 0]);
-    face([[...a, low], [...b, low], [...b, high], [...a, low], [...b, high], [...a, high]], out, paint);
+  // Over a ring counter-clockwise, whose triangles `fill` names.
+  const prism = ({ ring, fill, low, high }, paint) => {
+    face(fill.map((k) => [...ring[k], high]), UP, paint);
+    ring.forEach((a, k) => {
+      const b = ring[(k + 1) % ring.length], corners = [[...a, low], [...b, low], [...b, high], [...a, high]];
+      face(QUAD.map((i) => corners[i]), unit([b[1] - a[1], a[0] - b[0], 0]), paint);
+    });
   };
-  const prism = (solid, paint) => {
-    const ring = [];
-    for (let k = 0; k < solid.ring.length; k += 2) ring.push([solid.ring[k] / 1000, solid.ring[k + 1] / 1000]);
-    face(solid.fill.map((k) => [...ring[k], solid.high]), [0, 0, 1], paint);
-    ring.forEach((at, k) => side(at, ring[(k + 1) % ring.length], solid.low, solid.high, paint));
-  };
-  return { face, side, prism, made: () => (p.length ? mesh(p, n, c) : null) };
+  return { face, prism, made: () => (p.length ? mesh(p, n, c) : null) };
 }
 
 // The corners of rectangles of cells.
@@ -68,19 +67,15 @@ function* boxesOf(cells) {
 }
 
 const solids = (() => {
-  const { face, side, prism, made } = faces();
-  for (const solid of scene.solids) prism(solid, SHAPE);
-  const w = scene.walls;
-  for (const ring of boxesOf(w)) {
-    face([0, 1, 2, 0, 2, 3].map((i) => [...ring[i], w.high]), [0, 0, 1], WALL);
-    ring.forEach((at, i) => side(at, ring[(i + 1) % 4], w.low, w.high, WALL));
-  }
+  const { prism, made } = faces();
+  for (const solid of scene.solids) prism({ ...solid, ring: points(solid.ring) }, SHAPE);
+  for (const ring of boxesOf(scene.walls)) prism({ ...scene.walls, ring, fill: QUAD }, WALL);
   return made();
 })();
 
 const unknown = (() => {
-  const { face, made } = faces(), w = scene.unknown;
-  for (const ring of boxesOf(w)) face([0, 1, 2, 0, 2, 3].map((i) => onGround(ring[i], 0.004)), [0, 0, 1], UNKNOWN);
+  const { face, made } = faces();
+  for (const ring of boxesOf(scene.unknown)) face(QUAD.map((i) => onGround(ring[i], 0.004)), UP, UNKNOWN);
   return made();
 })();
 
@@ -98,7 +93,7 @@ function drawSolids() {
 // Obstacles that come, go and move; they rise out of the ground when they appear.
 const movers = (run ? run.movers : []).map((said) => {
   const { prism, made } = faces();
-  prism(said, MOVER);
+  prism({ ...said, ring: points(said.ring) }, MOVER);
   return { ...said, end: said.end ?? Infinity, mesh: made() };
 });
 
@@ -113,10 +108,9 @@ function drawMovers(time) {
 // What is fixed again after all else, so that what is behind it shows through where it is in the way.
 function drawGhosts(aim, slope) {
   if (!solids) return;
-  useMeshes();
-  gl.uniform4f(meshes.at.aim, ...aim, slope);
+  drawWith(meshes, { aim: [...aim, slope] });
   gl.enable(gl.CULL_FACE);
   drawSolids();
   gl.disable(gl.CULL_FACE);
-  gl.uniform4f(meshes.at.aim, 0, 0, 0, 0);
+  setUniforms(meshes, { aim: [0, 0, 0, 0] });
 }

@@ -55,7 +55,7 @@ const marks = robots.map((robot) => {
       }
       flying[leg] = !down;
     }
-  return { parts: { place: [buffer(place), 3], when: [buffer(when), 1] }, count: when.length };
+  return { parts: buffers({ place, when }), count: when.length };
 });
 
 function drawLines(view, time) {

@@ -105,9 +105,7 @@ function below(robot, leg, x, y, yaw) {
 function footAt(robot, leg, time, state) {
   if (!robot.feet || !robot.feet[leg].length) return { at: below(robot, leg, ...state.place.slice(0, 2), state.yaw), stands: true };
   const steps = robot.feet[leg], when = robot.gone ? state.gone : time;
-  let low = 0, high = steps.length - 1;
-  while (low < high) { const middle = (low + high + 1) >> 1; if (steps[middle].down <= when) low = middle; else high = middle - 1; }
-  const from = steps[low], to = steps[low + 1];
+  const last = reached(steps, when, (step) => step.down), from = steps[last], to = steps[last + 1];
   if (!to || when <= from.up) return { at: from.at, stands: true };
   const u = clamp((when - from.up) / Math.max(to.down - from.up, 1e-6), 0, 1), arch = Math.sin(Math.PI * u);
   const at = add(from.at, sub(to.at, from.at), u * u * (3 - 2 * u));

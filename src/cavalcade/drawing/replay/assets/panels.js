@@ -97,30 +97,27 @@ const LEGS = ["FL", "FR", "RL", "RR"], WINDOW = 2, AHEAD = 0.5;
 function fillFeet(time) {
   if (!physics) return;
   const robot = robots[typeof camera.follow === "number" ? camera.follow : 0], state = stateAt(robot, time);
-  const { pen, width, height } = canvasOf("gait"), lane = height / 4, left = 22, scale = (width - left) / WINDOW, start = time - WINDOW + AHEAD;
+  const { pen, width, height, fill } = canvasOf("gait"), lane = height / 4, left = 22, scale = (width - left) / WINDOW, start = time - WINDOW + AHEAD;
   put(id("feetname"), `Robot ${robot.index}`);
   pen.font = "11px system-ui, sans-serif";
   pen.textBaseline = "middle";
-  const [from] = between(clock, start), to = between(clock, time + AHEAD)[1], half = 0.5 * robot.body.weight;
+  const [from] = between(clock, start), to = between(clock, time + AHEAD)[1], half = 0.5 * robot.body.weight, colour = colourOf(robot.index);
   LEGS.forEach((leg, i) => {
     const top = i * lane + 2, thick = lane - 4;
     pen.globalAlpha = 1;
     pen.fillStyle = ink.soft;
     pen.fillText(leg, 0, top + thick / 2);
-    pen.fillStyle = ink.page;
-    pen.fillRect(left, top, width - left, thick);
-    pen.fillStyle = colourOf(robot.index);
+    fill(ink.page, left, top, width - left, thick);
     for (let k = Math.max(from, 1); k <= to; k++) {
       const force = upward(robot, k, i);
       if (force < TOUCH) continue;
       const x0 = Math.max(left + (clock[k - 1] - start) * scale, left), x1 = Math.min(left + (clock[k] - start) * scale, width);
       pen.globalAlpha = Math.min(0.25 + 0.75 * force / half, 1);
-      if (x1 > x0) pen.fillRect(x0, top, x1 - x0, thick);
+      if (x1 > x0) fill(colour, x0, top, x1 - x0, thick);
     }
   });
   pen.globalAlpha = 1;
-  pen.fillStyle = ink.ink;
-  pen.fillRect(left + (WINDOW - AHEAD) * scale - 0.5, 0, 1.2, height);
+  fill(ink.ink, left + (WINDOW - AHEAD) * scale - 0.5, 0, 1.2, height);
   const [x, y, z] = state.place, degrees = (v) => `${(v * 180 / Math.PI).toFixed(1)}°`;
   put(id("height"), `${(z - groundAt(x, y)).toFixed(3)} m`);
   put(id("lean"), `${degrees(state.roll)}, ${degrees(state.pitch)}`);

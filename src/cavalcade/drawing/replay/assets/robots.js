@@ -59,14 +59,12 @@ function painted(shape, paint) {
 
 // The shapes of each link made one mesh.
 function linkMesh(shapes, paint) {
-  const p = [], n = [], c = [];
+  const { face, made } = faces();
   for (const shape of shapes) {
     const turn = turnOf(shape.turn), colour = painted(shape, paint);
-    for (const [at, normal] of FACES[shape.kind](shape.size)) {
-      p.push(...add(shape.at, turned(turn, at))); n.push(...turned(turn, normal)); c.push(...colour);
-    }
+    for (const [at, normal] of FACES[shape.kind](shape.size)) face([add(shape.at, turned(turn, at))], turned(turn, normal), colour);
   }
-  return p.length ? mesh(p, n, c) : null;
+  return made();
 }
 
 const dressed = new Map();

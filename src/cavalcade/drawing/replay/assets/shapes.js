@@ -1,16 +1,4 @@
 // Meshes of simple bodies.
-const cube = (() => {
-  const p = [], n = [], c = [];
-  for (let axis = 0; axis < 3; axis++)
-    for (const sign of [-1, 1]) {
-      const u = (axis + 1) % 3, v = (axis + 2) % 3;
-      const corner = (a, b) => { const at = [0, 0, 0]; at[axis] = sign; at[u] = a; at[v] = b; return at; };
-      const order = sign > 0 ? [[-1, -1], [1, -1], [1, 1], [-1, -1], [1, 1], [-1, 1]] : [[-1, -1], [1, 1], [1, -1], [-1, -1], [-1, 1], [1, 1]];
-      for (const [a, b] of order) { const normal = [0, 0, 0]; normal[axis] = sign; p.push(...corner(a, b)); n.push(...normal); c.push(1, 1, 1); }
-    }
-  return mesh(p, n, c);
-})();
-
 function limb(a, b, thick, paint, across) {
   const along = sub(b, a), y = unit(across), z = unit(cross(along, y));
   drawMesh(cube, boxed(scaled(along, 0.5), scaled(y, thick), scaled(z, thick), add(a, along, 0.5)), paint);
@@ -49,13 +37,12 @@ function cylinderFaces(radius, half, count = 24) {
   ], count);
 }
 
-// A box with rounded edges, half lengths as given.
-function boxFaces(size) {
-  const r = 0.3 * Math.min(...size), inner = size.map((v) => v - r), out = [];
+// A box with edges rounded off by r, half lengths as given.
+function boxFaces(size, r = 0.3 * Math.min(...size)) {
+  const inner = size.map((v) => v - r), out = [], nodes = r ? [[-1, -1], [-1, -0.5], [-1, 0], [1, 0], [1, 0.5], [1, 1]] : [[-1, 0], [1, 0]];
   for (let axis = 0; axis < 3; axis++)
     for (const sign of [-1, 1]) {
       const u = (axis + 1) % 3, v = (axis + 2) % 3;
-      const nodes = [[-1, -1], [-1, -0.5], [-1, 0], [1, 0], [1, 0.5], [1, 1]];
       const corner = ([a, s], [b, t]) => {
         const n = [0, 0, 0], p = [0, 0, 0];
         n[axis] = sign; n[u] = Math.tan(Math.PI / 4 * s); n[v] = Math.tan(Math.PI / 4 * t);
@@ -63,8 +50,8 @@ function boxFaces(size) {
         p[axis] = sign * inner[axis]; p[u] = a * inner[u]; p[v] = b * inner[v];
         return [add(p, m, r), m];
       };
-      for (let i = 0; i < 5; i++)
-        for (let j = 0; j < 5; j++) {
+      for (let i = 0; i + 1 < nodes.length; i++)
+        for (let j = 0; j + 1 < nodes.length; j++) {
           const p = corner(nodes[i], nodes[j]), q = corner(nodes[i + 1], nodes[j]), s = corner(nodes[i + 1], nodes[j + 1]), t = corner(nodes[i], nodes[j + 1]);
           out.push(p, q, s, p, s, t);
         }
@@ -80,6 +67,6 @@ const FACES = {
 };
 
 const whole = (faces) => mesh(faces.flatMap(([p]) => p), faces.flatMap(([, n]) => n), faces.flatMap(() => [1, 1, 1]));
-const ball = whole(capsuleFaces(1, 0));
+const cube = whole(boxFaces([1, 1, 1], 0)), ball = whole(capsuleFaces(1, 0));
 const shaft = whole(lathe([[1, 0, 1, 0], [1, 1, 1, 0]], 12)), tip = whole(lathe([[0, 0, 0, -1], [1, 0, 0, -1], [1, 0, 0.9, 0.4], [0, 1, 0.9, 0.4]], 16));
 const disc = whole(lathe([[0, -1, 0, -1], [1, -1, 0, -1], [1, -1, 1, 0], [1, 1, 1, 0], [1, 1, 0, 1], [0, 1, 0, 1]], 32));

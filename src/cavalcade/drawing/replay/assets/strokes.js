@@ -14,10 +14,8 @@ class Strokes {
   // Around the points; dashes have about that length, m.
   ring(points, colour, dash = 0) {
     points.forEach((at, k) => {
-      const to = points[(k + 1) % points.length], way = sub(to, at);
-      if (!dash) { this.piece(at, to, colour); return; }
-      const n = Math.max(1, Math.round(Math.hypot(...way) / dash));
-      for (let i = 0; i < n; i++) this.piece(add(at, way, i / n), add(at, way, (i + 0.55) / n), colour);
+      const way = sub(points[(k + 1) % points.length], at), n = dash ? Math.max(1, Math.round(Math.hypot(...way) / dash)) : 1;
+      for (let i = 0; i < n; i++) this.piece(add(at, way, i / n), add(at, way, (i + (dash ? 0.55 : 1)) / n), colour);
     });
   }
 
@@ -32,14 +30,12 @@ class Strokes {
   }
 
   circle([x, y], radius, colour, lift = 0.012) {
-    const corner = (_, k) => onGround([x + radius * Math.cos(k * Math.PI / 14), y + radius * Math.sin(k * Math.PI / 14)], lift);
-    this.ring(Array.from({ length: 28 }, corner), colour);
+    this.ring(circle(radius).map(([u, v]) => onGround([x + u, y + v], lift)), colour);
   }
 
   upload() {
-    if (this.parts) Object.values(this.parts).forEach(([made]) => gl.deleteBuffer(made));
-    const size = { place: 3, other: 3, side: 2, colour: 3, when: 1 };
-    this.parts = Object.fromEntries(Object.entries(this.rows).map(([name, values]) => [name, [buffer(values), size[name]]]));
+    if (this.parts) Object.values(this.parts).forEach((made) => gl.deleteBuffer(made));
+    this.parts = buffers(this.rows);
     this.count = this.rows.when.length;
     return this;
   }
@@ -47,23 +43,23 @@ class Strokes {
   draw(width, { now = 0, since = -2, faint = 1, strength = 1, tint = [1, 1, 1] } = {}) {
     if (!this.count) return;
     feed(strokes, this.parts);
-    for (const [name, value] of Object.entries({ width: width * ratio, now, since, faint, strength })) gl.uniform1f(strokes.at[name], value);
-    gl.uniform3fv(strokes.at.tint, tint);
+    setUniforms(strokes, { width: width * ratio, now, since, faint, strength, tint });
     gl.drawArrays(gl.TRIANGLES, 0, this.count);
   }
 }
 
 function useStrokes(view) {
   gl.useProgram(strokes.made);
-  gl.uniformMatrix4fv(strokes.at.view, false, view);
-  gl.uniform2f(strokes.at.screen, canvas.width / 2, canvas.height / 2);
+  setUniforms(strokes, { view, screen: [canvas.width / 2, canvas.height / 2] });
 }
+
+const circle = (radius) => Array.from({ length: 28 }, (_, k) => [radius * Math.cos(k * Math.PI / 14), radius * Math.sin(k * Math.PI / 14)]);
 
 // A footprint's outline on the ground.
 function outline(robot, x, y, yaw, lift = 0.015) {
   const [length, width] = robot.size, points = [];
   const corner = (u, v) => points.push(onGround(placed([x, y, yaw], u, v), lift));
-  if (robot.round) for (let k = 0; k < 28; k++) corner(length / 2 * Math.cos(k * Math.PI / 14), length / 2 * Math.sin(k * Math.PI / 14));
+  if (robot.round) for (const [u, v] of circle(length / 2)) corner(u, v);
   else {
     const n = terrain ? 5 : 1, a = length / 2, b = width / 2;
     const side = (u0, v0, u1, v1) => { for (let k = 0; k < n; k++) corner(u0 + k / n * (u1 - u0), v0 + k / n * (v1 - v0)); };
@@ -79,11 +75,8 @@ function outline(robot, x, y, yaw, lift = 0.015) {
 function drawMarks({ parts, count }, view, time, tint, size = 0.045, stay = Infinity) {
   if (!count) return;
   gl.useProgram(dots.made);
-  gl.uniformMatrix4fv(dots.at.view, false, view);
   feed(dots, parts);
-  gl.uniform3fv(dots.at.tint, tint);
-  gl.uniform1f(dots.at.now, time);
-  gl.uniform1f(dots.at.since, stay < time ? time - stay : -1);
-  gl.uniform1f(dots.at.size, size * canvas.height / 0.73 / (camera.top ? camera.away : 1));
+  const since = stay < time ? time - stay : -1;
+  setUniforms(dots, { view, tint, now: time, since, size: size * canvas.height / 0.73 / (camera.top ? camera.away : 1) });
   gl.drawArrays(gl.POINTS, 0, count);
 }

@@ -20,17 +20,20 @@ function program(vertex, fragment) {
   }
   gl.linkProgram(made);
   if (!gl.getProgramParameter(made, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(made));
-  const at = {};
-  for (let k = 0; k < gl.getProgramParameter(made, gl.ACTIVE_UNIFORMS); k++) {
-    const { name } = gl.getActiveUniform(made, k);
-    at[name] = gl.getUniformLocation(made, name);
+  const places = (kind, count) => Object.fromEntries(Array.from({ length: gl.getProgramParameter(made, count) }, (_, k) => {
+    const { name } = gl[`getActive${kind}`](made, k);
+    return [name, gl[`get${kind}Location`](made, name)];
+  }));
+  return { made, at: places("Uniform", gl.ACTIVE_UNIFORMS), inputs: places("Attrib", gl.ACTIVE_ATTRIBUTES) };
+}
+
+// Gives a program in use its uniforms: numbers, vectors and matrices.
+function setUniforms({ at }, values) {
+  for (const [name, value] of Object.entries(values)) {
+    if (typeof value === "number") gl.uniform1f(at[name], value);
+    else if (value.length === 16) gl.uniformMatrix4fv(at[name], false, value);
+    else gl[`uniform${value.length}fv`](at[name], value);
   }
-  const inputs = {};
-  for (let k = 0; k < gl.getProgramParameter(made, gl.ACTIVE_ATTRIBUTES); k++) {
-    const { name } = gl.getActiveAttrib(made, k);
-    inputs[name] = gl.getAttribLocation(made, name);
-  }
-  return { made, at, inputs };
 }
 
 const meshes = program(`
@@ -125,36 +128,29 @@ function sunMatrix(middle, radius) {
 
 // Everything solid: once as the sun sees it, once as the eye does.
 let fed = null, drawing = meshes;
-function useMeshes() {
-  drawing = meshes;
+function drawWith(shader, values) {
+  drawing = shader;
   fed = null;
-  gl.useProgram(meshes.made);
+  gl.useProgram(shader.made);
+  setUniforms(shader, values);
+}
+
+function clearFrame(frame, width, height, colour) {
+  gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
+  gl.viewport(0, 0, width, height);
+  gl.clearColor(...colour, 1);
+  gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
 }
 
 function renderSolid(view, eye, middle, radius, sky, drawThem) {
-  const sun = sunMatrix(middle, radius);
+  const { matrix: sun, texel, bias } = sunMatrix(middle, radius);
   gl.enable(gl.DEPTH_TEST);
   gl.disable(gl.BLEND);
-  drawing = depths;
-  fed = null;
-  gl.bindFramebuffer(gl.FRAMEBUFFER, shadow.frame);
-  gl.viewport(0, 0, shadow.size, shadow.size);
-  gl.clearColor(1, 1, 1, 1);
-  gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-  gl.useProgram(depths.made);
-  gl.uniformMatrix4fv(depths.at.view, false, sun.matrix);
+  clearFrame(shadow.frame, shadow.size, shadow.size, [1, 1, 1]);
+  drawWith(depths, { view: sun });
   drawThem();
-  gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-  gl.viewport(0, 0, canvas.width, canvas.height);
-  gl.clearColor(...sky, 1);
-  gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-  useMeshes();
-  gl.uniformMatrix4fv(meshes.at.view, false, view);
-  gl.uniformMatrix4fv(meshes.at.sun, false, sun.matrix);
-  gl.uniform1f(meshes.at.texel, sun.texel);
-  gl.uniform1f(meshes.at.bias, sun.bias);
-  gl.uniform3fv(meshes.at.eye, eye);
-  gl.uniform3fv(meshes.at.sunward, shadow.sunward);
+  clearFrame(null, canvas.width, canvas.height, sky);
+  drawWith(meshes, { view, sun, texel, bias, eye, sunward: shadow.sunward });
   gl.bindTexture(gl.TEXTURE_2D, shadow.image);
   drawThem();
 }
@@ -220,19 +216,23 @@ function buffer(values) {
   return made;
 }
 
+// How many numbers a corner has of each input.
+const SIZES = { place: 3, other: 3, normal: 3, colour: 3, side: 2, when: 1 };
+const buffers = (rows) => Object.fromEntries(Object.entries(rows).map(([name, values]) => [name, buffer(values)]));
+
 function feed(shader, parts) {
-  for (const [name, [made, size]] of Object.entries(parts)) {
+  for (const [name, made] of Object.entries(parts)) {
     const place = shader.inputs[name];
     if (place === undefined) continue;
     gl.bindBuffer(gl.ARRAY_BUFFER, made);
     gl.enableVertexAttribArray(place);
-    gl.vertexAttribPointer(place, size, gl.FLOAT, false, 0, 0);
+    gl.vertexAttribPointer(place, SIZES[name], gl.FLOAT, false, 0, 0);
   }
 }
 
 // A mesh of triangles; `index` may be left out.
 function mesh(place, normal, colour, index) {
-  const made = { parts: { place: [buffer(place), 3], normal: [buffer(normal), 3], colour: [buffer(colour), 3] }, count: place.length / 3 };
+  const made = { parts: buffers({ place, normal, colour }), count: place.length / 3 };
   if (index) {
     made.index = gl.createBuffer();
     made.type = place.length / 3 > 65535 && long ? gl.UNSIGNED_INT : gl.UNSIGNED_SHORT;
@@ -246,12 +246,7 @@ function mesh(place, normal, colour, index) {
 function drawMesh(what, model, tint, lines = 0, contour = 0, gloss = 0) {
   if (fed !== what) { feed(drawing, what.parts); fed = what; }
   gl.uniformMatrix4fv(drawing.at.model, false, model);
-  if (drawing === meshes) {
-    gl.uniform3fv(meshes.at.tint, tint);
-    gl.uniform1f(meshes.at.lines, lines);
-    gl.uniform1f(meshes.at.contour, contour);
-    gl.uniform1f(meshes.at.gloss, gloss);
-  }
+  if (drawing === meshes) setUniforms(meshes, { tint, lines, contour, gloss });
   if (what.index) {
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, what.index);
     gl.drawElements(gl.TRIANGLES, what.count, what.type, 0);

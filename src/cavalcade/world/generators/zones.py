@@ -1,4 +1,4 @@
-"""Corridor: two open areas joined by a corridor of one width that bends."""
+"""Clutter, forest and corridor: what stands between a start zone and a goal zone."""
 
 from __future__ import annotations
 
@@ -8,15 +8,90 @@ import numpy as np
 
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array
-from cavalcade.world.generators.model import Draw, Size, check_band, count, number
-from cavalcade.world.shapes import Polygon
+from cavalcade.world.generators.model import Draw, Size, check_band, count, number, zone_poses
+from cavalcade.world.shapes import Box, Circle, Polygon, Shape
+
+CIRCLE_RADIUS = (0.10, 0.35)
+BOX_LENGTH = (0.20, 1.40)
+BOX_WIDTH = (0.20, 0.60)
+TRUNK_RADIUS = (0.10, 0.30)
+
+MAX_TREES = 2_000
+
+_DARTS = 200
+"""Darts thrown for one trunk before the forest counts as full."""
 
 STEEPEST = math.radians(75.0)
 """Largest angle of a slanting leg to the x axis."""
 
-_TRIES = 500
+_MIDDLES = 500
+"""Middle lines drawn before the world counts as too small."""
+
 _WALL = 0.3
 """Least thickness of what stands above and below the corridor, m."""
+
+
+def clutter(
+    size: Size, rng: np.random.Generator, *, obstacles: int = 25, zone: float = 2.8
+) -> Draw:
+    """Half circles, half boxes at any angle; centres uniform between the zones, at any height.
+
+    They may overlap each other, the border and, by their own extent, the zones.
+
+    Args:
+        obstacles: Number of obstacles; of an odd number one more is a circle.
+        zone: Width in m of the start zone (left) and of the goal zone (right).
+    """
+    obstacles = count("obstacles", obstacles, 0, 10_000)
+    zone = number("zone", zone, 0.0)
+    check_band(size, zone, 0.0)
+    shapes: list[Shape] = []
+    for index in range(obstacles):
+        center = (float(rng.uniform(zone, size[0] - zone)), float(rng.uniform(0.0, size[1])))
+        if index % 2 == 0:
+            shapes.append(Circle(center, float(rng.uniform(*CIRCLE_RADIUS))))
+        else:
+            sides = (float(rng.uniform(*BOX_LENGTH)), float(rng.uniform(*BOX_WIDTH)))
+            shapes.append(Box(center, sides, float(rng.uniform(0.0, math.pi))))
+    return Draw(tuple(shapes), *zone_poses(size, zone))
+
+
+def forest(
+    size: Size,
+    rng: np.random.Generator,
+    *,
+    trees: int | None = None,
+    spacing: float = 0.9,
+    zone: float = 2.8,
+) -> Draw:
+    """Round trunks that keep a distance, by throwing darts (Poisson-disc sampling).
+
+    Args:
+        trees: Number of trunks; fewer where no more fit. By default as many as fit.
+        spacing: Least free gap between two trunks, m.
+        zone: Width in m of the start zone (left) and of the goal zone (right).
+    """
+    wanted = MAX_TREES if trees is None else count("trees", trees, 0, MAX_TREES)
+    spacing = number("spacing", spacing, 0.05)
+    zone = number("zone", zone, 0.0)
+    check_band(size, zone, 0.0)
+    low, high = np.array([zone, 0.0]), np.array([size[0] - zone, size[1]])
+    centers = np.empty((wanted, 2))
+    radii = np.empty(wanted)
+    planted = 0
+    while planted < wanted:
+        radius = float(rng.uniform(*TRUNK_RADIUS))
+        darts = rng.uniform(low, high, size=(_DARTS, 2))
+        away = darts[:, None, :] - centers[None, :planted, :]
+        gaps = np.hypot(away[..., 0], away[..., 1]) - radii[:planted] - radius
+        fits = gaps.min(axis=1, initial=math.inf) >= spacing
+        if not fits.any():
+            break
+        centers[planted] = darts[int(np.argmax(fits))]
+        radii[planted] = radius
+        planted += 1
+    trunks = zip(centers[:planted].tolist(), radii[:planted].tolist(), strict=True)
+    return Draw(tuple(Circle((x, y), r) for (x, y), r in trunks), *zone_poses(size, zone))
 
 
 def corridor(
@@ -31,7 +106,6 @@ def corridor(
     """A corridor from left to right; its legs are level and slanting in turn.
 
     Args:
-        size, rng: See `Generator`.
         width: Free width of the corridor, m, the same in every leg.
         bends: Number of bends, at least 2.
         angle: Least angle of a bend, degrees, up to 75.
@@ -45,7 +119,7 @@ def corridor(
     least = math.radians(number("angle", angle, 1.0, math.degrees(STEEPEST)))
     zone = number("zone", zone, 0.5)
     check_band(size, zone, width)
-    for _ in range(_TRIES):
+    for _ in range(_MIDDLES):
         middle = _draw_middle(size, rng, width, bends, least, zone)
         if middle is not None:
             break

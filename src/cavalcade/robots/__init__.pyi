@@ -1,0 +1,15 @@
+from .catalogue import MODELS as MODELS
+from .catalogue import ModelRegistry as ModelRegistry
+from .catalogue import is_model_file as is_model_file
+from .catalogue import load_model as load_model
+from .catalogue import register_model as register_model
+from .catalogue import robot_model as robot_model
+from .description import JOINTS as JOINTS
+from .description import LEGS as LEGS
+from .description import PARTS as PARTS
+from .description import BodyShape as BodyShape
+from .description import QuadrupedDescription as QuadrupedDescription
+from .model import Drive as Drive
+from .model import LegModel as LegModel
+from .model import RobotModel as RobotModel
+from .model import check_model as check_model
