@@ -32,7 +32,7 @@ def cycle_at(tools, poses, goal=GOAL, team=None):
 
 
 def standing(tools, goal=GOAL):
-    """In the slots, final, with everything a view is made of."""
+    """In the slots, final, with everything a status is made of."""
     cycle = cycle_at(tools, tools.placed(COLUMN, goal))
     cycle.final, cycle.roles = True, np.arange(3)
     cycle.away = np.zeros(3)
@@ -91,29 +91,29 @@ class TestDistances:
         assert away.tolist() == [math.hypot(2, 2), math.inf, math.hypot(1, 1)]
 
 
-class TestView:
+class TestStatus:
     def test_in_their_slots_and_turned_they_have_arrived(self, tools):
-        view = standing(tools).view("final", 1, 2)
-        assert view.arrived
-        assert (view.state, view.waypoint) == ("final", 2)
-        assert view.goal.tolist() == list(GOAL)
-        assert view.goal_moved == 0.0
+        status = standing(tools).status("final", 1, 2)
+        assert status.arrived
+        assert (status.state, status.waypoint) == ("final", 2)
+        assert status.goal.tolist() == list(GOAL)
+        assert status.goal_moved == 0.0
 
     def test_one_that_is_away_is_enough_not_to_have(self, tools):
         cycle = standing(tools)
         cycle.away[2] = 0.095
-        assert not cycle.view("final", -1, 0).arrived
+        assert not cycle.status("final", -1, 0).arrived
 
     @pytest.mark.parametrize("turn", [0.14, -0.14, math.pi])
     def test_so_is_one_that_looks_elsewhere(self, tools, turn):
         cycle = standing(tools)
         cycle.poses[1, 2] += turn
-        assert not cycle.view("final", -1, 0).arrived
+        assert not cycle.status("final", -1, 0).arrived
 
     def test_full_turns_do_not_count(self, tools):
         cycle = standing(tools)
         cycle.poses[1, 2] -= 2.0 * math.pi
-        assert cycle.view("final", -1, 0).arrived
+        assert cycle.status("final", -1, 0).arrived
 
     def test_one_that_takes_no_part_does_not_count(self, tools):
         team = Team(3, COLUMN)
@@ -121,23 +121,23 @@ class TestView:
         cycle = cycle_at(tools, tools.placed(COLUMN, GOAL), team=team)
         cycle.final, cycle.away = True, np.array([0.0, np.inf, 0.0])
         cycle.poses[1, 2] += 1.0
-        assert cycle.view("final", -1, 0).arrived
+        assert cycle.status("final", -1, 0).arrived
 
     def test_only_final_goals_can_be_arrived_at(self, tools):
         cycle = standing(tools)
         cycle.final = False
-        assert not cycle.view("partial", 0, 0).arrived
+        assert not cycle.status("partial", 0, 0).arrived
 
     @pytest.mark.parametrize("state", ["final", "resolving", "stuck", "infeasible"])
     def test_there_is_a_leader_on_the_way_only(self, tools, state):
-        assert standing(tools).view("partial", 2, 0).leader == 2
-        assert standing(tools).view(state, 2, 0).leader == -1
+        assert standing(tools).status("partial", 2, 0).leader == 2
+        assert standing(tools).status(state, 2, 0).leader == -1
 
     def test_its_roles_stay_what_they_were(self, tools):
         cycle = standing(tools)
-        view = cycle.view("final", -1, 0)
+        status = cycle.status("final", -1, 0)
         cycle.roles[0] = 2
-        assert view.roles.tolist() == [0, 1, 2]
+        assert status.roles.tolist() == [0, 1, 2]
 
 
 class TestPaths:

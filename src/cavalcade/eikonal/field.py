@@ -18,22 +18,6 @@ _FARTHEST = 1e12  # cells
 _SEED_RADIUS = 12.0  # cells around a source that get straight-line times
 
 
-def _as_points(points: ArrayLike) -> Array:
-    """Points as an array `(N, 2)`, m."""
-    try:
-        array = np.atleast_2d(np.asarray(points, dtype=float))
-    except (TypeError, ValueError):
-        raise InputError("expected points (N, 2) in m", key="point") from None
-    if array.ndim != 2 or array.shape[1] != 2:
-        raise InputError(f"expected points (N, 2) in m, got shape {array.shape}", key="point")
-    return array
-
-
-def _within(cells: float) -> float:
-    """What is far off any grid, brought to where it fits into an integer."""
-    return min(max(cells, -_FARTHEST), _FARTHEST)
-
-
 class TravelGrid:
     """A speed map prepared for marching.
 
@@ -113,9 +97,14 @@ class TravelGrid:
             targets: [row, col] cells at which the march may stop once all are settled; None
                 settles every cell that can be reached.
         """
-        sources = _as_points(sources)
-        places = [self._place(source) for source in sources]
-        return ArrivalField(self, self._march(places, _SEED_RADIUS, targets), sources)
+        try:
+            points = np.atleast_2d(np.asarray(sources, dtype=float))
+        except (TypeError, ValueError):
+            raise InputError("expected points (N, 2) in m", key="point") from None
+        if points.ndim != 2 or points.shape[1] != 2:
+            raise InputError(f"expected points (N, 2) in m, got shape {points.shape}", key="point")
+        places = [self._place(point) for point in points]
+        return ArrivalField(self, self._march(places, _SEED_RADIUS, targets), points)
 
     def from_cells(
         self,
@@ -234,7 +223,9 @@ class TravelGrid:
             return u - 0.5, v - 0.5
         if not (math.isfinite(x) and math.isfinite(y)):
             raise InputError(f"expected a finite point in m, got ({x}, {y})", key="point")
-        return _within(u) - 0.5, _within(v) - 0.5
+        # Far off any grid: brought to where it fits into an integer.
+        u, v = (min(max(cells, -_FARTHEST), _FARTHEST) for cells in (u, v))
+        return u - 0.5, v - 0.5
 
     def _index(self, u: float, v: float) -> int:
         """Padded index of the cell around a place in cell units; outside, of a blocked one."""

@@ -8,9 +8,8 @@ from numpy.typing import NDArray
 from cavalcade.eikonal._distance import saturated, square_distance
 from cavalcade.geometry import Array
 
-_LEAST_CLEARANCE = (
-    1e-3  # m; the same for every safe distance, so that all maps block the same cells
-)
+# m; the same for every safe distance, so that all maps block the same cells
+_LEAST_CLEARANCE = 1e-3
 
 
 def surface_distance(occupied: NDArray[np.bool_], cell: float, border: bool = True) -> Array:

@@ -1,109 +1,79 @@
-"""Other methods in the same harness: virtual structure and behaviour-based."""
+"""Other methods in the same harness: virtual structure and behaviour-based.
+
+Both are given a cycle whose roles are known, fill in its targets and paths and whether the goal
+is near (`final`), and return wanted velocities `(N, 2)`, m/s.
+"""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cavalcade.formation.goals import GoalPlan, descend_from
+from cavalcade.formation.cycle import EMPTY_PATH, Cycle, by_robot
+from cavalcade.formation.goals import descend_from
 from cavalcade.formation.planning_maps import PlanningMaps
-from cavalcade.formation.settings import FormationSettings
-from cavalcade.formation.shapes import Formation
-from cavalcade.formation.team import Team
-from cavalcade.formation.variants import Variant
 from cavalcade.geometry import Array, rotation
 
 _LEASH = 0.5  # m: a virtual structure waits for robots this far behind their places
 _SPACE = 1.0  # m: neighbours nearer than this are pushed off by the behaviour-based method
 
 
-def rigid_maps(maps: PlanningMaps, formation: Formation) -> PlanningMaps:
-    """The maps as one rigid body of the whole shape sees it, whatever its heading."""
-    extent = float(np.hypot(formation.slots[:, 0], formation.slots[:, 1]).max())
+def rigid_maps(maps: PlanningMaps, slots: Array) -> PlanningMaps:
+    """The maps as one rigid body of the whole shape `(S, 2)` sees it, whatever its heading."""
+    extent = float(np.hypot(slots[:, 0], slots[:, 1]).max())
     return maps.tightened(maps.settings.r_max + extent)
 
 
-def behave(
-    variant: Variant,
-    plan: GoalPlan,
-    team: Team,
-    points: Array,
-    roles: NDArray[np.int64],
-    settings: FormationSettings,
-    top: float,
-) -> tuple[Array, Array, tuple[Array, ...], bool]:
-    """Wanted velocities `(N, 2)` in m/s, targets `(N, 2)`, paths, and whether the goal is near."""
-    if variant.rigid:
-        return _virtual_structure(plan, team, points, roles, settings, top)
-    return _behaviours(plan, team, points, roles, settings, top)
-
-
-def _virtual_structure(
-    plan: GoalPlan,
-    team: Team,
-    points: Array,
-    roles: NDArray[np.int64],
-    settings: FormationSettings,
-    top: float,
-) -> tuple[Array, Array, tuple[Array, ...], bool]:
+def virtual_structure(cycle: Cycle, lookahead: float, top: float) -> Array:
     """One reference pose for the shape moves down the field; robots hold their places on it."""
-    active = team.active
-    middle = team.formation.slots.mean(axis=0)
+    plan, points, active = cycle.plan, cycle.points, cycle.active
+    slots = cycle.team.formation.slots
     centre = points[active].mean(axis=0)
     path = descend_from(plan.field, centre)
     if not np.isfinite(path.eta):
-        paths = (np.empty((0, 2)),) * len(points)
-        return np.zeros_like(points), points.copy(), paths, False
-    final = path.eta < settings.lookahead
+        cycle.targets = points.copy()
+        return np.zeros_like(points)
+    final = cycle.final = path.eta < lookahead
     if final:
         heading, ahead = float(plan.pose[2]), plan.pose[:2]
     else:
         ahead, heading = path.ahead(0.5)
-    slots = team.formation.slots if final else team.formation.slots - middle
+        slots = slots - slots.mean(axis=0)
     places = slots @ rotation(heading).T + (ahead if final else centre)
-    targets = np.vstack([places, [np.nan, np.nan]])[roles]
-    error = np.nan_to_num(targets - points)
+    cycle.targets = by_robot(places, cycle.roles)
+    error = np.nan_to_num(cycle.targets - points)
     lag = np.hypot(error[:, 0], error[:, 1])
     pace = top * max(0.0, 1.0 - float(lag[active].max()) / _LEASH)
     course = ahead - centre
     length = float(np.hypot(*course))
     course = course / length if length > 1e-9 else course
-    velocity = 1.5 * error + (0.0 if final else pace) * course
-    paths = tuple(path.points if k == active[0] else np.empty((0, 2)) for k in range(len(points)))
-    return velocity, targets, paths, final
+    cycle.paths = tuple(path.points if k == active[0] else EMPTY_PATH for k in range(len(points)))
+    return 1.5 * error + (0.0 if final else pace) * course
 
 
-def _behaviours(
-    plan: GoalPlan,
-    team: Team,
-    points: Array,
-    roles: NDArray[np.int64],
-    settings: FormationSettings,
-    top: float,
-) -> tuple[Array, Array, tuple[Array, ...], bool]:
+def seek_and_space(cycle: Cycle, lookahead: float, top: float) -> Array:
     """Weighted goal seeking and neighbour spacing; obstacles are left to the avoidance layer.
 
     No common plan: every robot heads straight for its own place at the goal and is pushed off by
     neighbours and obstacles that are too near.
     """
-    targets = np.vstack([plan.places, [np.nan, np.nan]])[roles]
+    points, active = cycle.points, cycle.active
+    targets = cycle.targets = by_robot(cycle.plan.places, cycle.roles)
     error = np.nan_to_num(targets - points)
     away = np.hypot(error[:, 0], error[:, 1])
     velocity = top * error / np.maximum(away, 1e-9)[:, None]
-    for k in team.active:
+    for k in active:
         for j in range(len(points)):
             offset = points[k] - points[j]
             gap = float(np.hypot(*offset))
             if 1e-9 < gap < _SPACE:
                 velocity[k] += top * (_SPACE - gap) / _SPACE * offset / gap
-        slope = _slope(plan.maps, points[k])
-        velocity[k] += top * slope
-    final = bool(away[team.active].max() < settings.lookahead * top)
-    paths = tuple(
-        np.vstack([points[k], targets[k]]) if roles[k] >= 0 else np.empty((0, 2))
+        velocity[k] += top * _slope(cycle.plan.maps, points[k])
+    cycle.final = bool(away[active].max() < lookahead * top)
+    cycle.paths = tuple(
+        np.vstack([points[k], targets[k]]) if cycle.roles[k] >= 0 else EMPTY_PATH
         for k in range(len(points))
     )
-    return velocity, targets, paths, final
+    return velocity
 
 
 def _slope(maps: PlanningMaps, point: Array) -> Array:

@@ -10,30 +10,13 @@ from numpy.typing import NDArray
 from cavalcade.formation.goals import GoalPlan
 from cavalcade.formation.team import Team
 from cavalcade.geometry import Array, wrap_angle
+from cavalcade.recording.status import PlannerStatus
 
 _THERE = 0.09  # m and
 _TURNED = 0.13  # rad from its final pose within which a robot has arrived
 _FIRST = 0.15  # m of a path that give its initial direction
 _AHEAD = 0.40  # m of a path that give the heading to take up
 EMPTY_PATH: Array = np.empty((0, 2))
-
-
-@dataclass(frozen=True)
-class View:
-    """What the planner reports of a cycle; see `PlannerStatus`."""
-
-    state: str = "inactive"
-    leader: int = -1
-    roles: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
-    targets: Array | None = None
-    goal: Array | None = None
-    paths: tuple[Array, ...] = ()
-    eta: Array = field(default_factory=lambda: np.empty(0))
-    arrived: bool = False
-    waypoint: int = 0
-    goal_moved: float = 0.0
-    involved: tuple[int, ...] = ()
-    message: str = ""
 
 
 @dataclass
@@ -50,7 +33,8 @@ class Cycle:
         velocity: `(N, 2)` wanted, m/s; None where nobody is to move.
         away: `(N,)` distances to the final slots, m; inf unless `final`.
         final: Robots drive to their final slots.
-        roles, paths, targets: As reported.
+        roles, paths: As reported.
+        targets: `(N, 2)` the robots' present goals, nan for none, m.
         detours: Places `(2,)` where stuck robots go to turn, by robot, m.
         facing: `(N,)` headings that robots are to take up or keep, rad; nan for as usual.
     """
@@ -67,17 +51,24 @@ class Cycle:
     final: bool = False
     roles: NDArray[np.int64] = field(init=False)
     paths: tuple[Array, ...] = ()
-    targets: Array | None = None
+    targets: Array = field(init=False)
     detours: dict[int, Array] = field(default_factory=dict)
     facing: Array = field(init=False)
 
     def __post_init__(self) -> None:
         count = len(self.poses)
         self.facing = np.full(count, np.nan)
+        self.targets = np.full((count, 2), np.nan)
         self.eta = np.full(count, np.inf)
         self.away = np.full(count, np.inf)
         self.roles = np.full(count, -1, dtype=np.int64)
         self.paths = (EMPTY_PATH,) * count
+
+    def go_to_slots(self, roles: NDArray[np.int64]) -> None:
+        """Take up final slots `(N,)`."""
+        self.final, self.roles = True, roles
+        self.targets = by_robot(self.plan.places, roles)
+        self.away = distances(self.points, self.targets)
 
     def headings(self) -> Array:
         """Directions of motion `(N,)`, rad; the present heading of a robot that stands."""
@@ -92,22 +83,22 @@ class Cycle:
             return np.full(len(self.active), np.inf)
         return distances(self.points, by_robot(self.plan.places, roles))[self.active]
 
-    def view(
+    def status(
         self,
         state: str,
         leader: int,
         waypoint: int,
         message: str = "",
         involved: tuple[int, ...] = (),
-    ) -> View:
-        """The report of this cycle."""
+    ) -> PlannerStatus:
+        """The report of this cycle in the grid's frame; goals are nan where there are none."""
         turned = np.abs(wrap_angle(self.poses[:, 2] - self.plan.pose[2])) < _TURNED
         there = (self.away < _THERE) & turned
-        return View(
+        return PlannerStatus(
             state=state,
             leader=leader if state == "partial" else -1,
             roles=self.roles.copy(),
-            targets=self.targets,
+            goals=self.targets,
             goal=self.plan.pose,
             paths=self.paths,
             eta=self.eta,
@@ -153,9 +144,7 @@ def path_heading(path: Array) -> float | None:
 
 def order_of(eta: Array) -> NDArray[np.int64]:
     """Precedence `(N,)`: 0 for the least time."""
-    rank = np.empty(len(eta), dtype=np.int64)
-    rank[np.argsort(eta, kind="stable")] = np.arange(len(eta))
-    return rank
+    return np.argsort(np.argsort(eta, kind="stable"))
 
 
 def named(robots: tuple[int, ...]) -> str:

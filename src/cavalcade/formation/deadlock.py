@@ -7,10 +7,10 @@ from statistics import median
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
 
 from cavalcade.formation.cycle import EMPTY_PATH, Cycle, direction, order_of
 from cavalcade.formation.goals import GoalPlan, descend_from, eta_from
+from cavalcade.formation.roles import least_cost
 from cavalcade.geometry import Array
 
 PATIENCE = 3.0
@@ -42,12 +42,7 @@ class ProgressMonitor:
         self._since: float | None = None
 
     def stalled(self, measure: float, time: float) -> bool:
-        """Whether `measure` has not fallen for too long.
-
-        Args:
-            measure: What should fall.
-            time: Now, s.
-        """
+        """Whether `measure` has not fallen for too long at a time in s."""
         if self._since is None or measure < self._best - _STEP:
             self._best = min(self._best, measure)
             self._since = time
@@ -197,46 +192,25 @@ class SlotExchange:
     def assign(
         self, goal: GoalPlan, points: Array, active: NDArray[np.int64], time: float
     ) -> NDArray[np.int64]:
-        """Slots `(N,)` now, -1 for robots that take no part.
-
-        Args:
-            goal: Where to.
-            points: `(N, 2)` robots, m.
-            active: Robots that take part.
-            time: Now, s.
-        """
+        """Slots `(N,)` of robots at `points` `(N, 2)` at a time in s, -1 for those not active."""
         eta = np.full((len(points), len(goal.places)), np.inf)
         for k in active:
             for slot in range(len(goal.places)):
                 eta[k, slot] = eta_from(goal.slot_field(slot, points[active]), points[k])
+        times = np.minimum(eta, _NO_PATH)
         if self._roles is None:
-            self._roles = _by_time(eta, active)
+            self._roles = least_cost(times[active] ** 2, len(points), active)
+        roles = self._roles
+        # Two exchange slots if the sum of their squared times falls by it. That sum over the
+        # team falls with every exchange, so that a team that stands settles.
         for i in active:
             for j in active:
-                if i < j and time - self._last[i, j] >= PATIENCE:
-                    self._consider(int(i), int(j), eta, time)
-        return self._roles.copy()
-
-    def _consider(self, i: int, j: int, eta: Array, time: float) -> None:
-        """Exchange the slots of two robots if the sum of their squared times falls by it.
-
-        That sum over the team falls with every exchange, so that a team that stands settles.
-        """
-        roles = self._roles
-        if roles is None:
-            return
-        a, b = roles[i], roles[j]
-        times = np.minimum(eta, _NO_PATH)
-        straight = times[i, a] ** 2 + times[j, b] ** 2
-        crossed = times[i, b] ** 2 + times[j, a] ** 2
-        if crossed < _GAIN * straight - _STEP:
-            roles[i], roles[j] = b, a
-            self._last[i, j] = time
-
-
-def _by_time(eta: Array, active: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The bijection with the least sum of squared times."""
-    roles = np.full(len(eta), -1, dtype=np.int64)
-    robots, slots = linear_sum_assignment(np.minimum(eta[active], _NO_PATH) ** 2)
-    roles[active[robots]] = slots
-    return roles
+                if i >= j or time - self._last[i, j] < PATIENCE:
+                    continue
+                a, b = roles[i], roles[j]
+                straight = times[i, a] ** 2 + times[j, b] ** 2
+                crossed = times[i, b] ** 2 + times[j, a] ** 2
+                if crossed < _GAIN * straight - _STEP:
+                    roles[i], roles[j] = b, a
+                    self._last[i, j] = time
+        return roles.copy()

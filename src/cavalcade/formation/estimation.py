@@ -1,7 +1,8 @@
-"""The team's state at the moment when the next command takes effect.
+"""Velocities from poses, and the team's state when the next command takes effect.
 
-Poses arrive noisy, and now and then not at all; commands take effect late, and now and then not
-at all. The motion model, driven by the commands that are in effect by then, bridges both: it
+`VelocityTracker` is for robots that are located and reached perfectly. For others, poses arrive
+noisy, and now and then not at all; commands take effect late, and now and then not at all. The
+motion model, driven by the commands that are in effect by then, bridges both: `StateEstimator`
 carries the estimate from report to report, and on from now to the moment that a command sent now
 reaches the robot (a Smith predictor). Reports correct it with the gain of a steady Kalman filter
 whose state drifts at random.
@@ -19,10 +20,12 @@ from numpy.typing import NDArray
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array, wrap_angle
 from cavalcade.robots import RobotModel
-from cavalcade.robots.motion import limits_of, predict_team
+from cavalcade.robots.motion import MotionLimits, limits_of, predict_team
 
 _DRIFT = 0.08  # m/s and rad/s that a robot departs from the model at random
 _STEADY = 0.2  # largest share of a cycle's surprise that is put down to the velocity
+_WINDOW = 5  # cycles over which a tracker compares prediction and poses
+_TRUSTED = 0.025  # m and rad: displacements over the window that differ by less agree
 _STEP = 0.0125  # s: step of the prediction
 _LONGEST = 0.5  # s without a cycle, or in one pose exactly, after which a robot stands
 _ELSEWHERE = 0.5  # m or rad from the prediction where the robot must have been moved,
@@ -79,6 +82,60 @@ class Imperfections:
         return max(1, lost) + math.ceil(2.0 * self.jitter / period)
 
 
+class VelocityTracker:
+    """Estimates the team's velocities; poses are taken as they are.
+
+    A robot that moves as the model predicts from its commands has the predicted velocity, without
+    the noise of differences. One that does not (late or lost commands, a slip) has the velocity
+    that its last poses tell.
+
+    Args:
+        model: The robots'.
+        period: Seconds between updates.
+    """
+
+    def __init__(self, model: RobotModel, period: float = 0.05) -> None:
+        self._longest = max(_LONGEST, 2.5 * period)
+        self._limits = limits_of(model)
+        self._poses: Array = np.empty((0, 3))
+        self._velocities: Array = np.empty((0, 3))
+        self._commands: Array = np.empty((0, 3))
+        self._time = 0.0
+        # Per cycle: seconds, displacement seen and displacement predicted.
+        self._history: deque[tuple[float, Array, Array]] = deque(maxlen=_WINDOW)
+
+    def update(self, poses: Array, time: float, stamps: Array | None = None) -> tuple[Array, Array]:
+        """The poses, and velocities `(N, 3)` in their frame: m/s, m/s, rad/s.
+
+        Args:
+            poses: `(N, 3)` now.
+            time: Now, s.
+            stamps: Not looked at.
+        """
+        elapsed = time - self._time
+        if len(self._poses) != len(poses) or not 0.0 < elapsed < self._longest:
+            velocities = np.zeros_like(poses)
+            self._history.clear()
+        else:
+            states = _predicted(
+                self._poses, self._velocities, self._commands, elapsed, self._limits
+            )
+            seen = poses - self._poses
+            seen[:, 2] = wrap_angle(seen[:, 2])
+            self._history.append((elapsed, seen, states[:, :3] - self._poses))
+            span = sum(entry[0] for entry in self._history)
+            moved = sum((entry[1] for entry in self._history), np.zeros_like(poses))
+            expected = sum((entry[2] for entry in self._history), np.zeros_like(poses))
+            agree = np.abs(moved - expected).max(axis=1) < _TRUSTED
+            velocities = np.where(agree[:, None], states[:, 3:], moved / span)
+        self._poses, self._velocities, self._time = poses.copy(), velocities.copy(), time
+        return poses, velocities
+
+    def commanded(self, commands: Array) -> None:
+        """Body-frame commands `(N, 3)` that hold from now on."""
+        self._commands = commands.copy()
+
+
 class StateEstimator:
     """Estimates a team's poses and velocities at the time that a command sent now arrives.
 
@@ -97,7 +154,7 @@ class StateEstimator:
         deviation = np.array([expected.position, expected.position, expected.heading])
         self._elsewhere = np.maximum(_ELSEWHERE, _OUTLIER * deviation)
         self._swift = np.minimum(self._gain**2 / (2.0 - self._gain), _STEADY)
-        self._states: Array | None = None
+        self._states: Array = np.empty((0, 6))
         self._time = 0.0
         self._reported: Array = np.empty((0, 3))
         self._stamps: Array = np.empty(0)
@@ -115,18 +172,13 @@ class StateEstimator:
                 has not changed at all counts as not reported anew, for half a second.
         """
         elapsed = time - self._time
-        if (
-            self._states is None
-            or len(self._states) != len(poses)
-            or not 0.0 < elapsed < self._longest
-        ):
+        if len(self._states) != len(poses) or not 0.0 < elapsed < self._longest:
             self._restart(poses, time, stamps)
         else:
             self._states = self._carried(self._states, self._time, time, use_up=True)
             self._correct(poses, time, elapsed, stamps)
         self._time = time
         self._reported = poses.copy()
-        assert self._states is not None
         ahead = self._carried(self._states, time, time + self._delay, use_up=False)
         return ahead[:, :3].copy(), ahead[:, 3:].copy()  # without delay it is the estimate itself
 
@@ -141,12 +193,9 @@ class StateEstimator:
         self._current = np.zeros_like(poses)
 
     def _carried(self, states: Array, start: float, end: float, use_up: bool) -> Array:
-        """The states after the commands that take effect from `start` to `end`.
+        """States `(N, 6)` at `start` carried on to `end`, s, by the commands that take effect.
 
-        Args:
-            states: `(N, 6)` poses and velocities at `start`.
-            start, end: s.
-            use_up: Forget the commands that are in the past then.
+        Those that are in the past then are forgotten if `use_up` says so.
         """
         current = self._current
         for due, commands in self._coming:
@@ -163,13 +212,11 @@ class StateEstimator:
     def _moved(self, states: Array, commands: Array, elapsed: float) -> Array:
         if elapsed <= 1e-9:
             return states
-        steps = max(1, int(np.ceil(elapsed / _STEP - 1e-9)))
         poses, velocities = np.ascontiguousarray(states[:, :3]), np.ascontiguousarray(states[:, 3:])
-        return predict_team(poses, velocities, commands, elapsed / steps, steps, self._limits)
+        return _predicted(poses, velocities, commands, elapsed, self._limits)
 
     def _correct(self, poses: Array, time: float, elapsed: float, stamps: Array | None) -> None:
         states = self._states
-        assert states is not None
         if stamps is None:
             # One that stays where it is longer than reports get lost for does stand there.
             changed = (poses != self._reported).any(axis=1)
@@ -188,6 +235,14 @@ class StateEstimator:
         surprise[moved | ~fresh] = 0.0
         states[:, :3] += self._gain * surprise
         states[:, 3:] += self._swift * surprise / gathered[:, None]
+
+
+def _predicted(
+    poses: Array, velocities: Array, commands: Array, elapsed: float, limits: MotionLimits
+) -> Array:
+    """States `(N, 6)` after `elapsed` s of these commands."""
+    steps = max(1, int(np.ceil(elapsed / _STEP - 1e-9)))
+    return predict_team(poses, velocities, commands, elapsed / steps, steps, limits)
 
 
 def _gain(deviation: float, period: float) -> float:

@@ -35,12 +35,11 @@ class GoalPlan:
     ) -> None:
         """Plan for robots at `points` `(S, 2)`, the ones that take part."""
         self.maps = maps
-        self.moved = 0.0
-        self.cut_off: NDArray[np.int64] = np.empty(0, np.int64)
         regions = np.array([maps.component(point) for point in points])
         names, counts = np.unique(regions[regions > 0], return_counts=True)
         wanted = transform_points(goal, slots)
         shift = None
+        self.cut_off: NDArray[np.int64]
         if len(names) > 0:
             common = int(names[np.argmax(counts)])
             body = footprint.discs @ rotation(goal[2]).T
@@ -58,7 +57,12 @@ class GoalPlan:
         self.moved = float(np.hypot(*shift))
         self.pose = goal + np.append(shift, 0.0)
         self.places = wanted + shift
-        self.field = self._centre_field(maps)
+        centre = self.pose[:2]
+        if not maps.leader.is_free(centre):
+            # A shape around an obstacle: head for the free ground nearest to its centre.
+            near = maps.leader.nearest_free(centre)
+            centre = self.places[0] if near is None else near
+        self.field = maps.leader.field(centre)
         self._slot_fields: dict[int, ArrivalField] = {}
         self._whole: set[int] = set()  # slots whose fields hold all that can be reached
         self._entered: tuple[bytes, list[tuple[int, int]]] = (b"", [])
@@ -96,14 +100,6 @@ class GoalPlan:
             self._entered = (key, [grid.cell_of(point) for point in near if point is not None])
         return self._entered[1]
 
-    def _centre_field(self, maps: PlanningMaps) -> ArrivalField:
-        centre = self.pose[:2]
-        if not maps.leader.is_free(centre):
-            # A shape around an obstacle: head for the free ground nearest to its centre.
-            near = maps.leader.nearest_free(centre)
-            centre = self.places[0] if near is None else near
-        return maps.leader.field(centre)
-
 
 @dataclass(frozen=True)
 class Descent:
@@ -132,12 +128,7 @@ class Descent:
 
 
 def descend_from(field: ArrivalField, point: Array) -> Descent:
-    """The path from any point; one in the inflated zone first makes for free ground.
-
-    Args:
-        field: Where to.
-        point: `(2,)` m.
-    """
+    """The path from any point `(2,)`; one in the inflated zone first makes for free ground."""
     points, times = field.path(point)
     if len(points) > 1:
         return Descent(points, times)

@@ -8,11 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.formation._clearance import Footprint, ObstacleBoxes, Surroundings
-from cavalcade.formation.baselines import behave, rigid_maps
+from cavalcade.formation.baselines import rigid_maps, seek_and_space, virtual_structure
 from cavalcade.formation.cycle import (
     EMPTY_PATH,
     Cycle,
-    View,
     by_robot,
     direction,
     distances,
@@ -36,6 +35,7 @@ from cavalcade.formation.stuck_recovery import StuckRecovery
 from cavalcade.formation.team import Team
 from cavalcade.formation.variants import Variant
 from cavalcade.geometry import Array
+from cavalcade.recording.status import PlannerStatus
 from cavalcade.robots import RobotModel
 
 _LONGER, _LATER = 1.1, 0.3  # how much longer than last cycle's, in share and s, a path may get
@@ -44,10 +44,18 @@ _TIGHTER = (0.25, 0.21)  # m: inflation radii tried where r_max leaves no path
 
 
 class Navigator:
-    """Turns goals and poses into wanted velocities. In the grid's frame throughout."""
+    """Turns goals and poses into wanted velocities. In the grid's frame throughout.
+
+    Attributes:
+        goals: `(G, 3)` poses to drive to.
+        radius: Inflation of the present plan, m.
+        status: What the last cycle came to; slots and connections are left out, and goals are
+            nan where there are none.
+    """
 
     def __init__(
         self,
+        team: Team,
         variant: Variant,
         settings: FormationSettings,
         model: RobotModel,
@@ -55,6 +63,7 @@ class Navigator:
         rng: np.random.Generator,
         error: float = 0.0,
     ) -> None:
+        self._team = team
         self._variant = variant
         self._settings = settings
         self._shaper = Shaper(variant, settings, model, period)
@@ -85,7 +94,7 @@ class Navigator:
         self._roles: NDArray[np.int64] = np.empty(0, np.int64)
         self._rank: NDArray[np.int64] | None = None
         self._times: dict[int, float] = {}
-        self._view = View(state=self._state)
+        self.status = self._idle()
         self._shaper.reset()
         self._deadlock.restart()
         self._recovery.restart()
@@ -105,36 +114,35 @@ class Navigator:
         self._recovery.go_on()
         self.refresh()
 
-    def rank(self, robots: int) -> NDArray[np.int64]:
-        """Precedence of the robots, 0 first: those that evade before all others."""
-        rank = np.arange(robots) if self._rank is None else self._rank
+    def rank(self) -> NDArray[np.int64]:
+        """Precedence `(N,)` of the robots, 0 first: those that evade before all others."""
+        rank = np.arange(self._team.size) if self._rank is None else self._rank
         if not self._evading:
             return rank
         late = [k for k in np.argsort(rank, kind="stable") if k not in self._evading]
         return np.argsort([*self._evading, *late])
 
-    def evading(self, robots: int) -> NDArray[np.bool_]:
+    def evading(self) -> NDArray[np.bool_]:
         """`(N,)` which robots get out of the way of dynamic obstacles."""
-        evading = np.zeros(robots, np.bool_)
+        evading = np.zeros(self._team.size, np.bool_)
         evading[self._evading] = True
         return evading
 
-    def view(self, team: Team) -> View:
-        """What the last cycle came to."""
-        if len(self._view.roles) == team.size:
-            return self._view
-        return View(
+    def _idle(self) -> PlannerStatus:
+        """The report of a team that nothing is known of yet."""
+        count = self._team.size
+        return PlannerStatus(
             state=self._state,
-            roles=np.full(team.size, -1, dtype=np.int64),
-            paths=(EMPTY_PATH,) * team.size,
-            eta=np.full(team.size, np.inf),
+            roles=np.full(count, -1, dtype=np.int64),
+            goals=np.full((count, 2), np.nan),
+            paths=(EMPTY_PATH,) * count,
+            eta=np.full(count, np.inf),
             waypoint=self._waypoint,
         )
 
     def step(
         self,
         maps: PlanningMaps,
-        team: Team,
         poses: Array,
         velocities: Array,
         time: float,
@@ -142,13 +150,13 @@ class Navigator:
     ) -> Array:
         """Wanted velocities `(N, 3)`: m/s, m/s, rad/s; the limits of eq. 7 hold for them."""
         self._evading = []
-        active = team.active
+        team, active = self._team, self._team.active
         wanted = np.zeros((len(poses), 3))
         if self._state == "inactive" or len(active) == 0:
-            self._view = View()
+            self.status = self._idle()
             return wanted
         points = np.ascontiguousarray(poses[:, :2])
-        plan = self._planned_for(maps, team, points, active)
+        plan = self._planned_for(maps, points[active])
         cycle = Cycle(plan, team, poses, points, active, time)
         if self._state == "infeasible":
             self._state = "partial"  # for a path may be free again
@@ -159,7 +167,7 @@ class Navigator:
             involved = tuple(int(active[k]) for k in plan.cut_off)
             message = f"no path to the goal for {named(involved)}"
         elif self._state == "stuck":
-            message, involved = self._view.message, self._view.involved
+            message, involved = self.status.message, self.status.involved
             cycle.roles = self._roles if len(self._roles) else cycle.roles
         elif self._variant.rigid or not self._variant.common_plan:
             self._follow_baseline(cycle)
@@ -173,23 +181,20 @@ class Navigator:
             self._evading = self._avoidance.apply(
                 wanted, poses, velocities, active, around, self.radius
             )
-        self._view = cycle.view(self._state, self._leader, self._waypoint, message, involved)
+        self.status = cycle.status(self._state, self._leader, self._waypoint, message, involved)
         self._advance_waypoint(cycle)
         return wanted
 
-    def _planned_for(
-        self, maps: PlanningMaps, team: Team, points: Array, active: NDArray[np.int64]
-    ) -> GoalPlan:
+    def _planned_for(self, maps: PlanningMaps, points: Array) -> GoalPlan:
         if self._plan is not None and self._planned is maps:
             return self._plan
-        goal, slots = self.goals[self._waypoint], team.formation.slots
-        used = rigid_maps(maps, team.formation) if self._variant.rigid else maps
-        plan = GoalPlan(used, goal, slots, points[active], self._footprint)
+        goal, slots = self.goals[self._waypoint], self._team.formation.slots
+        used = rigid_maps(maps, slots) if self._variant.rigid else maps
+        plan = GoalPlan(used, goal, slots, points, self._footprint)
         for radius in _TIGHTER if self._variant.improved else ():
             if len(plan.cut_off) == 0 or radius >= self._settings.r_max:
                 break
-            tighter = maps.tightened(radius)
-            other = GoalPlan(tighter, goal, slots, points[active], self._footprint)
+            other = GoalPlan(maps.tightened(radius), goal, slots, points, self._footprint)
             if len(other.cut_off) == 0:
                 plan = other
         self.radius = min(plan.maps.radius, self._settings.r_max)
@@ -243,10 +248,7 @@ class Navigator:
         """Step 7: everyone to the nearest slots at the goal."""
         if self._variant.adaptive_roles or len(self._roles) == 0:
             self._roles = assign_goals(cycle.points, cycle.plan.places, cycle.active)
-        cycle.final = True
-        cycle.targets = by_robot(cycle.plan.places, self._roles)
-        cycle.away = distances(cycle.points, cycle.targets)
-        cycle.roles = self._roles
+        cycle.go_to_slots(self._roles)
         if self._variant.recovery and self._recovery.update(cycle):
             self._deadlock.refresh()
         self._drive(cycle, {})
@@ -255,10 +257,7 @@ class Navigator:
         """One by one along each robot's own field."""
         single = self._deadlock.single_file(cycle)
         self._roles, self._rank = single.roles, single.rank
-        cycle.final = True
-        cycle.roles = self._roles
-        cycle.targets = by_robot(cycle.plan.places, self._roles)
-        cycle.away = distances(cycle.points, cycle.targets)
+        cycle.go_to_slots(self._roles)
         if self._recovery.update(cycle, single.paths):
             self._deadlock.refresh()
         paths, courses = list(single.paths), single.courses
@@ -266,14 +265,11 @@ class Navigator:
             paths[k], _ = local_path(cycle.plan.maps, cycle.points[k], place)
             courses[k] = direction(paths[k])
         cycle.paths = tuple(paths)
-        desired = courses * self._shaper.top
-        self._shaper.shape(cycle, desired, springs=False)
+        self._shaper.shape(cycle, courses * self._shaper.top, springs=False)
 
     def _drive(self, cycle: Cycle, known: dict[int, Array]) -> None:
         """Desired velocities along paths (local ones but for `known`), then steps 9 to 11."""
         maps, points, targets = cycle.plan.maps, cycle.points, cycle.targets
-        if targets is None:
-            return
         cycle.roles = self._roles
         paths = [EMPTY_PATH] * len(points)
         desired = np.zeros((len(points), 2))
@@ -285,12 +281,8 @@ class Navigator:
                 field = cycle.plan.slot_field(int(self._roles[k]), points[cycle.active])
                 path = descend_from(field, points[k]).points
             elif path is None:
-                path, self._times[int(k)] = local_path(
-                    maps,
-                    points[k],
-                    targets[k],
-                    _LONGER * self._times.get(int(k), np.inf) + _LATER,
-                )
+                guess = _LONGER * self._times.get(int(k), np.inf) + _LATER
+                path, self._times[int(k)] = local_path(maps, points[k], targets[k], guess)
             paths[k] = path
             desired[k] = self._shaper.top * direction(paths[k])
         cycle.paths = tuple(paths)
@@ -301,21 +293,18 @@ class Navigator:
             self._leader = int(cycle.active[0])
         if len(self._roles) == 0:
             self._roles = assign_goals(cycle.points, cycle.plan.places, cycle.active)
-        desired, cycle.targets, cycle.paths, cycle.final = behave(
-            self._variant, cycle.plan, cycle.team, cycle.points, self._roles,
-            self._settings, self._shaper.top,
-        )  # fmt: skip
-        self._state = "final" if cycle.final else "partial"
         cycle.roles = self._roles
+        behave = virtual_structure if self._variant.rigid else seek_and_space
+        desired = behave(cycle, self._settings.lookahead, self._shaper.top)
+        self._state = "final" if cycle.final else "partial"
         if cycle.final:
             cycle.away = distances(cycle.points, by_robot(cycle.plan.places, self._roles))
         self._shaper.shape(cycle, desired, springs=False)
 
     def _advance_waypoint(self, cycle: Cycle) -> None:
-        if not cycle.final or self._waypoint >= len(self.goals) - 1:
-            return
-        if cycle.away[cycle.active].max() < _PASSED:
+        last = self._waypoint >= len(self.goals) - 1
+        if cycle.final and not last and cycle.away[cycle.active].max() < _PASSED:
             self._waypoint += 1
-            view = self._view
+            status = self.status
             self.restart()
-            self._view = replace(view, state="partial", arrived=False)
+            self.status = replace(status, state="partial", arrived=False)

@@ -7,22 +7,22 @@ Cluttered Environments", with deadlock resolution and a safety filter of our own
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cavalcade.errors import InputError
 from cavalcade.formation import modes
 from cavalcade.formation._clearance import ObstacleBoxes, Surroundings
 from cavalcade.formation._least_change import TeamState
 from cavalcade.formation.dynamic_obstacles import DynamicObstacle, obstacle_boxes
-from cavalcade.formation.estimation import Imperfections, StateEstimator
+from cavalcade.formation.estimation import Imperfections, StateEstimator, VelocityTracker
 from cavalcade.formation.planning_maps import PlanningMaps
 from cavalcade.formation.safety_filter import SafetyFilter, SafetyInputs
 from cavalcade.formation.settings import PRESETS, FormationSettings
 from cavalcade.formation.shapes import Formation
 from cavalcade.formation.team import Team
-from cavalcade.formation.tracking import VelocityTracker
 from cavalcade.formation.variants import default_settings, variant_named
 from cavalcade.geometry import (
     Array,
@@ -96,13 +96,15 @@ class FormationPlanner:
         period = 1.0 / self.rate
         self._expected = expected or Imperfections()
         self._tracker: VelocityTracker | StateEstimator = VelocityTracker(self.model, period)
+        self._late = 0.0  # s from a cycle to the moment that poses are told for
         if self.variant.filter and not self._expected.none:
             self._tracker = StateEstimator(self.model, period, self._expected)
+            self._late = self._expected.delay
         self._filter = SafetyFilter(self.model, period, self._expected)
         self._obstacles: tuple[DynamicObstacle, ...] = ()
         self._mode = modes.Navigator(
-            self.variant, self.settings, self.model, period, np.random.default_rng(seed),
-            self._expected.error(period, self.model.length / 2.0),
+            self._team, self.variant, self.settings, self.model, period,
+            np.random.default_rng(seed), self._expected.error(period, self.model.length / 2.0),
         )  # fmt: skip
         self._paused = False
         self._bodies: tuple[PlanningMaps, Array, PlanningMaps] | None = None
@@ -126,9 +128,8 @@ class FormationPlanner:
         if poses.ndim != 2 or poses.shape[1:] != (3,) or not np.isfinite(poses).all():
             raise InputError("expected finite poses (x, y, yaw)", key="goal")
         origin = np.asarray(self._map.origin, dtype=float)
-        local = np.column_stack(
-            [inverse_transform_points(origin, poses[:, :2]), wrap_angle(poses[:, 2] - origin[2])]
-        )
+        local = _into_grid(poses, origin)
+        local[:, 2] = wrap_angle(local[:, 2])
         self._mode.set_goals(local)
 
     def cancel(self) -> None:
@@ -166,24 +167,16 @@ class FormationPlanner:
 
     def update_map(self, map: OccupancyMap) -> None:
         """Replace the map; where only some cells differ, only their surroundings are renewed."""
-        same = (
-            map.rows == self._map.rows
-            and map.cols == self._map.cols
-            and map.resolution == self._map.resolution
-            and tuple(map.origin) == tuple(self._map.origin)
-        )
-        if same:
+        before, after = ((m.rows, m.cols, m.resolution, *m.origin) for m in (self._map, map))
+        if before == after:
             self._maps = self._maps.changed(map.occupied)
         else:
             goals = self._mode.goals
             old, new = np.asarray(self._map.origin), np.asarray(map.origin)
             self._maps = PlanningMaps(map.occupied, map.resolution, self.settings)
             if len(goals):
-                there = transform_points(old, goals[:, :2])
-                yaw = goals[:, 2] + old[2] - new[2]
-                self._mode.set_goals(
-                    np.column_stack([inverse_transform_points(new, there), yaw]), keep=True
-                )
+                there = np.column_stack([transform_points(old, goals[:, :2]), goals[:, 2] + old[2]])
+                self._mode.set_goals(_into_grid(there, new), keep=True)
         self._map = map
         self._mode.refresh()
 
@@ -218,34 +211,21 @@ class FormationPlanner:
             if stamps.shape != (len(poses),) or not np.isfinite(stamps).all():
                 raise InputError(f"expected ({len(poses)},) finite times", key="stamps")
         origin = self._map.origin
-        poses, velocities, late = self._located(poses, float(time), stamps)
-        local = poses
-        if any(origin):
-            local = np.column_stack(
-                [inverse_transform_points(origin, poses[:, :2]), poses[:, 2] - origin[2]]
-            )
+        poses, velocities = self._tracker.update(poses, float(time), stamps)
+        local = _into_grid(poses, origin) if any(origin) else poses
         if origin[2]:
             velocities[:, :2] = velocities[:, :2] @ rotation(origin[2])
         boxes = obstacle_boxes(self._obstacles, origin)
-        boxes.poses[:, :2] += late * boxes.velocities
+        boxes.poses[:, :2] += self._late * boxes.velocities
         if self._paused:
             wanted = np.zeros_like(local)
         else:
-            wanted = self._mode.step(
-                self._routes(local), self._team, local, velocities, float(time), boxes
-            )
+            routes = self._routes(local)
+            wanted = self._mode.step(routes, local, velocities, float(time), boxes)
         commands = self._commands(local, velocities, wanted, boxes)
         self._tracker.commanded(commands)
         self._status = self._make_status(poses)
         return commands
-
-    def _located(
-        self, poses: Array, time: float, stamps: Array | None
-    ) -> tuple[Array, Array, float]:
-        """Poses and velocities `(N, 3)` when this cycle's commands arrive, and in how many s."""
-        if isinstance(self._tracker, VelocityTracker):
-            return poses, self._tracker.update(poses, time), 0.0
-        return *self._tracker.update(poses, time, stamps), self._expected.delay
 
     def _routes(self, local: Array) -> PlanningMaps:
         """The maps to find paths on: lost robots are obstacles there."""
@@ -264,11 +244,10 @@ class FormationPlanner:
     ) -> Array:
         frozen = ~self._team.present
         if self.variant.filter:
-            count = self._team.size
-            evading = self._mode.evading(count)
+            evading = self._mode.evading()
             # In an emergency it is footprints that are kept off obstacles, not circles.
             clearances = np.where(evading, 0.0, self._mode.radius)
-            rank = self._mode.rank(count)
+            rank = self._mode.rank()
             around = Surroundings(self._maps.distance, self._maps.cell, *boxes)
             team = TeamState(local, velocities, wanted, rank, frozen, evading, clearances)
             commands, _ = self._filter.apply(SafetyInputs(team, around))
@@ -279,38 +258,38 @@ class FormationPlanner:
 
     def _make_status(self, poses: Array) -> PlannerStatus:
         origin = np.asarray(self._map.origin, dtype=float)
-        view = self._mode.view(self._team)
-        goal = None
-        if view.goal is not None:
-            centre = transform_points(origin, view.goal[None, :2])[0]
-            goal = np.array([*centre, wrap_angle(view.goal[2] + origin[2])])
+        status = self._mode.status
+        goal = status.goal
+        if goal is not None:
+            centre = transform_points(origin, goal[None, :2])[0]
+            goal = np.array([*centre, wrap_angle(goal[2] + origin[2])])
         goals = poses[:, :2].copy()
-        if view.targets is not None:
-            known = np.isfinite(view.targets).all(axis=1)
-            goals[known] = transform_points(origin, view.targets[known])
-        roles: NDArray[np.int64] = view.roles
-        return PlannerStatus(
-            state="paused" if self._paused else view.state,
-            leader=view.leader,
-            roles=roles,
+        known = np.isfinite(status.goals).all(axis=1)
+        goals[known] = transform_points(origin, status.goals[known])
+        paths = status.paths
+        if origin.any():
+            paths = tuple(transform_points(origin, path) for path in paths)
+        return replace(
+            status,
+            state="paused" if self._paused else status.state,
             slots=np.array(self._team.formation.slots),
             goals=goals,
             goal=goal,
-            paths=tuple(transform_points(origin, path) for path in view.paths)
-            if origin.any()
-            else view.paths,
-            connections=self._team.joined(roles) if self.variant.springs else _NO_PAIRS,
-            eta=view.eta,
-            arrived=view.arrived,
-            waypoint=view.waypoint,
-            goal_moved=view.goal_moved,
-            involved=view.involved,
-            message=view.message,
+            paths=paths,
+            connections=self._team.joined(status.roles)
+            if self.variant.springs
+            else status.connections,
         )
 
 
 _SETTLED = 0.05  # m and rad that a lost robot may move before paths are planned anew
-_NO_PAIRS: NDArray[np.int64] = np.empty((0, 2), np.int64)
+
+
+def _into_grid(poses: Array, origin: Sequence[float] | Array) -> Array:
+    """Poses `(N, 3)` of the map's frame in that of its grid, whose origin is (x, y, yaw)."""
+    return np.column_stack(
+        [inverse_transform_points(origin, poses[:, :2]), poses[:, 2] - origin[2]]
+    )
 
 
 def _departed(before: Array, now: Array) -> bool:

@@ -71,22 +71,15 @@ class PlanningMaps:
         b, rt = min(bottom + reach, height), min(right + reach, width)
         window = surface_distance(occupied[t:b, lf:rt], self.cell, border=False)
         # Where the window ends inside the map nothing is known beyond it, but that is far away.
-        distance = self.distance.copy()
         inner = window[top - t : bottom - t, left - lf : right - lf]
         far = (reach - 1) * self.cell
-        distance[top:bottom, left:right] = np.minimum(
-            np.minimum(inner, self._border(top, bottom, left, right)), far
+        r, c = np.arange(top, bottom) + 0.5, np.arange(left, right) + 0.5
+        to_border = self.cell * np.minimum(
+            np.minimum(r, height - r)[:, None], np.minimum(c, width - c)[None, :]
         )
+        distance = self.distance.copy()
+        distance[top:bottom, left:right] = np.minimum(np.minimum(inner, to_border), far)
         return PlanningMaps(occupied, self.cell, self.settings, self.radius, distance)
-
-    def _border(self, top: int, bottom: int, left: int, right: int) -> Array:
-        """Distance to the map's border of the cells of a window."""
-        rows, cols = self.occupied.shape
-        r = np.arange(top, bottom) + 0.5
-        c = np.arange(left, right) + 0.5
-        return self.cell * np.minimum(
-            np.minimum(r, rows - r)[:, None], np.minimum(c, cols - c)[None, :]
-        )
 
     def clearance(self, points: Array) -> Array:
         """Distance `(N,)` from points `(N, 2)` to the nearest obstacle: that of their cells; m."""

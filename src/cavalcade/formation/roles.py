@@ -116,8 +116,13 @@ def assign_goals(points: Array, goals: Array, active: NDArray[np.int64]) -> NDAr
     Returns:
         `(N,)` slot of each robot, -1 for robots that take no part.
     """
-    roles = np.full(len(points), -1, dtype=np.int64)
     offset = points[active][:, None] - goals[None]
-    robots, slots = linear_sum_assignment((offset**2).sum(axis=-1))
-    roles[active[robots]] = slots
+    return least_cost((offset**2).sum(axis=-1), len(points), active)
+
+
+def least_cost(cost: Array, robots: int, active: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Slots `(N,)` of all robots by the cheapest bijection, costs `(A, S)` of the active ones."""
+    roles = np.full(robots, -1, dtype=np.int64)
+    rows, slots = linear_sum_assignment(cost)
+    roles[active[rows]] = slots
     return roles

@@ -94,11 +94,8 @@ class SafetyInputs(NamedTuple):
         """
         arrays = [np.array(a, dtype=float) for a in (poses, velocities, commands)]
         for name, array in zip(("poses", "velocities", "commands"), arrays, strict=True):
-            if (
-                array.ndim != 2
-                or array.shape != (len(arrays[0]), 3)
-                or not np.isfinite(array).all()
-            ):
+            shape = (len(np.atleast_1d(arrays[0])), 3)
+            if array.shape != shape or not np.isfinite(array).all():
                 raise InputError("expected finite (N, 3) numbers, N the same for all", key=name)
         local, moving, wanted = arrays
         count, origin = len(local), map.origin

@@ -46,6 +46,9 @@ _LAB_LAW = SpringLaw(k_rep=4.0, k_att=2.0, dv_max_att=0.50, b_att=0.10, b_rep=0.
 LABORATORY_SPRINGS = Springs(sides=_LAB_LAW, diagonals=_LAB_LAW)
 
 
+_MAY_BE_ZERO = ("d_switch", "w_min_partial", "w_min_avoid", "v_min")
+
+
 @dataclass(frozen=True)
 class FormationSettings:
     """Parameters of the planner. Lengths in m, speeds in m/s, normalised times in s.
@@ -81,17 +84,9 @@ class FormationSettings:
             value = getattr(self, field.name)
             if not (isinstance(value, int | float) and math.isfinite(value) and value >= 0.0):
                 raise InputError(f"expected a number of at least 0, got {value!r}", key=field.name)
-        for name in (
-            "r_max",
-            "d_safe_a",
-            "d_safe_b",
-            "lookahead",
-            "v_max_x",
-            "v_max_y",
-            "d_slowdown",
-        ):
-            if getattr(self, name) == 0.0:
-                raise InputError("expected a number above 0", key=name)
+        for field in fields(self):
+            if getattr(self, field.name) == 0.0 and field.name not in _MAY_BE_ZERO:
+                raise InputError("expected a number above 0", key=field.name)
         if self.w_min_avoid >= 1.0:
             raise InputError("expected a number below 1", key="w_min_avoid")
 

@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import minimum_spanning_tree
 
 from cavalcade.errors import InputError
 from cavalcade.formation.settings import SIMULATION_SPRINGS, SpringLaw, Springs
-from cavalcade.geometry import Array
+from cavalcade.geometry import Array, transform_points
 
 SHAPES = ("square", "line", "column", "wedge", "triangle", "circle", "custom")
 _SIDE = 1.15  # pairs up to this multiple of the least distance are sides
@@ -111,9 +111,8 @@ class Formation:
         n, radius = _count(robots), _length(radius, "radius")
         angles = 2.0 * np.pi * np.arange(n) / n
         reach = radius if n > 1 else 0.0
-        return cls._of(
-            "circle", np.column_stack([reach * np.cos(angles), reach * np.sin(angles)]), springs
-        )
+        slots = np.column_stack([reach * np.cos(angles), reach * np.sin(angles)])
+        return cls._of("circle", slots, springs)
 
     @classmethod
     def custom(
@@ -148,14 +147,13 @@ class Formation:
 
     def placed(self, pose: Sequence[float] | Array) -> Array:
         """Slots `(N, 2)` with the formation's centre at `pose` (x, y, yaw)."""
-        from cavalcade.geometry import transform_points
-
         return transform_points(pose, self.slots)
 
     def smaller(self, robots: int) -> Formation:
         """A sensible shape for fewer robots: of the same kind and spacing where there is one."""
         gap = self.spacing if self.size > 1 else 1.0
-        springs = self._springs()
+        laws = [c.law for c in sorted(self.connections, key=lambda c: c.rest_length)]
+        springs = Springs(laws[0], laws[-1]) if laws else SIMULATION_SPRINGS
         if robots == self.size:
             return self
         if robots == 1:
@@ -170,10 +168,6 @@ class Formation:
             kept = self.slots[:robots]
             return Formation._of("custom", kept - kept.mean(axis=0), springs)
         return Formation.column(robots, gap, springs)
-
-    def _springs(self) -> Springs:
-        laws = [c.law for c in sorted(self.connections, key=lambda c: c.rest_length)]
-        return Springs(laws[0], laws[-1]) if laws else SIMULATION_SPRINGS
 
     @classmethod
     def _of(cls, name: str, slots: ArrayLike, springs: Springs) -> Formation:

@@ -5,11 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.formation._shaping import (
-    add_springs,
-    avoid_obstacles,
-    limit_speeds,
-)
+from cavalcade.formation._shaping import add_springs, avoid_obstacles, limit_speeds
 from cavalcade.formation.cycle import Cycle, path_heading
 from cavalcade.formation.settings import FormationSettings
 from cavalcade.formation.variants import Variant
@@ -120,9 +116,8 @@ class Shaper:
         rate[~cycle.team.present] = 0.0
         if self._variant.improved and cycle.final:
             off = np.abs(wrap_angle(cycle.plan.pose[2] - cycle.poses[:, 2]))
-            self._turned = _held(
-                self._turned, np.where(cycle.away < _NEAR, off, np.inf), _REST_TURN
-            )
+            off = np.where(cycle.away < _NEAR, off, np.inf)
+            self._turned = _held(self._turned, off, _REST_TURN)
             rate[self._turned] = 0.0
         return np.clip(rate, -self.turn, self.turn)
 

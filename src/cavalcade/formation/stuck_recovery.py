@@ -140,7 +140,11 @@ class StuckRecovery:
     def _watch_path(self, robot: _Robot, k: int, heading: float | None, cycle: Cycle) -> None:
         pose, maps = cycle.poses[k], cycle.plan.maps
         across = heading is not None and abs(float(wrap_angle(heading - pose[2]))) > _ACROSS
-        still = robot.pose is not None and _apart(pose, robot.pose) < _STILL
+        still = False
+        if robot.pose is not None:
+            moved = pose - robot.pose
+            turned = abs(float(wrap_angle(moved[2])))
+            still = float(np.hypot(moved[0], moved[1])) < _STILL and turned < _STILL
         if not (across and still) or maps.distance_at(pose[:2]) >= self._radius:
             robot.pose, robot.since = pose.copy(), cycle.time
         elif heading is not None and cycle.time - robot.since >= _PATIENCE:
@@ -168,12 +172,6 @@ class StuckRecovery:
         if len(places) == 0:
             return None
         return places[np.argmin(np.hypot(*(places - cycle.points[k]).T))]
-
-
-def _apart(pose: Array, other: Array) -> float:
-    """The larger of the differences in place and heading, m or rad."""
-    turn = abs(float(wrap_angle(pose[2] - other[2])))
-    return max(float(np.hypot(pose[0] - other[0], pose[1] - other[1])), turn)
 
 
 def _turning_places(maps: PlanningMaps, point: Array, radius: float) -> Array:

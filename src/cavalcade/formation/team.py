@@ -48,15 +48,11 @@ class Team:
 
     def lose(self, robot: int) -> None:
         """Take a robot out; the others get a smaller shape."""
-        self._check(robot)
-        self.present[robot] = False
-        self._reshape()
+        self._set_present(robot, False)
 
     def rejoin(self, robot: int) -> None:
         """Take it back."""
-        self._check(robot)
-        self.present[robot] = True
-        self._reshape()
+        self._set_present(robot, True)
 
     def joined(self, roles: NDArray[np.int64]) -> NDArray[np.int64]:
         """Pairs of robots `(C, 2)` that the shape's connections join under these roles."""
@@ -70,6 +66,12 @@ class Team:
         robot_of[-1] = -1
         return robot_of[self.ends]
 
+    def _set_present(self, robot: int, present: bool) -> None:
+        if not 0 <= robot < self.size:
+            raise InputError(f"there is no robot {robot} in 0..{self.size - 1}", key="robot")
+        self.present[robot] = present
+        self._reshape()
+
     def _reshape(self) -> None:
         count = len(self.active)
         if count > 0:
@@ -82,7 +84,3 @@ class Team:
         self.ends = np.array([(c.a, c.b) for c in joints], dtype=np.int64).reshape(-1, 2)
         laws = [(c.rest_length, *astuple(c.law)) for c in joints]
         self.springs = np.array(laws, dtype=SPRING)
-
-    def _check(self, robot: int) -> None:
-        if not 0 <= robot < self.size:
-            raise InputError(f"there is no robot {robot} in 0..{self.size - 1}", key="robot")

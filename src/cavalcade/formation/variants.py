@@ -71,9 +71,6 @@ def variant_named(name: str) -> Variant:
     Raises:
         InputError: There is none; the message lists those there are.
     """
-    try:
-        return VARIANTS[name]
-    except KeyError:
-        raise InputError(
-            f"unknown variant {name!r}", key="planner.variant", choices=VARIANTS
-        ) from None
+    if name not in VARIANTS:
+        raise InputError(f"unknown variant {name!r}", key="planner.variant", choices=VARIANTS)
+    return VARIANTS[name]
