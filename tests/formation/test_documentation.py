@@ -6,8 +6,8 @@ from dataclasses import fields
 from pathlib import Path
 
 from cavalcade.formation import PRESETS, VARIANTS, FormationSettings
+from cavalcade.formation.settings import default_settings
 from cavalcade.formation.shapes import SHAPES
-from cavalcade.formation.variants import default_settings
 
 NOTE = (Path(__file__).resolve().parents[2] / "docs" / "formation.md").read_text(encoding="utf-8")
 

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cavalcade.formation import Formation, FormationSettings
+from cavalcade.formation.settings import variant_named
 from cavalcade.formation.shaping import Shaper, _spare_pace
-from cavalcade.formation.variants import variant_named
 from cavalcade.robots import robot_model
 from cavalcade.world import Box, OccupancyMap
 

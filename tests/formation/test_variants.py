@@ -8,7 +8,7 @@ import pytest
 
 from cavalcade.errors import InputError
 from cavalcade.formation import VARIANTS, Variant
-from cavalcade.formation.variants import variant_named
+from cavalcade.formation.settings import variant_named
 
 PUBLISHED = Variant("published")
 OURS = {"improved", "recovery", "filter"}

@@ -103,7 +103,7 @@ def records_of(track: PhysicsTrack) -> tuple[RobotRecord, ...]:
         for robot in range(track.size)
     ]
     motion = (track.base, track.joints, track.joint_rates, track.torques, track.foot_forces)
-    return records_from(time, *motion, touches)
+    return records_from(time, motion, touches)
 
 
 def _as_stamped(time: Array) -> Array:

@@ -70,26 +70,14 @@ def check(directory: str | Path) -> Report:
     return make_report([*run.violations, *planned.violations], run.figures)
 
 
-def judge(
-    scenario: Scenario,
-    tracks: tuple[Track, ...],
-    summary: dict[str, Any],
-    records: tuple[RobotRecord, ...] | None = None,
-) -> Report:
-    """The verdict on recorded motion.
+def judge(scenario: Scenario, tracks: tuple[Track, ...], summary: dict[str, Any]) -> Report:
+    """The verdict on recorded motion of a resolved scenario's robots.
 
-    Args:
-        scenario: A resolved one.
-        tracks: The true motion of each of its robots.
-        summary: What the run says of itself; `success`, `goal_moved_m` and `sim_time_s` are
-            looked at.
-        records: Bodies, joints and forces, of robots in physics: then see `judge_physics`.
+    Of the summary `success`, `goal_moved_m` and `sim_time_s` are looked at.
 
     Raises:
         RecordingError: The map file cannot be read.
     """
-    if records is not None:
-        return judge_physics(scenario, tracks, records, summary)
     scene = build_scene(scenario, read_heights(scenario))
     models, speeding = scenario.models, TOLERANCE
     if scenario.task.kind == "individual":
@@ -108,7 +96,7 @@ def judge_physics(
     records: tuple[RobotRecord, ...],
     summary: dict[str, Any],
 ) -> Report:
-    """As `judge` with `records`: bodies, joints and contacts instead of footprints and limits.
+    """As `judge`, in physics: bodies, joints and contacts instead of footprints and limits.
 
     Raises:
         RecordingError: The map file cannot be read, or a robot has no description.
@@ -167,10 +155,11 @@ def _claimed(
 
 
 def _judge_recording(scenario: Scenario, path: Path, summary: dict[str, Any]) -> Report:
-    robots, physics = len(scenario.robots), scenario.execution.backend == "mujoco"
+    robots = len(scenario.robots)
     tracks = read_tracks(path, robots)
-    records = read_records(path, robots) if physics else None
-    return judge(scenario, tracks, summary, records)
+    if scenario.execution.backend == "mujoco":
+        return judge_physics(scenario, tracks, read_records(path, robots), summary)
+    return judge(scenario, tracks, summary)
 
 
 def _figures(efforts: list[Effort], duration: float, gap: float) -> Figures:

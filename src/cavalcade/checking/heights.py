@@ -84,11 +84,8 @@ def read_heights(scenario: Scenario) -> Heights | None:
 
 def floor_of(heights: Heights | None, places: Array) -> Floor:
     """The ground around places `(N, 2)` of the map frame; level without heights."""
-    return Floor() if heights is None else ground_around(heights, places)
-
-
-def ground_around(heights: Heights, places: Array) -> Ground:
-    """The layers around places `(N, 2)` of the map frame."""
+    if heights is None:
+        return Floor()
     rows, cols = heights.height.shape
     local = inverse_transform_points(heights.origin, places) / heights.cell
     margin = int(np.ceil(_MARGIN / heights.cell))

@@ -14,9 +14,9 @@ from cavalcade.formation import (
     FormationPlanner,
     FormationSettings,
     Imperfections,
+    default_settings,
 )
 from cavalcade.formation.settings import PRESETS, SIMULATION_SPRINGS, SpringLaw, Springs
-from cavalcade.formation.variants import default_settings
 from cavalcade.scenario import FormationSection, PlannerSection, Scenario, World
 from cavalcade.scenario.task import ConnectionSection
 

@@ -11,12 +11,14 @@ from cavalcade.formation.settings import (
     PRESETS,
     SIMULATION,
     SIMULATION_SPRINGS,
+    VARIANTS,
     FormationSettings,
     SpringLaw,
     Springs,
+    Variant,
+    default_settings,
 )
 from cavalcade.formation.shapes import Connection, Formation
-from cavalcade.formation.variants import VARIANTS, Variant, default_settings
 from cavalcade.recording.status import PlannerStatus
 
 __all__ = [

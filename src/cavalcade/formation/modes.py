@@ -29,11 +29,10 @@ from cavalcade.formation.goals import (
 )
 from cavalcade.formation.planning_maps import PlanningMaps
 from cavalcade.formation.roles import assign_followers, assign_goals, choose_leader
-from cavalcade.formation.settings import FormationSettings
+from cavalcade.formation.settings import FormationSettings, Variant
 from cavalcade.formation.shaping import Shaper
 from cavalcade.formation.stuck_recovery import StuckRecovery
 from cavalcade.formation.team import Team
-from cavalcade.formation.variants import Variant
 from cavalcade.geometry import Array
 from cavalcade.recording.status import PlannerStatus
 from cavalcade.robots import RobotModel

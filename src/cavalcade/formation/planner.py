@@ -20,10 +20,14 @@ from cavalcade.formation.dynamic_obstacles import DynamicObstacle, obstacle_boxe
 from cavalcade.formation.estimation import Imperfections, StateEstimator, VelocityTracker
 from cavalcade.formation.planning_maps import PlanningMaps
 from cavalcade.formation.safety_filter import SafetyFilter, SafetyInputs
-from cavalcade.formation.settings import PRESETS, FormationSettings
+from cavalcade.formation.settings import (
+    PRESETS,
+    FormationSettings,
+    default_settings,
+    variant_named,
+)
 from cavalcade.formation.shapes import Formation
 from cavalcade.formation.team import Team
-from cavalcade.formation.variants import default_settings, variant_named
 from cavalcade.geometry import (
     Array,
     inverse_transform_points,

@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from cavalcade.formation._shaping import add_springs, avoid_obstacles, limit_speeds
 from cavalcade.formation.cycle import Cycle, path_heading
-from cavalcade.formation.settings import FormationSettings
-from cavalcade.formation.variants import Variant
+from cavalcade.formation.settings import FormationSettings, Variant
 from cavalcade.geometry import Array, wrap_angle
 from cavalcade.robots import RobotModel
 

@@ -10,17 +10,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cavalcade.checking.heights import Ground, Heights, ground_around
+from cavalcade.checking.ground import Floor
+from cavalcade.checking.heights import Heights, floor_of
 from cavalcade.checking.physics.leaps import find_leap
 from cavalcade.geometry import transform_points
 
 
-def ground(first: float, width: float, depth: float, rise: float, origin: Any) -> Ground:
+def ground(first: float, width: float, depth: float, rise: float, origin: Any) -> Floor:
     """Level up to `first` m along x, then a pit, then level again, on a turned grid of 2 cm."""
     x = (np.arange(300) + 0.5) * 0.02
     row = np.where(x < first, 0.0, np.where(x < first + width, -depth, rise))
     heights = Heights(np.tile(row, (200, 1)), 0.02, origin)
-    return ground_around(heights, transform_points(origin, np.array([[0.5, 0.5], [5.5, 3.5]])))
+    return floor_of(heights, transform_points(origin, np.array([[0.5, 0.5], [5.5, 3.5]])))
 
 
 @settings(max_examples=40, deadline=None)

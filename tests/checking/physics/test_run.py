@@ -88,7 +88,6 @@ def test_records_are_what_was_run(run):
 def test_in_memory_it_is_judged_alike(folder, run):
     """From the arrays that the run kept, without its file."""
     import cavalcade as cv
-    from cavalcade.checking.check import judge
     from cavalcade.checking.physics import Touch, records_from
 
     scenario, tracks, records, summary = run
@@ -97,16 +96,9 @@ def test_in_memory_it_is_judged_alike(folder, run):
         [Touch(c.time, c.part, c.other) for c in kept.contacts if c.robot == robot]
         for robot in range(2)
     ]
-    same = records_from(
-        records[0].time,
-        kept.base,
-        kept.joints,
-        kept.joint_rates,
-        kept.torques,
-        kept.foot_forces,
-        touches,
-    )
-    assert judge(scenario, tracks, summary, same) == check(folder)
+    motion = (kept.base, kept.joints, kept.joint_rates, kept.torques, kept.foot_forces)
+    same = records_from(records[0].time, motion, touches)
+    assert judge_physics(scenario, tracks, same, summary) == check(folder)
 
 
 def slide(run, speed):

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from cavalcade.checking.heights import Heights, ground_around
+from cavalcade.checking.heights import Heights, floor_of
 from cavalcade.scenario import build_world, parse_scenario
 
 
@@ -118,7 +118,7 @@ def rough():
     }
     world = build_world(parse_scenario(content)).terrain
     places = np.random.default_rng(1).uniform((0.6, 0.6), (8.4, 3.4), (400, 2))
-    ground = ground_around(Heights(world.height, world.resolution, world.origin), places)
+    ground = floor_of(Heights(world.height, world.resolution, world.origin), places)
     return world, ground, places
 
 
@@ -165,7 +165,7 @@ def test_a_plane_is_a_plane_wherever_it_lies(yaw):
     local = rng.uniform((2.0, 2.0), (4.0, 3.0), (50, 2))
     c, s = math.cos(yaw), math.sin(yaw)
     places = local @ np.array([[c, s], [-s, c]]) + origin[:2]
-    ground = ground_around(Heights(plane, cell, origin), places)
+    ground = floor_of(Heights(plane, cell, origin), places)
     wanted = a * local[:, 0] + b * local[:, 1] + 0.3
     assert ground.heights_at(places) == pytest.approx(wanted, abs=1e-9)
     assert ground.slope_at(places, np.full(50, yaw)) == pytest.approx(a, abs=1e-9)
@@ -178,6 +178,6 @@ def test_holes_without_heights_are_no_place_to_stand():
     height = np.zeros((60, 60))
     height[20:30, 20:30] = np.nan
     places = np.array([[1.25, 1.25], [0.5, 0.5], [1.25, 0.7]])
-    ground = ground_around(Heights(height, 0.05), places)
+    ground = floor_of(Heights(height, 0.05), places)
     assert ground.best_at(places) == pytest.approx([0.0, 1.0, 1.0])
     assert ground.heights_at(places) == pytest.approx(0.0, abs=1e-9)

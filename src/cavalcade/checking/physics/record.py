@@ -84,32 +84,16 @@ class RobotRecord:
 
 
 def records_from(
-    time: Array,
-    base: Array,
-    joints: Array,
-    rates: Array,
-    torques: Array,
-    forces: Array,
-    touches: Sequence[Sequence[Touch]],
+    time: Array, motion: Sequence[Array], touches: Sequence[Sequence[Touch]]
 ) -> tuple[RobotRecord, ...]:
     """The records of a team from arrays of all robots, as they would be read from a file.
 
-    Args:
-        time: `(T,)` s.
-        base, joints, rates, torques, forces: `(T, N, ...)` as of `RobotRecord`.
-        touches: Of each robot.
+    `motion` are base, joints, rates, torques and forces `(T, N, ...)`, in this order, as of
+    `RobotRecord`; `touches` are those of each robot.
     """
+    base, joints, rates, torques, forces = (np.moveaxis(array, 1, 0) for array in motion)
     return tuple(
-        RobotRecord(
-            k,
-            time,
-            base[:, k],
-            joints[:, k],
-            rates[:, k],
-            torques[:, k],
-            forces[:, k],
-            _in_order(own),
-        )
+        RobotRecord(k, time, base[k], joints[k], rates[k], torques[k], forces[k], _in_order(own))
         for k, own in enumerate(touches)
     )
 
