@@ -92,13 +92,10 @@ def _holds_origin(a: Array, b: Array) -> NDArray[np.bool_]:
 def overlapping(
     along: Array, others: Array, margin: float
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Pairs of boxes closer than `margin` in x and in y, `(K,)` and `(K,)` indices.
+    """Pairs of boxes closer than `margin` m in x and in y, `(K,)` and `(K,)` indices.
 
-    Args:
-        along: `(T, 4)` boxes x0, y0, x1, y1 in m of which neighbours lie close together, as those
-            of a path do: it is halved until few others are left.
-        others: `(S, 4)` boxes in any order.
-        margin: m.
+    Boxes are x0, y0, x1, y1 in m. Neighbours of those `along` `(T, 4)` lie close together, as on a
+    path, which is halved until few of the `others` `(S, 4)` are left.
     """
     grown = along + np.array([-margin, -margin, margin, margin])
     first, second = [_NONE], [_NONE]

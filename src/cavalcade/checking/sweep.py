@@ -47,13 +47,10 @@ class Approach:
 
 
 def closest_approach(distance: Distance, reach: Array, lower: Array, gap: float) -> Approach:
-    """Find every candidate in contact, and the smallest gap.
+    """Find every candidate in contact, and the smallest gap below one known from elsewhere, m.
 
-    Args:
-        distance: Of a candidate, at a fraction of its interval.
-        reach: `(M,)` bound on how far the distance changes over the whole interval, m.
-        lower: `(M,)` quick lower bound of the distance over the interval, m.
-        gap: Smallest gap known from elsewhere, m; only smaller ones are looked for.
+    The distance changes by at most `reach` `(M,)` over a whole interval, m; `lower` `(M,)` is a
+    quick lower bound of it there.
     """
     order = np.argsort(lower, kind="stable")
     contacts, fractions = [np.empty(0, dtype=np.int64)], [np.empty(0)]

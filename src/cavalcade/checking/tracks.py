@@ -170,10 +170,8 @@ def disordered(tracks: tuple[Track, ...]) -> list[Violation]:
 def incomplete(tracks: tuple[Track, ...], rate: float, end: float | None) -> list[Violation]:
     """Samples that are missing: between others, at the end, or for some robots only.
 
-    Args:
-        tracks: With increasing time stamps.
-        rate: Of the planner, Hz: there is at least a sample per cycle.
-        end: Simulated time that the summary claims, s, if it does.
+    There is at least a sample per cycle of the planner's `rate`, Hz; `end` is the simulated time
+    that the summary claims, s, if it does.
     """
     result = []
     cycle = 1.0 / rate

@@ -35,11 +35,7 @@ class CommandPlayer(Policy):
 
     Its status is `commanded`; `done` when the task's time is over and every robot has been where
     it was sent last; `stuck` when a leap has failed. The task's clock goes on during a pause.
-
-    Args:
-        scenario: Its task has commands.
-        terrain: Of its world; None for level ground.
-        leaper: The fleet, for robots that are to leap.
+    Robots that are to leap need their fleet as the `leaper`; without `terrain` the ground is level.
     """
 
     def __init__(

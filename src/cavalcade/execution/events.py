@@ -35,11 +35,6 @@ class EventRunner:
     An obstacle that moves is rasterised anew whenever it has moved by one cell; the planner is
     also told its shape and velocity.
 
-    Args:
-        scenario: Whose events.
-        world: Its ground at the start.
-        control: The policy's and fleet's loop.
-
     Raises:
         ScenarioError: An event is for a policy that can be reconfigured, and this one cannot.
     """

@@ -99,10 +99,7 @@ def _connection(formation: Formation, joint: ConnectionSection, springs: Springs
     for own in formation.connections:
         if {own.a, own.b} == {joint.a, joint.b}:
             law, length = own.law, own.rest_length
-    said = {
-        field.name: getattr(joint, field.name)
-        for field in fields(SpringLaw)
-        if getattr(joint, field.name) is not None
-    }
+    names = {field.name for field in fields(SpringLaw)}
+    said = joint.model_dump(include=names, exclude_none=True)
     rest_length = length if joint.l0 is None else joint.l0
     return Connection(joint.a, joint.b, rest_length, replace(law, **said))

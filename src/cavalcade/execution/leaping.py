@@ -43,12 +43,6 @@ class LeapScheduler:
     up to the end of the landing, has passed. Until then the robot waits where its approach
     begins. Robots that leap side by side may wait for each other so; then one leaps closer to
     the others than the margin. If none can without touching one, the team is stuck.
-
-    Args:
-        paths: One trajectory per robot, map frame.
-        fleet: That leaps.
-        terrain: Ground with heights, if there is any.
-        scaling: The team's progress.
     """
 
     def __init__(

@@ -71,14 +71,7 @@ class TimeScaling:
     a place where it is not the robot's turn (`Precedence`), and where the robot is behind its
     reference. What a robot has surely left behind is judged by where it was seen, not by where it
     was sent. Robots that are late leave out what the plan lets them stand for, if it is their
-    turn.
-
-    Args:
-        paths: One trajectory per robot, map frame.
-        models: Of the robots.
-        period: Of a cycle, s.
-        settings: How to wait.
-        terrain: Ground with heights, where robots with `limits` go more slowly.
+    turn. Over rough `terrain` robots with `limits` go more slowly.
     """
 
     def __init__(

@@ -26,11 +26,7 @@ _NEIGHBOUR = 1.3  # m between robots that may be in each other's way
 
 
 class ProgressMonitor:
-    """Watches a number that should fall while the team gets on.
-
-    Args:
-        patience: Seconds without a new low after which the team counts as deadlocked.
-    """
+    """Watches a number that should fall; after `patience` s without a new low, it is stalled."""
 
     def __init__(self, patience: float = PATIENCE) -> None:
         self.patience = patience
@@ -69,9 +65,7 @@ class SingleFile:
 class DeadlockMonitor:
     """Decides when the team resolves a deadlock, how, and when it is over.
 
-    Args:
-        lookahead: The paper's D_lookahead, s.
-        rng: Of the precedence in repeated attempts.
+    `rng` draws the precedence in repeated attempts.
 
     Attributes:
         attempts: How many times this deadlock has been tried to resolve.
@@ -178,11 +172,8 @@ class SlotExchange:
     """Final slots in a deadlock: exchanged wherever two robots stand in each other's way.
 
     After the target swapping of Okumura and Défago (2022). Each pair rests for a while after an
-    exchange, so that it cannot go back and forth.
-
-    Args:
-        robots: Number of robots.
-        roles: `(N,)` slots to begin with; None for the least sum of squared times.
+    exchange, so that it cannot go back and forth. Without `roles` `(N,)` to begin with, it begins
+    with those of the least sum of squared times.
     """
 
     def __init__(self, robots: int, roles: NDArray[np.int64] | None = None) -> None:

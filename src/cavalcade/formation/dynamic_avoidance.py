@@ -69,12 +69,9 @@ class Scene(NamedTuple):
 
 
 class ManoeuvreSearch:
-    """Finds evasive manoeuvres for robots of one model.
+    """Finds evasive manoeuvres for robots of one model at one speed to command, m/s.
 
-    Args:
-        model: The robots'.
-        speed: To command, m/s.
-        error: To which robots' places are known, m: gaps are that much wider.
+    Their places are known to `error` m: gaps are that much wider.
     """
 
     def __init__(self, model: RobotModel, speed: float, error: float = 0.0) -> None:
@@ -108,10 +105,8 @@ class ManoeuvreSearch:
     ) -> tuple[Manoeuvre, float]:
         """The best of 16 directions and all times, standing included, and when it is hit, s.
 
-        Args:
-            across, along: Unit vectors; at equal cost directions near the first are preferred.
-            before: The manoeuvre a robot is in, kept unless another is clearly better.
-            scene: What there is.
+        At equal cost directions near the unit vector `across` are preferred. The manoeuvre
+        `before`, which a robot is in, is kept unless another is clearly better.
         """
         directions = [
             np.cos(tilt) * side * across + np.sin(tilt) * along
@@ -194,13 +189,7 @@ class _Strip:
 
 
 class DynamicAvoidance:
-    """Takes robots out of the way of what moves. It remembers each one's manoeuvre.
-
-    Args:
-        model: The robots'.
-        speed: To command, m/s.
-        error: To which robots' places are known, m.
-    """
+    """Takes robots out of the way of what moves. It remembers each one's manoeuvre."""
 
     def __init__(self, model: RobotModel, speed: float, error: float = 0.0) -> None:
         self._search = ManoeuvreSearch(model, speed, error)

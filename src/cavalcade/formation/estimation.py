@@ -87,11 +87,7 @@ class VelocityTracker:
 
     A robot that moves as the model predicts from its commands has the predicted velocity, without
     the noise of differences. One that does not (late or lost commands, a slip) has the velocity
-    that its last poses tell.
-
-    Args:
-        model: The robots'.
-        period: Seconds between updates.
+    that its last poses tell. Updates are expected every `period` s.
     """
 
     def __init__(self, model: RobotModel, period: float = 0.05) -> None:
@@ -105,12 +101,9 @@ class VelocityTracker:
         self._history: deque[tuple[float, Array, Array]] = deque(maxlen=_WINDOW)
 
     def update(self, poses: Array, time: float, stamps: Array | None = None) -> tuple[Array, Array]:
-        """The poses, and velocities `(N, 3)` in their frame: m/s, m/s, rad/s.
+        """The poses `(N, 3)`, and velocities `(N, 3)` in their frame, m/s, m/s, rad/s, now.
 
-        Args:
-            poses: `(N, 3)` now.
-            time: Now, s.
-            stamps: Not looked at.
+        Stamps are not looked at.
         """
         elapsed = time - self._time
         if len(self._poses) != len(poses) or not 0.0 < elapsed < self._longest:
@@ -137,13 +130,7 @@ class VelocityTracker:
 
 
 class StateEstimator:
-    """Estimates a team's poses and velocities at the time that a command sent now arrives.
-
-    Args:
-        model: The robots'.
-        period: Seconds between updates.
-        expected: Of localisation and radio.
-    """
+    """Estimates a team's poses and velocities at the time that a command sent now arrives."""
 
     def __init__(self, model: RobotModel, period: float, expected: Imperfections) -> None:
         self._limits = limits_of(model)
@@ -165,11 +152,9 @@ class StateEstimator:
     def update(self, poses: Array, time: float, stamps: Array | None = None) -> tuple[Array, Array]:
         """Poses and velocities `(N, 3)` at `time` and the delay: m and rad, m/s and rad/s.
 
-        Args:
-            poses: `(N, 3)` as reported last.
-            time: Now, s.
-            stamps: `(N,)` when they were measured, s; None where nobody says. Then a pose that
-                has not changed at all counts as not reported anew, for half a second.
+        `stamps` `(N,)` say when the poses `(N, 3)`, those reported last, were measured, s. Where
+        nobody says, a pose that has not changed at all counts as not reported anew, for half a
+        second.
         """
         elapsed = time - self._time
         if len(self._states) != len(poses) or not 0.0 < elapsed < self._longest:

@@ -68,13 +68,9 @@ class GoalPlan:
         self._entered: tuple[bytes, list[tuple[int, int]]] = (b"", [])
 
     def slot_field(self, slot: int, points: Array) -> ArrivalField:
-        """Arrival times on W_B from a slot's final place, at least as far as some points.
+        """Arrival times on W_B from a slot's final place, at least as far as `points` `(K, 2)`.
 
         Computed once, and again should a point lie outside what was settled then.
-
-        Args:
-            slot: Its index.
-            points: `(K, 2)` robots that need it, m.
         """
         known = self._slot_fields.get(slot)
         if known is not None and slot in self._whole:
@@ -145,17 +141,10 @@ def descend_from(field: ArrivalField, point: Array) -> Descent:
 def partial_goals(
     maps: PlanningMaps, anchor: Array, heading: float, slots: Array, w_min: float
 ) -> Array:
-    """Partial goals of all slots (Norén et al., eq. 2), moved to free ground where needed.
+    """Partial goals `(S, 2)` of all slots (Norén et al., eq. 2), moved to free ground if needed, m.
 
-    Args:
-        maps: The map.
-        anchor: `(2,)` the leader's partial goal p_1, m.
-        heading: Direction of the leader's path there, rad.
-        slots: `(S, 2)` the leader's first.
-        w_min: Least W_B of a follower's partial goal.
-
-    Returns:
-        `(S, 2)` m.
+    The leader's, which is the first of the slots `(S, 2)`, is `anchor` `(2,)`, p_1 in the paper;
+    `heading` is the direction of its path there, rad, and `w_min` the least W_B of a follower's.
     """
     goals = (slots - slots[0]) @ rotation(heading).T + anchor
     pending = np.nonzero(maps.speed_at(goals) < w_min)[0]
@@ -190,13 +179,8 @@ def local_path(
 ) -> tuple[Array, float]:
     """The local path on W_B; from the inflated zone first to the nearest free ground.
 
-    Args:
-        maps: The map.
-        start, goal: `(2,)` m.
-        guess: A time that the path will hardly exceed, s; it only saves work.
-
-    Returns:
-        Points `(K, 2)`, empty where there is no path, and the time, inf where there is none.
+    `guess` is a time that the path will hardly exceed, s; it only saves work. Returns points
+    `(K, 2)`, empty where there is no path, and the time, inf where there is none.
     """
     grid = maps.follower
     path, eta = grid.local_path(start, goal, guess)

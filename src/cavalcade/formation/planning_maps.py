@@ -107,12 +107,7 @@ class PlanningMaps:
         return here
 
     def with_bodies(self, poses: Array, length: float, width: float) -> PlanningMaps:
-        """The maps with standing robots as obstacles to go around.
-
-        Args:
-            poses: `(K, 3)` x, y, yaw.
-            length, width: Of their footprints, m.
-        """
+        """The maps with robots that stand at `poses` `(K, 3)` as obstacles to go around."""
         occupied = self.occupied.copy()
         step = 0.5 * self.cell
         along = np.arange(-length / 2, length / 2 + step, step)

@@ -17,15 +17,10 @@ _SAME_RING = 0.1  # of the shape's spacing: difference of distances within one g
 
 
 def choose_leader(eta: Array, leader: int, lead: float) -> int:
-    """The robot with the least ETA; the present leader stays unless beaten by `lead` seconds.
+    """The robot with the least ETA; the present `leader` stays unless beaten by `lead` seconds.
 
-    Args:
-        eta: `(N,)` s; inf for robots that cannot lead.
-        leader: Present leader, -1 for none.
-        lead: The paper's D_switch, s.
-
-    Returns:
-        Index of the leader, -1 if every ETA is infinite.
+    `eta` `(N,)` is inf for robots that cannot lead, -1 stands for no leader, and `lead` is the
+    paper's D_switch.
     """
     best = int(np.argmin(eta))
     if not np.isfinite(eta[best]):
@@ -68,17 +63,10 @@ def assign_followers(
 ) -> NDArray[np.int64]:
     """Give each follower a slot, keeping the slots' angular order around the leader.
 
-    Angles are counted from straight behind the leader, so that the order is cut ahead of it.
-
-    Args:
-        points: `(N, 2)` robots, m.
-        leader: Index of the leading robot.
-        heading: Direction of travel, rad.
-        slots: `(S, 2)` slots in the formation's frame; the leader's first.
-        active: The S robots that take part.
-
-    Returns:
-        `(N,)` slot of each robot; 0 for the leader, -1 for robots that take no part.
+    Angles are counted from straight behind the leader, which travels in the direction `heading`,
+    rad, so that the order is cut ahead of it. Slots `(S, 2)` are in the formation's frame, the
+    leader's first; the S robots `active` take part. Returns the slot of each robot `(N,)`: 0 for
+    the leader, -1 for robots that take no part.
     """
     roles = np.full(len(points), -1, dtype=np.int64)
     roles[leader] = 0
@@ -108,13 +96,8 @@ def _ordered_rings(slots: bytes) -> tuple[NDArray[np.int64], ...]:
 def assign_goals(points: Array, goals: Array, active: NDArray[np.int64]) -> NDArray[np.int64]:
     """The bijection with the least sum of squared distances (section 2.4.2).
 
-    Args:
-        points: `(N, 2)` robots, m.
-        goals: `(S, 2)` final goals of the slots, m.
-        active: The S robots that take part.
-
-    Returns:
-        `(N,)` slot of each robot, -1 for robots that take no part.
+    Of robots at `points` `(N, 2)`, of which S are `active`, to the slots' final `goals` `(S, 2)`,
+    m. Returns the slot of each robot `(N,)`, -1 for robots that take no part.
     """
     offset = points[active][:, None] - goals[None]
     return least_cost((offset**2).sum(axis=-1), len(points), active)

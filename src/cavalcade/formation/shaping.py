@@ -22,13 +22,9 @@ _HELD_BACK = 0.5  # of the top speed: what springs may take from a robot on its 
 
 
 class Shaper:
-    """Applies springs, the avoidance layer and the limits, and remembers what dampers need.
+    """Applies springs, avoidance layer and limits, as the variant has them.
 
-    Args:
-        variant: Which of them act.
-        settings: The paper's parameters.
-        model: The robots.
-        period: Seconds per cycle.
+    It remembers what dampers need.
     """
 
     def __init__(
@@ -57,12 +53,9 @@ class Shaper:
         self._joined: NDArray[np.int64] = np.empty((0, 2), np.int64)
 
     def shape(self, cycle: Cycle, desired: Array, springs: bool) -> None:
-        """Set the cycle's velocity.
+        """Set the velocity of a cycle with roles and `away` from a desired one `(N, 2)`, m/s.
 
-        Args:
-            cycle: With roles and `away` set.
-            desired: `(N, 2)` desired velocities, m/s.
-            springs: Whether springs act, if the variant has any.
+        With `springs` they act, if the variant has any.
         """
         settings, maps, points = self._settings, cycle.plan.maps, cycle.points
         velocity = desired.copy()

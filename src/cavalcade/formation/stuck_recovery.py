@@ -61,9 +61,6 @@ class StuckRecovery:
 
     Such a robot drives to the nearest place that is wide enough, turns there to the heading that
     it needs, the goal's or that of the path ahead, and comes back with that heading kept.
-
-    Args:
-        model: The robots' size.
     """
 
     def __init__(self, model: RobotModel) -> None:
@@ -81,14 +78,10 @@ class StuckRecovery:
         self._idle = True
 
     def update(self, cycle: Cycle, paths: Sequence[Array] | None = None) -> bool:
-        """Fill in the cycle's `detours` and `facing`, its `roles` and `away` being known.
+        """Fill in the cycle's `detours` and `facing`; True if any robot is on a detour.
 
-        Args:
-            cycle: In the states final and resolving.
-            paths: The robots' paths, where those who get nowhere on them are to be helped too.
-
-        Returns:
-            Whether any robot is on a detour.
+        In the states final and resolving, with `roles` and `away` known. With the robots' `paths`
+        those who get nowhere on them are helped, too.
         """
         if self._idle:
             for known in self._robots.values():

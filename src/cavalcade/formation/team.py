@@ -15,10 +15,6 @@ from cavalcade.formation.shapes import Formation
 class Team:
     """The robots, those that are lost, and the shape of those that are not.
 
-    Args:
-        size: Number of robots.
-        formation: The shape for all of them.
-
     Attributes:
         present: `(N,)` robots that take part.
         formation: The shape they form now.

@@ -105,12 +105,10 @@ class LegControl:
         return np.asarray(self._states["stood"].copy())
 
     def begin(self, time: float, qpos: Array, standing: bool = True) -> None:
-        """Take the robots as they are, standing on their feet or lying, and forget all before.
+        """Take the robots as they are at `time` s, and forget all before.
 
-        Args:
-            time: Now, s.
-            qpos: `(N, 19)` as MuJoCo has them.
-            standing: Otherwise they lie, and `rise` gets them up.
+        They are at `qpos` `(N, 19)`, as MuJoCo has them, standing on their feet; otherwise they
+        lie, and `rise` gets them up.
         """
         self._states[:] = np.zeros((), STATE)
         self._states["time"] = self._states["began"] = time

@@ -50,10 +50,8 @@ def check_momentum(
 ) -> list[Violation]:
     """Changes of momentum, and of angular momentum, that no contact force accounts for.
 
-    Args:
-        record, posture: With the forces, and the links.
-        pushes: `(T - 1, 3)` N, mean of known forces on the trunk's centre in each interval.
-        unknown: `(T - 1,)` intervals in which other forces act, about which nothing is said.
+    `pushes` `(T - 1, 3)` are the means of known forces on the trunk's centre in each interval, N;
+    of the intervals `unknown` `(T - 1,)`, in which other forces act, nothing is said.
     """
     if len(record.time) < 3:
         return []

@@ -25,10 +25,8 @@ APPROACH = 1.5
 class Leapers:
     """The pilots of those robots that were handed over.
 
-    Args:
-        control: The team's legs.
-        fronts: `(N,)` of the front hips ahead of the trunks' origins, m.
-        heights: Of the ground; None where it is level.
+    `fronts` `(N,)` are how far front hips are ahead of the trunks' origins, m; without `heights`
+    the ground is level.
     """
 
     def __init__(self, control: LegControl, fronts: Array, heights: Heights | None) -> None:

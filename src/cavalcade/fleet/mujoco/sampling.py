@@ -98,9 +98,7 @@ class ContactRecorder:
 class Sampler:
     """Looks at a simulator after each of its steps.
 
-    Args:
-        simulator: At its start, which is the first sample.
-        time: The clock then, s.
+    The first sample is that of its start, when the clock shows `time` s.
 
     Attributes:
         contacts: In order of time, each when it begins and, while it lasts, between any two
