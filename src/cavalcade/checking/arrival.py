@@ -20,13 +20,9 @@ from cavalcade.scenario import FormationSection, Scenario
 
 @dataclass(frozen=True)
 class Criterion:
-    """When a robot has arrived.
+    """When a robot has arrived: within m and rad of its slot, slower than m/s, still for so many s.
 
-    Attributes:
-        distance, turn: Of the slot, m and rad.
-        speed: Slower than this, m/s.
-        still: For so long, s.
-        mean: Whether the mean over that time counts, not every moment: legged robots sway.
+    With `mean` the mean speed over that time counts, not every moment's: legged robots sway.
     """
 
     distance: float = 0.10

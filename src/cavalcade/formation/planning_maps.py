@@ -122,18 +122,11 @@ class PlanningMaps:
     def placement(
         self, slots: Array, region: int | None, reach: float, body: Array, needed: float
     ) -> Array | None:
-        """The smallest shift `(2,)` with which every slot takes a robot, in one free region.
+        """The smallest shift `(2,)` with which every slot takes a robot, in one free region, m.
 
-        Args:
-            slots: `(N, 2)` wanted places, m.
-            region: Number of the region; None for any.
-            reach: Largest shift, m.
-            body: `(K, 2)` centres of discs that cover a robot, from its centre, turned to the
-                goal's heading, m.
-            needed: Clearance of these centres, m.
-
-        Returns:
-            The shift in m, zero if the slots fit as they are, or None if none fits.
+        Slots `(N, 2)` are shifted by at most `reach`; with None for the region's number any will
+        do. `body` `(K, 2)` are the centres of discs that cover a robot, from its centre, turned to
+        the goal's heading; they need that clearance. Returns None if no shift fits.
         """
         space = FreeSpace(self.regions(), self.distance, self.cell)
         bodies = slots[:, None] + body[None]

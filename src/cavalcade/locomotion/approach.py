@@ -45,13 +45,9 @@ WALK, LEAP, WAIT, DONE, FAILED = range(5)
 class LeapPilot:
     """Decides what one robot does from the hand-over to the end of a leap.
 
-    Where the ground does not break it walks to where the leap should have ended.
-
-    Args:
-        take_off, landed: `(4,)` x, y, z, yaw of the planned body, map frame.
-        edges: As in `LeapRequest`.
-        heights: Of the ground; None where they are not known.
-        front: Of the front hip joints ahead of the trunk's origin, m.
+    Where the ground does not break it walks to where the leap should have ended. `take_off`,
+    `landed` and `edges` are those of a `LeapRequest`; `heights` may be unknown; front hip joints
+    are `front` m ahead of the trunk's origin.
 
     Attributes:
         velocity: `(3,)` command for a robot that is to walk, body frame, m/s, m/s, rad/s.

@@ -127,11 +127,8 @@ def plan_leap(
 ) -> Row:
     """A row `()` of `LEAP` that begins where the robot, a row of `ROBOT`, stands.
 
-    Args:
-        manoeuvre, robot, settings: The leap, who leaps, and how.
-        height: Of the trunk's origin when standing, m.
-        feet: `(4, 3)` where the feet stand, their centres, world, m.
-        yaw: Of the trunk now, unwrapped, rad.
+    Its trunk's origin is at `height` then, m, turned by `yaw`, unwrapped, rad; the centres of its
+    feet are at `feet` `(4, 3)`, world, m.
 
     Raises:
         InputError: The leap is too far or too high.
