@@ -20,7 +20,7 @@ from cavalcade.scenario import FormationSection, Scenario
 
 @dataclass(frozen=True)
 class Criterion:
-    """When a robot has arrived: within m and rad of its slot, slower than m/s, still for so many s.
+    """When a robot has arrived: how near its slot, m and rad, how slow, m/s, and for how long, s.
 
     With `mean` the mean speed over that time counts, not every moment's: legged robots sway.
     """
