@@ -96,15 +96,13 @@ def _track(samples: list[tuple[float, ...]], path: Path, topic: str) -> Track:
 def read_messages(
     path: Path, type_of: Callable[[str], str], take: Callable[[str, Any], None]
 ) -> None:
-    """Hand messages of a recording to `take`, with their topics, in order.
+    """Hand messages of an MCAP file to `take`, with their topics, in order.
 
-    Args:
-        path: An MCAP file.
-        type_of: The type that a topic's messages must have; empty if they are of no interest.
-        take: May raise a RecordingError, too.
+    `type_of` says of what type a topic's messages must be: empty if they are of no interest.
 
     Raises:
-        RecordingError: The file is missing or damaged, or a topic is of another type.
+        RecordingError: The file is missing or damaged, a topic is of another type, or `take`
+            raises it.
     """
     from rosbags.rosbag2 import Reader, ReaderError
     from rosbags.typesys import Stores, get_typestore

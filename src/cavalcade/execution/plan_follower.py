@@ -44,16 +44,9 @@ class PlanFollower(Policy):
     Robots that go in all directions are corrected in all of them; unicycles forwards and by
     turning (Kanayama et al. 1990).
 
-    Args:
-        paths: One trajectory per robot, map frame.
-        models: Of the robots.
-        starts, goals: `(N, 3)` poses.
-        rate: Cycles per second.
-        refusal: Why there is no plan: nobody moves then, and the status says so.
-        settings: How robots that lag are waited for, and how much is corrected.
-        leaper: The fleet, if its robots leap by themselves.
-        terrain: Ground with heights: the leaper is told where it breaks, and robots with limits
-            go more slowly where it is rough.
+    `refusal` says why there is no plan: nobody moves then, and the status says so. The `leaper` is
+    the fleet, if its robots leap by themselves; it is told where `terrain` breaks, and robots with
+    limits go more slowly where that is rough.
     """
 
     def __init__(

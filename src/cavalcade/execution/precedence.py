@@ -45,15 +45,8 @@ class Precedence:
 
     A cell in which one of the two has stood since the diagonal is no reason to wait: the plan has
     just that meeting. Near the diagonal, where plans bring bodies closer than `margin`, only what
-    is closer than the plan is blocked; where that is so both ways, the two keep in step.
-
-    Args:
-        paths: One trajectory per robot, map frame.
-        models: Of the robots.
-        reach: Plan time that a robot needs to stop, s: up to there two robots in step may rely on
-            each other.
-        margin: m.
-        step: Side of the cells, s.
+    is closer than the plan is blocked; where that is so both ways, the two keep in step. They may
+    rely on each other up to `reach`, the plan time that a robot needs to stop, s.
     """
 
     def __init__(

@@ -48,14 +48,8 @@ class RadioFleet:
     """A simulated fleet as planners know it: a radio carries commands there and poses back.
 
     How robots move is up to those who derive from it: `_move`, and `_hear` if they must know when
-    a command arrives.
-
-    Args:
-        poses: `(N, 3)` true poses at the start, map frame, m and rad; they are reported at once.
-        time: The clock at the start, s.
-        noise: Errors of the reported poses.
-        delay: Delay and loss of messages.
-        seed: Of the noise, the jitter and the losses.
+    a command arrives. Their true poses `(N, 3)` at the start, map frame, are reported at once;
+    `seed` is that of the noise, the jitter and the losses.
     """
 
     def __init__(

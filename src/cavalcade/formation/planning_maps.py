@@ -18,11 +18,8 @@ from cavalcade.geometry import Array, transform_points
 class PlanningMaps:
     """Maps of one state of the world.
 
-    Args:
-        occupied: `(rows, cols)` cells with obstacles.
-        cell: Cell size, m.
-        settings: Inflation and safe distances.
-        radius: Inflation radius, m; the settings' unless a path needs less.
+    The inflation `radius` is the settings', unless a path needs less, m; the `distance`, if it is
+    known already, need not be found.
 
     Attributes:
         distance: `(rows, cols)` from each cell's centre to the nearest obstacle's surface, m.

@@ -30,9 +30,6 @@ class ContactRecorder:
     """Sums the forces on feet and lists all other contacts.
 
     `record` is to be called after every step of the simulator.
-
-    Args:
-        simulator: Whose contacts.
     """
 
     def __init__(self, simulator: TeamSimulator) -> None:
