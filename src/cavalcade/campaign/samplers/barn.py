@@ -13,9 +13,8 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from cavalcade.campaign.samplers.data import DataFolder
 from cavalcade.campaign.samplers.feasibility import DiscRegions
-from cavalcade.campaign.samplers.sampler import Instance, Sampler, open_world
+from cavalcade.campaign.samplers.sampler import DataFolder, Instance, Sampler, open_world
 from cavalcade.campaign.samplers.teams import TeamSection, fits
 from cavalcade.errors import InputError
 from cavalcade.scenario.fields import Length, Positive
