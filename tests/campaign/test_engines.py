@@ -13,9 +13,8 @@ import pytest
 
 from cavalcade.campaign.definition import Definition
 from cavalcade.campaign.dispatch import dispatch
-from cavalcade.campaign.engines import ENGINES, make_engine, worker
-from cavalcade.campaign.engines.local import LocalEngine
-from cavalcade.campaign.engines.worker import WorkersError
+from cavalcade.campaign.engines import ENGINES, local, make_engine
+from cavalcade.campaign.engines.local import LocalEngine, WorkersError
 from cavalcade.campaign.runner import run_campaign
 from cavalcade.errors import InputError
 
@@ -117,7 +116,7 @@ def test_workers_use_one_thread(tiny_plan: Definition, planted: Any) -> None:
 def test_workers_that_never_start_end_the_campaign_and_no_trial(
     tiny_plan: Definition, planted: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(worker, "start_worker", planted.die_at_once)
+    monkeypatch.setattr(local, "start_worker", planted.die_at_once)
     with pytest.raises(WorkersError, match="the worker processes end before they take a trial"):
         run_campaign(tiny_plan, tmp_path / "a", LocalEngine(2), work=planted.fake)
     assert (tmp_path / "a" / "trials.jsonl").read_text() == ""

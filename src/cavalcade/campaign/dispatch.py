@@ -52,7 +52,6 @@ def dispatch(
 
     Args:
         engine: Started.
-        trials: In this order.
         limit: Of wall clock per trial, s.
         first_alone: Let the first trial finish before the others start, with more time: it
             compiles the numerical kernels for all.
