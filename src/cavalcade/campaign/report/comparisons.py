@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any, Literal, TypeVar
 
 from cavalcade.campaign.report.cells import ALL
@@ -58,21 +57,12 @@ class Quantity:
 
 
 _TIME = Quantity("time", "s", 1.0, "time", 1, "slower", "faster")
+_ERROR = Quantity(
+    "formation error", "cm", 100.0, "formation_error", 1, "looser formation", "tighter formation"
+)
 _GAP = Quantity("smallest gap", "cm", 100.0, "gap", 1, "keeps wider gaps", "comes closer")
 
-QUANTITIES = (
-    _TIME,
-    Quantity(
-        "formation error",
-        "cm",
-        100.0,
-        "formation_error",
-        1,
-        "looser formation",
-        "tighter formation",
-    ),
-    _GAP,
-)
+QUANTITIES = (_TIME, _ERROR, _GAP)
 """Compared over the pairs of which both trials succeeded."""
 
 PLAN_QUANTITIES = (
@@ -190,24 +180,20 @@ def references_of(comparisons: Sequence[Comparison]) -> list[str]:
 def comparison_tables(
     comparisons: Sequence[Comparison], factor: Factor, setting: str
 ) -> list[tuple[str, Table | None]]:
-    """Title and table of successes, collisions and each quantity.
+    """Title and table of successes, collisions and each quantity, of at least one comparison.
 
-    The table of collisions is None where no trial of any pair had one.
-
-    Args:
-        comparisons: At least one.
-        factor: What is compared.
-        setting: What the comparisons' setting is called; empty where there is only one.
+    The table of collisions is None where no trial of any pair had one. `setting` is what the
+    comparisons' setting is called; empty where there is only one.
     """
     references = references_of(comparisons)
     several = len(references) > 1
 
     def table(
-        take: Callable[[Comparison], _Found | None],
+        results: Sequence[_Found | None],
         columns: Sequence[tuple[str, Callable[[_Found], str]]],
     ) -> Table:
-        """A row per comparison of which there is something to take, named in front."""
-        named = [(c, found) for c in comparisons if (found := take(c)) is not None]
+        """A row per comparison that has a result, named in front."""
+        named = [(c, one) for c, one in zip(comparisons, results, strict=True) if one is not None]
         front = [
             ("scenario", [scenario_text(c.scenario) for c, _ in named]),
             (setting, [code(c.setting) for c, _ in named]),
@@ -235,22 +221,20 @@ def comparison_tables(
             ("in words", lambda f: proportion_text(f, what)),
         )
 
-    successes = table(lambda c: c.success, proportions("successes"))
+    successes = table([c.success for c in comparisons], proportions("successes"))
     hit = any(c.collision and c.collision.neither < c.collision.pairs for c in comparisons)
-    collisions = table(lambda c: c.collision, proportions("collisions")) if hit else None
+    collisions = None
+    if hit:
+        collisions = table([c.collision for c in comparisons], proportions("collisions"))
     found = [
         ("Success in feasible worlds", successes),
         ("Trials with an avoidable collision", collisions),
     ]
     for quantity in dict.fromkeys(one for c in comparisons for one in c.values):
-        made = table(partial(_value, quantity=quantity), _differences(quantity))
+        made = table([c.values.get(quantity) for c in comparisons], _differences(quantity))
         if made.rows:
             found.append((f"{quantity.name.capitalize()}, where both succeeded", made))
     return found
-
-
-def _value(comparison: Comparison, quantity: Quantity) -> PairedValues | None:
-    return comparison.values.get(quantity)
 
 
 def _differences(quantity: Quantity) -> Sequence[tuple[str, Callable[[PairedValues], str]]]:

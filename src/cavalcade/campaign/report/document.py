@@ -253,11 +253,7 @@ def _by_reason(trials: Sequence[Trial]) -> list[tuple[str, str, str]]:
 
 
 def trial_list(trials: Sequence[Trial]) -> dict[str, Any]:
-    """All trials for the page: `columns`, each name with its decimals, or null for texts; `rows`.
-
-    Args:
-        trials: In the suite's order.
-    """
+    """Trials for the page: `columns`, each name with its decimals, or null for texts; `rows`."""
     planned = bool(trials) and all(trial.planned for trial in trials)
     whole = all(trial.level is None or trial.level.is_integer() for trial in trials)
     columns: list[tuple[str, int | None, Callable[[Trial], Any]]] = [

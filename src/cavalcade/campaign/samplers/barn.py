@@ -21,7 +21,7 @@ from cavalcade.scenario.fields import Length, Positive
 from cavalcade.world import OccupancyMap, load_barn
 
 FOLDER = Path("barn") / "circles"
-_FILE = re.compile(r"world_(\d{1,6})\.csv")
+_FILE = re.compile(r"world_\d{1,6}\.csv")
 _UP = round(math.pi / 2.0, 4)
 
 
@@ -82,5 +82,4 @@ def _files(data: DataFolder) -> list[Path]:
 
 
 def _number(path: Path) -> int:
-    match = _FILE.fullmatch(path.name)
-    return int(match[1]) if match else -1
+    return int(path.stem.removeprefix("world_"))

@@ -7,7 +7,6 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -19,9 +18,11 @@ from cavalcade.world import GeneratedWorld, Shape, shape_to_mapping
 
 SOLVED, INFEASIBLE, UNSOLVED, REFUSED = "solved", "infeasible", "unsolved", "refused"
 
-EXPECTED: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {INFEASIBLE: ("infeasible",), UNSOLVED: ("infeasible", "budget"), REFUSED: ("refused",)}
-)
+EXPECTED: Mapping[str, tuple[str, ...]] = {
+    INFEASIBLE: ("infeasible",),
+    UNSOLVED: ("infeasible", "budget"),
+    REFUSED: ("refused",),
+}
 """With which outcomes a trial succeeds in worlds that are infeasible by construction: where that
 can be proven at once, where it cannot, and where the scenario is bad input."""
 
