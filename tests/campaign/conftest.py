@@ -56,6 +56,12 @@ def tiny_plan(tiny: Path) -> Definition:
 
 
 @pytest.fixture
+def no_report(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Campaigns leave their lines alone."""
+    monkeypatch.setattr("cavalcade.campaign.report.write_report", lambda *_, **__: ())
+
+
+@pytest.fixture
 def table() -> Callable[[Path], list[dict[str, Any]]]:
     """The lines of a campaign's folder by trial, without what differs from run to run."""
 

@@ -13,31 +13,27 @@ import pytest
 
 from cavalcade.campaign.definition import Definition
 from cavalcade.campaign.dispatch import dispatch
-from cavalcade.campaign.engines import ENGINES, make_engine, worker
-from cavalcade.campaign.engines.local import LocalEngine
-from cavalcade.campaign.engines.worker import WorkersError
+from cavalcade.campaign.engines import ENGINES, local, make_engine
+from cavalcade.campaign.engines.local import LocalEngine, WorkersError
 from cavalcade.campaign.runner import run_campaign
 from cavalcade.errors import InputError
 
 Table = Callable[[Path], list[dict[str, Any]]]
 
 
-def no_report(*_: Any) -> tuple[Path, ...]:
-    return ()
-
-
+@pytest.mark.usefixtures("no_report")
 def test_any_number_of_workers_and_any_deaths_give_the_same_table(
     tiny_plan: Definition, table: Table, tmp_path: Path, planted: Any
 ) -> None:
     one, two, dying = (tmp_path / name for name in ("one", "two", "dying"))
-    run_campaign(tiny_plan, one, LocalEngine(1), report=no_report)
+    run_campaign(tiny_plan, one, LocalEngine(1))
     expected = table(one)
     assert [line["outcome"] for line in expected] == ["arrived"] * 12
     assert all(line["success"] and line["feasible"] for line in expected)
-    run_campaign(tiny_plan, two, LocalEngine(2), report=no_report)
+    run_campaign(tiny_plan, two, LocalEngine(2))
     assert table(two) == expected
     # A worker that is killed by `kill -9` in a trial costs one retry.
-    run_campaign(tiny_plan, dying, LocalEngine(2), work=planted.dies_once, report=no_report)
+    run_campaign(tiny_plan, dying, LocalEngine(2), work=planted.dies_once)
     assert len(list(planted.FOLDER.glob("died-*"))) == 2
     assert table(dying) == expected
 
@@ -116,12 +112,13 @@ def test_workers_use_one_thread(tiny_plan: Definition, planted: Any) -> None:
     assert line["detail"] == "1"
 
 
+@pytest.mark.usefixtures("no_report")
 def test_workers_that_never_start_end_the_campaign_and_no_trial(
     tiny_plan: Definition, planted: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(worker, "start_worker", planted.die_at_once)
+    monkeypatch.setattr(local, "start_worker", planted.die_at_once)
     with pytest.raises(WorkersError, match="the worker processes end before they take a trial"):
-        run_campaign(tiny_plan, tmp_path / "a", LocalEngine(2), work=planted.fake, report=no_report)
+        run_campaign(tiny_plan, tmp_path / "a", LocalEngine(2), work=planted.fake)
     assert (tmp_path / "a" / "trials.jsonl").read_text() == ""
 
 

@@ -48,11 +48,12 @@ def cluster(monkeypatch: pytest.MonkeyPatch, planted: Any) -> Iterator[Any]:
         made.shutdown()
 
 
+@pytest.mark.usefixtures("no_report")
 def test_two_nodes_and_one_killed_on_the_way(
     cluster: Any, tiny_plan: Definition, table: Table, tmp_path: Path, planted: Any
 ) -> None:
-    run_campaign(tiny_plan, tmp_path / "local", LocalEngine(1), report=lambda *_: ())
-    run_campaign(tiny_plan, tmp_path / "ray", RayEngine(), report=lambda *_: ())
+    run_campaign(tiny_plan, tmp_path / "local", LocalEngine(1))
+    run_campaign(tiny_plan, tmp_path / "ray", RayEngine())
     assert table(tmp_path / "ray") == table(tmp_path / "local")
 
     # Both nodes are in the middle of a trial when one of them goes.

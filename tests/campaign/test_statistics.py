@@ -15,7 +15,6 @@ from cavalcade.campaign.statistics import (
     newcombe_paired,
     paired_proportions,
     paired_values,
-    quantile,
     upper_bound,
     wilson,
 )
@@ -226,9 +225,3 @@ def test_equal_differences_have_an_interval_of_no_width():
     assert found is not None
     assert found.mean == Estimate(2.0, 2.0, 2.0) == found.median
     assert not found.mean.includes_zero
-
-
-def test_quantile_of_known_values():
-    assert quantile([3.0, None, 1.0, math.inf, 2.0], 0.5) == 2.0
-    assert quantile([None, math.nan], 0.5) is None
-    assert quantile(range(101), 0.95) == pytest.approx(95.0)

@@ -110,6 +110,7 @@ def carry_out_status(count: int) -> Any:
     return (status,) * count
 
 
+@pytest.mark.usefixtures("no_report")
 def test_a_trial_of_a_campaign_again(
     tiny_plan: Definition, tmp_path: Path, table: Callable[[Path], Any]
 ) -> None:
@@ -117,7 +118,7 @@ def test_a_trial_of_a_campaign_again(
     from cavalcade.campaign.engines.local import LocalEngine
     from cavalcade.campaign.repeat import repeat_trial
 
-    run_campaign(tiny_plan, tmp_path / "c", LocalEngine(1), report=lambda *_: ())
+    run_campaign(tiny_plan, tmp_path / "c", LocalEngine(1))
     trial = "short.0001.fixed-roles.noise"
     done = repeat_trial(tmp_path / "c", trial, tmp_path / "t")
     assert done.same is True

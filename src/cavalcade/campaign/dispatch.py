@@ -52,14 +52,13 @@ def dispatch(
 
     Args:
         engine: Started.
-        trials: In this order.
         limit: Of wall clock per trial, s.
         first_alone: Let the first trial finish before the others start, with more time: it
             compiles the numerical kernels for all.
         prepare: A function and its arguments: a job that has to end, however it does, before the
             first trial begins; it may take `COMPILING` s.
     """
-    coming = iter(trials)
+    coming = map(_Job, trials)
     again: deque[_Job] = deque()
     under_way: dict[str, _Job] = {}
     if prepare is not None:
@@ -70,13 +69,10 @@ def dispatch(
     exhausted = False
     while True:
         while engine.room > 0 and not (alone and under_way):
-            job = again.popleft() if again else None
+            job = again.popleft() if again else next(coming, None)
             if job is None:
-                trial = next(coming, None)
-                exhausted = trial is None
-                if trial is None:
-                    break
-                job = _Job(trial)
+                exhausted = True
+                break
             under_way[job.trial.id] = job
             if job.outcome is None:
                 time = limit + COMPILING if alone else limit

@@ -225,12 +225,8 @@ def measured_plan(result: JobResult) -> dict[str, float | None]:
     `single_time_ratio`: the planning time over that of all these single plans.
     """
     summary = result.summary
-    found: dict[str, float | None] = {
-        "time_ratio": None,
-        "length_ratio": None,
-        "makespan_ratio": None,
-        "single_time_ratio": None,
-    }
+    names = ("time_ratio", "length_ratio", "makespan_ratio", "single_time_ratio")
+    found: dict[str, float | None] = dict.fromkeys(names)
     if not result.solved:
         return found
     lengths, bounds = summary["path_length_m"], summary["lower_bound_m"]

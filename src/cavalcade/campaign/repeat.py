@@ -6,16 +6,12 @@ import json
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from cavalcade.campaign.definition import read_definition
 from cavalcade.campaign.store import LINES
 from cavalcade.campaign.trial import Line, without_times
 from cavalcade.campaign.trial_runner import run_trial_into
 from cavalcade.errors import InputError, OutputError
-
-if TYPE_CHECKING:
-    from cavalcade.jobs import JobResult
 
 
 @dataclass(frozen=True)
@@ -24,14 +20,12 @@ class Repeated:
 
     Attributes:
         line: Its line, as the campaign would have kept it.
-        ran: The run or plan; None where the trial has none.
         before: The campaign's line of it, None if it has none yet.
         same: Whether the lines are the same but for times; None without one to compare with.
         version: Of the package that the campaign was run with.
     """
 
     line: Line
-    ran: JobResult | None
     before: Line | None
     same: bool | None
     version: str
@@ -66,11 +60,11 @@ def repeat_trial(
     if Path(out).resolve() == Path(folder).resolve():
         raise OutputError(f"{out}: holds the campaign itself; name another folder")
     before = _line_of(Path(folder) / LINES, trial_id)
-    line, ran = run_trial_into(trial, Path(out), force=force, quiet=quiet)
+    line, _ = run_trial_into(trial, Path(out), force=force, quiet=quiet)
     # Through JSON, as the campaign's went.
     line = json.loads(json.dumps(line, allow_nan=False))
     same = None if before is None else without_times(before) == without_times(line)
-    return Repeated(line, ran, before, same, definition.version)
+    return Repeated(line, before, same, definition.version)
 
 
 def _line_of(file: Path, trial_id: str) -> Line | None:

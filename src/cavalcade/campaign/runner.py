@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,13 +14,9 @@ from cavalcade.campaign.engines.protocol import Engine, Work
 from cavalcade.campaign.progress import CampaignReporter
 from cavalcade.campaign.samplers import EXPECTED
 from cavalcade.campaign.store import Store
-from cavalcade.campaign.suite import Suite
 from cavalcade.campaign.trial import Line
 from cavalcade.campaign.trial_runner import replay, run_trial
 from cavalcade.campaign.warming import warm_all, warmth_of
-
-Report = Callable[[Path, Suite, Sequence[Line]], Sequence[Path]]
-"""Writes table and report into the folder; gives the files."""
 
 
 class CampaignInterrupted(KeyboardInterrupt):
@@ -48,7 +43,6 @@ def run_campaign(
     resume: bool = False,
     quiet: bool = True,
     work: Work = run_trial,
-    report: Report | None = None,
     command: str = "",
 ) -> CampaignResult:
     """Carry out what is not done yet of a campaign, and write the report.
@@ -59,13 +53,14 @@ def run_campaign(
         engine: Not started; it is not started if nothing is left to do.
         resume: Go on with what `out` holds.
         quiet: Print nothing but warnings.
-        report: `write_report` if not given.
         command: That was given, for the report.
 
     Raises:
         OutputError: The folder cannot be used or written; all finished trials are kept.
         CampaignInterrupted: Ctrl-C.
     """
+    from cavalcade.campaign.report import write_report
+
     warnings: list[str] = []
     with Store(out, definition, resume=resume, warn=warnings.append) as store:
         left = [trial for trial in definition.trials if trial.id not in store.done]
@@ -93,13 +88,17 @@ def run_campaign(
                             reporter.finished(line)
                 reporter.close()
                 reporter.say("writing the report ...")
-                # Nothing else needs all lines at once.
-                lines = list(store.lines())
-                write = report or partial(_write_report, definition, command)
-                files = write(store.folder, definition.suite, lines)
+                lines = store.lines()
+                files = write_report(
+                    store.folder,
+                    definition.suite,
+                    lines,
+                    command=command,
+                    replay=lambda line: replay(definition.trial(line["trial"])),
+                )
         except KeyboardInterrupt:
             raise CampaignInterrupted(store.count(), total) from None
-    return CampaignResult(_summary(definition, lines), tuple(files))
+    return CampaignResult(_summary(definition, lines), files)
 
 
 def _compiles(reporter: CampaignReporter, formations: bool, plans: bool) -> bool:
@@ -116,20 +115,6 @@ def _compiles(reporter: CampaignReporter, formations: bool, plans: bool) -> bool
     if long:
         reporter.say(f"compiling the numerical kernels, once after installation ({long}) ...")
     return first
-
-
-def _write_report(
-    definition: Definition, command: str, folder: Path, suite: Suite, lines: Sequence[Line]
-) -> Sequence[Path]:
-    from cavalcade.campaign.report import write_report
-
-    return write_report(
-        folder,
-        suite,
-        lines,
-        command=command,
-        replay=lambda line: replay(definition.trial(line["trial"])),
-    )
 
 
 def _summary(definition: Definition, lines: Sequence[Line]) -> dict[str, Any]:

@@ -11,7 +11,7 @@ Psychometrika 12 (1947) 153; Newcombe, Stat. Med. 17 (1998) 2635 (method 10, pai
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -234,12 +234,6 @@ def median_interval(values: Sequence[float] | np.ndarray) -> Estimate:
     if rank == 0:
         return Estimate(middle, -math.inf, math.inf)
     return Estimate(middle, float(sample[rank - 1]), float(sample[-rank]))
-
-
-def quantile(values: Iterable[float | None], share: float) -> float | None:
-    """The quantile of the known values, linear between them; None without any."""
-    sample = [value for value in values if value is not None and math.isfinite(value)]
-    return float(np.quantile(sample, share)) if sample else None
 
 
 def _check_counts(hits: int, trials: int) -> None:

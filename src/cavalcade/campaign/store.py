@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Self
 
@@ -106,21 +106,14 @@ class Store:
         self._size += len(data)
         self.done.add(str(line["trial"]))
 
-    def lines(self) -> Iterator[Line]:
+    def lines(self) -> list[Line]:
         """All lines in the order of the trials, whatever order they were finished in."""
         try:
-            # Only the places of the lines are sorted: the lines themselves may be many.
-            starts: list[tuple[int, int]] = []
             with (self.folder / LINES).open("rb") as stream:
-                start = 0
-                for raw in stream:
-                    starts.append((self._order[json.loads(raw)["trial"]], start))
-                    start += len(raw)
-                for _, start in sorted(starts):
-                    stream.seek(start)
-                    yield json.loads(stream.readline())
+                lines = [json.loads(raw) for raw in stream]
         except OSError as error:
             raise self._failed(error, "read") from None
+        return sorted(lines, key=lambda line: self._order[line["trial"]])
 
     def __enter__(self) -> Self:
         return self

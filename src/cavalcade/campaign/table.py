@@ -14,7 +14,6 @@ import re
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 from cavalcade.errors import OutputError
@@ -49,9 +48,7 @@ _BACK = {
     "violations": "VARCHAR[]",
 }
 
-COLUMNS: Mapping[str, str] = MappingProxyType(
-    {**_FRONT, **{k: kind for k, kind in summary_columns().items() if k not in _FRONT}, **_BACK}
-)
+COLUMNS: Mapping[str, str] = _FRONT | (summary_columns() | _FRONT) | _BACK
 """DuckDB's type of each column that every table has, in their order.
 
 Where a key of the summary has the name of a column in front (`seed`, `variant`, `success`,

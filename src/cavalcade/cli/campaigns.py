@@ -168,12 +168,11 @@ def _print_groups(summary: dict[str, Any]) -> None:
         counts = [group["trials"], feasible, succeeded, share]
         counts += [group["contacts"], group["avoidable"]]
         rows.append([*(group[name] for name in names), *map(str, counts)])
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    forms = [
+        f"{'<' if place < len(names) else '>'}{max(map(len, column))}"
+        for place, column in enumerate(zip(*rows, strict=True))
+    ]
     for row in rows:
-        cells = [
-            cell.ljust(width) if place < len(names) else cell.rjust(width)
-            for place, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ]
-        print("  ".join(cells).rstrip())
+        print("  ".join(map(format, row, forms)).rstrip())
     outcomes = ", ".join(f"{count} {name}" for name, count in summary["outcomes"].items())
     print(f"outcomes: {outcomes}")

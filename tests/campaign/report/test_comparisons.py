@@ -4,9 +4,14 @@ import pytest
 
 from cavalcade.campaign.report.cells import ALL
 from cavalcade.campaign.report.charts import draw_comparisons
-from cavalcade.campaign.report.comparison_tables import comparison_tables
-from cavalcade.campaign.report.comparisons import QUANTITIES, compare
-from cavalcade.campaign.report.wording import NO_DIFFERENCE, proportion_text, value_text
+from cavalcade.campaign.report.comparisons import (
+    QUANTITIES,
+    compare,
+    comparison_tables,
+    proportion_text,
+    value_text,
+)
+from cavalcade.campaign.report.wording import NO_DIFFERENCE
 
 TIME, ERROR, GAP = QUANTITIES
 

@@ -6,10 +6,9 @@ from html.parser import HTMLParser
 
 import pytest
 
-from cavalcade.campaign.report import write_report
+from cavalcade.campaign.report import html_text, markdown_text, write_report
 from cavalcade.campaign.report.tables import Table
 from cavalcade.campaign.report.wording import code, plain
-from cavalcade.campaign.report.writing import html_text, markdown_text
 
 
 class Reader(HTMLParser):

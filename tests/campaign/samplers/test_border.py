@@ -6,9 +6,9 @@ import math
 
 import pytest
 
-from cavalcade.campaign.samplers.data import DataFolder
-from cavalcade.campaign.samplers.pairs import PairsSampler
-from cavalcade.campaign.samplers.terrain import TerrainSampler
+from cavalcade.campaign.samplers import DataFolder
+from cavalcade.campaign.samplers.scattered import TerrainSampler
+from cavalcade.campaign.samplers.two_robots import PairsSampler
 from cavalcade.robots import MODELS
 
 GO1 = MODELS["go1"]

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import os
 
-from cavalcade.campaign.engines.protocol import Ended, Engine
-from cavalcade.campaign.engines.worker import cores
+from cavalcade.campaign.engines.protocol import Ended, Engine, cores
 from cavalcade.errors import InputError
 
 ENGINES = ("local", "ray")

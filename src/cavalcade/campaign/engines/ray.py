@@ -13,8 +13,7 @@ import time as clock
 from dataclasses import dataclass
 from typing import Any, Self
 
-from cavalcade.campaign.engines.protocol import Ended, Work
-from cavalcade.campaign.engines.worker import use_one_thread
+from cavalcade.campaign.engines.protocol import Ended, Work, use_one_thread
 from cavalcade.errors import CavalcadeError, InputError
 
 _STILLBORN = 10
@@ -35,11 +34,8 @@ class ClusterError(CavalcadeError):
 class _Seat:
     """One actor with what it does.
 
-    Attributes:
-        actor: Its handle.
-        answer: What is waited for: its first sign of life, then the result of its job.
-        key: Of its job, None before the first sign of life and between jobs.
-        deadline: When the job is over time, monotonic s.
+    `answer` is what is waited for: its first sign of life, then the result of its job. The job's
+    `key` is None before the first sign of life and between jobs; `deadline` is monotonic, s.
     """
 
     actor: Any

@@ -75,10 +75,7 @@ def rows_figure(
 ) -> tuple[MatplotlibFigure, list[Axes]]:
     """Panels that share named rows, the first on top; row k stands at y = k.
 
-    Args:
-        labels: Of the rows.
-        panels: How many.
-        top: Room over the panels, inches.
+    `top` is the room over the panels, inches.
     """
     longest = max((len(label) for label in labels), default=0)
     left = min(0.14 + 0.052 * longest, 0.45 * style.PAGE)
@@ -122,12 +119,7 @@ MOST_ROWS = 36
 
 
 class Artist:
-    """Draws into a folder; without one it draws nothing.
-
-    Attributes:
-        folder: Of the figures, or None.
-        names: Files drawn so far.
-    """
+    """Draws into a folder, and keeps the files' names; without a folder it draws nothing."""
 
     def __init__(self, folder: Path | None, order: Order) -> None:
         self.folder = folder

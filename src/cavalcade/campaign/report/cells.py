@@ -205,12 +205,7 @@ def in_order(counts: Mapping[str, int]) -> dict[str, int]:
 
 @dataclass(frozen=True)
 class Point:
-    """The trials in feasible worlds of one level or bin of levels.
-
-    Attributes:
-        low, high: Lowest and highest level of the bin; the same for a single level.
-        cell: What these trials come to.
-    """
+    """What trials in feasible worlds come to, of one level or of a bin of levels, ends included."""
 
     low: float
     high: float
@@ -230,13 +225,7 @@ class Point:
 
 @dataclass(frozen=True)
 class Curve:
-    """One cell over its levels.
-
-    Attributes:
-        cell: Which.
-        axis: What the level is the number of.
-        points: In ascending order.
-    """
+    """One cell over its levels, in ascending order; `axis` says what the level is the number of."""
 
     cell: Cell
     axis: str

@@ -1,19 +1,34 @@
-"""Variants, and disturbances, compared on the same worlds."""
+"""Variants, and disturbances, compared on the same worlds, with a row per comparison."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 from cavalcade.campaign.report.cells import ALL
+from cavalcade.campaign.report.tables import Table, scenario_text, table_of
 from cavalcade.campaign.report.trials import TrialTable
+from cavalcade.campaign.report.wording import (
+    NO_DIFFERENCE,
+    TOO_FEW,
+    code,
+    count,
+    difference,
+    p_value,
+    share,
+)
 from cavalcade.campaign.statistics import (
     PairedProportions,
     PairedValues,
     paired_proportions,
     paired_values,
 )
+
+_Found = TypeVar("_Found", PairedProportions, PairedValues)
+
+_CONFIDENCE = "[95\N{NO-BREAK SPACE}%]"
 
 Factor = Literal["variant", "disturbance"]
 """What is compared; the other one is the setting that both trials of a pair have in common."""
@@ -42,21 +57,12 @@ class Quantity:
 
 
 _TIME = Quantity("time", "s", 1.0, "time", 1, "slower", "faster")
+_ERROR = Quantity(
+    "formation error", "cm", 100.0, "formation_error", 1, "looser formation", "tighter formation"
+)
 _GAP = Quantity("smallest gap", "cm", 100.0, "gap", 1, "keeps wider gaps", "comes closer")
 
-QUANTITIES = (
-    _TIME,
-    Quantity(
-        "formation error",
-        "cm",
-        100.0,
-        "formation_error",
-        1,
-        "looser formation",
-        "tighter formation",
-    ),
-    _GAP,
-)
+QUANTITIES = (_TIME, _ERROR, _GAP)
 """Compared over the pairs of which both trials succeeded."""
 
 PLAN_QUANTITIES = (
@@ -169,3 +175,98 @@ def _comparison(
 def references_of(comparisons: Sequence[Comparison]) -> list[str]:
     """What is compared with, each once."""
     return list(dict.fromkeys(comparison.first for comparison in comparisons))
+
+
+def comparison_tables(
+    comparisons: Sequence[Comparison], factor: Factor, setting: str
+) -> list[tuple[str, Table | None]]:
+    """Title and table of successes, collisions and each quantity, of at least one comparison.
+
+    The table of collisions is None where no trial of any pair had one. `setting` is what the
+    comparisons' setting is called; empty where there is only one.
+    """
+    references = references_of(comparisons)
+    several = len(references) > 1
+
+    def table(
+        results: Sequence[_Found | None],
+        columns: Sequence[tuple[str, Callable[[_Found], str]]],
+    ) -> Table:
+        """A row per comparison that has a result, named in front."""
+        named = [(c, one) for c, one in zip(comparisons, results, strict=True) if one is not None]
+        front = [
+            ("scenario", [scenario_text(c.scenario) for c, _ in named]),
+            (setting, [code(c.setting) for c, _ in named]),
+            (factor, [code(c.second) for c, _ in named]),
+            ("reference" if several else "", [code(c.first) for c, _ in named]),
+        ]
+        made = [(name, [text(found) for _, found in named]) for name, text in columns]
+        return table_of([one for one in front if one[0]], made, last=True)
+
+    def proportions(what: str) -> Sequence[tuple[str, Callable[[PairedProportions], str]]]:
+        """How often it happened under both treatments."""
+        return (
+            ("pairs", lambda f: count(f.pairs)),
+            (
+                "with reference" if several else code(references[0]),
+                lambda f: share(f.both + f.first_only, f.pairs),
+            ),
+            (f"this {factor}", lambda f: share(f.both + f.second_only, f.pairs)),
+            ("one only", lambda f: f"{count(f.first_only)} / {count(f.second_only)}"),
+            (
+                f"difference (points) {_CONFIDENCE}",
+                lambda f: difference(f.difference.scaled(100.0), 1),
+            ),
+            ("p", lambda f: p_value(f.p_value)),
+            ("in words", lambda f: proportion_text(f, what)),
+        )
+
+    successes = table([c.success for c in comparisons], proportions("successes"))
+    hit = any(c.collision and c.collision.neither < c.collision.pairs for c in comparisons)
+    collisions = None
+    if hit:
+        collisions = table([c.collision for c in comparisons], proportions("collisions"))
+    found = [
+        ("Success in feasible worlds", successes),
+        ("Trials with an avoidable collision", collisions),
+    ]
+    for quantity in dict.fromkeys(one for c in comparisons for one in c.values):
+        made = table([c.values.get(quantity) for c in comparisons], _differences(quantity))
+        if made.rows:
+            found.append((f"{quantity.name.capitalize()}, where both succeeded", made))
+    return found
+
+
+def _differences(quantity: Quantity) -> Sequence[tuple[str, Callable[[PairedValues], str]]]:
+    factor, digits = quantity.factor, quantity.digits + 1
+    return (
+        ("pairs", lambda f: count(f.pairs)),
+        (
+            f"mean difference ({quantity.unit}) {_CONFIDENCE}",
+            lambda f: difference(f.mean.scaled(factor), digits),
+        ),
+        (
+            f"median difference ({quantity.unit}) {_CONFIDENCE}",
+            lambda f: difference(f.median.scaled(factor), digits),
+        ),
+        ("in words", lambda f: value_text(f, quantity)),
+    )
+
+
+def proportion_text(found: PairedProportions, what: str) -> str:
+    """What the comparison of how many `what` there were comes to."""
+    if found.difference.includes_zero:
+        return NO_DIFFERENCE
+    points = abs(100.0 * found.difference.value)
+    return f"{'more' if found.difference.value > 0 else 'fewer'} {what} by {points:.1f} points"
+
+
+def value_text(found: PairedValues, quantity: Quantity) -> str:
+    """What the comparison of a quantity comes to."""
+    if math.isinf(found.mean.high):
+        return TOO_FEW
+    if found.mean.includes_zero:
+        return NO_DIFFERENCE
+    amount = abs(found.mean.value) * quantity.factor
+    word = quantity.more if found.mean.value > 0 else quantity.less
+    return f"{word} by {amount:.{quantity.digits}f} {quantity.unit}"

@@ -10,9 +10,13 @@ from typing import TYPE_CHECKING, Any, get_args
 from cavalcade.campaign.report import charts, tables
 from cavalcade.campaign.report.canvas import MOST_ROWS, Artist, Figure
 from cavalcade.campaign.report.cells import Cell, cells_of, curves_of, in_order
-from cavalcade.campaign.report.comparison_tables import comparison_tables
-from cavalcade.campaign.report.comparisons import Comparison, Factor, compare, references_of
-from cavalcade.campaign.report.curve_chart import FEW_CURVES, draw_curves
+from cavalcade.campaign.report.comparisons import (
+    Comparison,
+    Factor,
+    compare,
+    comparison_tables,
+    references_of,
+)
 from cavalcade.campaign.report.tables import Table, cell_names, cell_table
 from cavalcade.campaign.report.trials import Order, Trial, TrialTable
 from cavalcade.campaign.report.wording import bound, code, count, interval, plain, share
@@ -206,12 +210,12 @@ def _curves(table: TrialTable, cells: Sequence[Cell], artist: Artist) -> list[di
             labels = [getattr(c.cell, order.parts[-1]) for c in shown]
             third = "planning time" if shown[0].cell.planned else "formation error"
             text = f"success; median time and {third}"
-            if len(shown) <= FEW_CURVES:
+            if len(shown) <= charts.FEW_CURVES:
                 text = f"success with 95 % interval; median and quartiles of time and {third}"
             where = f" Disturbance {code(part)}." if part else ""
             caption = f"{code(scenario)}: {text} of the trials that succeeded.{where}"
             name = f"curves-{scenario}-{part}" if part else f"curves-{scenario}"
-            figures += artist.chart(caption, draw_curves, shown, labels, name=name)
+            figures += artist.chart(caption, charts.draw_curves, shown, labels, name=name)
         section = {"scenario": scenario, "axis": curves[0].axis, "figures": figures}
         sections.append(section | {"table": tables.curve_table(curves, order)})
     return sections
@@ -249,11 +253,7 @@ def _by_reason(trials: Sequence[Trial]) -> list[tuple[str, str, str]]:
 
 
 def trial_list(trials: Sequence[Trial]) -> dict[str, Any]:
-    """All trials for the page: `columns`, each name with its decimals, or null for texts; `rows`.
-
-    Args:
-        trials: In the suite's order.
-    """
+    """Trials for the page: `columns`, each name with its decimals, or null for texts; `rows`."""
     planned = bool(trials) and all(trial.planned for trial in trials)
     whole = all(trial.level is None or trial.level.is_integer() for trial in trials)
     columns: list[tuple[str, int | None, Callable[[Trial], Any]]] = [

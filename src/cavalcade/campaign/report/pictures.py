@@ -54,13 +54,7 @@ def draw_paths(
 
     Bodies stand there as outlines, and moving obstacles are drawn, as they were at that moment.
 
-    Args:
-        scenario, world, recording: Of the run; its ground is that at the start.
-        summary: The content of `summary.json`.
-        path: The picture to write.
-
-    Returns:
-        The file; None for a recording without a single cycle.
+    The ground is that at the start. Gives the file, or None for a recording without a cycle.
 
     Raises:
         OutputError: It cannot be written.

@@ -80,11 +80,7 @@ def cell_table(
 ) -> Table | None:
     """A row per cell, with what says which cell it is in front; None without cells.
 
-    Args:
-        cells: In the order of rows.
-        order: What tells cells apart.
-        columns: All others.
-        every: Keep columns that hold nothing but dashes.
+    Columns that hold nothing but dashes are left out unless `every` one is wanted.
     """
     if not cells:
         return None

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import math
 
-from cavalcade.campaign.report.comparisons import Quantity
-from cavalcade.campaign.statistics import Estimate, PairedProportions, PairedValues
+from cavalcade.campaign.statistics import Estimate
 
 NONE = "–"
 MINUS = "\N{MINUS SIGN}"
@@ -94,22 +93,3 @@ def p_value(value: float) -> str:
     if value < 0.001:
         return "< 0.001"
     return f"{value:.3f}" if value < 0.1 else f"{value:.2f}"
-
-
-def proportion_text(found: PairedProportions, what: str) -> str:
-    """What the comparison of how many `what` there were comes to."""
-    if found.difference.includes_zero:
-        return NO_DIFFERENCE
-    points = abs(100.0 * found.difference.value)
-    return f"{'more' if found.difference.value > 0 else 'fewer'} {what} by {points:.1f} points"
-
-
-def value_text(found: PairedValues, quantity: Quantity) -> str:
-    """What the comparison of a quantity comes to."""
-    if math.isinf(found.mean.high):
-        return TOO_FEW
-    if found.mean.includes_zero:
-        return NO_DIFFERENCE
-    amount = abs(found.mean.value) * quantity.factor
-    word = quantity.more if found.mean.value > 0 else quantity.less
-    return f"{word} by {amount:.{quantity.digits}f} {quantity.unit}"

@@ -1,18 +1,15 @@
 """Seeded samplers of worlds with a team and its task, and whether the task can be done at all."""
 
 from cavalcade.campaign.samplers.barn import BarnSampler
-from cavalcade.campaign.samplers.boxes import BoxesSampler
 from cavalcade.campaign.samplers.crowd import CrowdSampler
-from cavalcade.campaign.samplers.data import DataFolder
 from cavalcade.campaign.samplers.events import EventsSampler
 from cavalcade.campaign.samplers.generated import GeneratedSampler
 from cavalcade.campaign.samplers.infeasible import InfeasibleSampler
 from cavalcade.campaign.samplers.maps import MapsSampler
-from cavalcade.campaign.samplers.pairs import PairsSampler
-from cavalcade.campaign.samplers.passing import PassingSampler
-from cavalcade.campaign.samplers.sampler import EXPECTED, SOLVED, Instance, Sampler
+from cavalcade.campaign.samplers.sampler import EXPECTED, SOLVED, DataFolder, Instance, Sampler
+from cavalcade.campaign.samplers.scattered import BoxesSampler, TerrainSampler
 from cavalcade.campaign.samplers.shipped import ShippedSampler
-from cavalcade.campaign.samplers.terrain import TerrainSampler
+from cavalcade.campaign.samplers.two_robots import PairsSampler, PassingSampler
 from cavalcade.campaign.samplers.walk import WalkSampler
 
 SAMPLERS: dict[str, type[Sampler]] = {

@@ -13,16 +13,15 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from cavalcade.campaign.samplers.data import DataFolder
 from cavalcade.campaign.samplers.feasibility import DiscRegions
-from cavalcade.campaign.samplers.sampler import Instance, Sampler, open_world
+from cavalcade.campaign.samplers.sampler import DataFolder, Instance, Sampler, open_world
 from cavalcade.campaign.samplers.teams import TeamSection, fits
 from cavalcade.errors import InputError
 from cavalcade.scenario.fields import Length, Positive
 from cavalcade.world import OccupancyMap, load_barn
 
 FOLDER = Path("barn") / "circles"
-_FILE = re.compile(r"world_(\d{1,6})\.csv")
+_FILE = re.compile(r"world_\d{1,6}\.csv")
 _UP = round(math.pi / 2.0, 4)
 
 
@@ -83,5 +82,4 @@ def _files(data: DataFolder) -> list[Path]:
 
 
 def _number(path: Path) -> int:
-    match = _FILE.fullmatch(path.name)
-    return int(match[1]) if match else -1
+    return int(path.stem.removeprefix("world_"))

@@ -9,10 +9,10 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from cavalcade.campaign.samplers.data import DataFolder
 from cavalcade.campaign.samplers.feasibility import DiscRegions
 from cavalcade.campaign.samplers.sampler import (
     Counts,
+    DataFolder,
     Instance,
     Lengths,
     Sampler,

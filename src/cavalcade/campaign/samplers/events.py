@@ -14,10 +14,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-from cavalcade.campaign.samplers.data import DataFolder
 from cavalcade.campaign.samplers.feasibility import DiscRegions
 from cavalcade.campaign.samplers.sampler import (
     Counts,
+    DataFolder,
     Instance,
     Lengths,
     Sampler,

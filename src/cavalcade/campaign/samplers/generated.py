@@ -8,11 +8,11 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import Field, Strict, model_validator
 
-from cavalcade.campaign.samplers.data import DataFolder
 from cavalcade.campaign.samplers.feasibility import STEP, DiscRegions
 from cavalcade.campaign.samplers.sampler import (
     Area,
     Counts,
+    DataFolder,
     Instance,
     Lengths,
     Pose,

@@ -8,11 +8,11 @@ from typing import Any, Literal
 
 import numpy as np
 
-from cavalcade.campaign.samplers.data import DataFolder
 from cavalcade.campaign.samplers.individual_goals import ATTEMPTS, Robot, TeamSampler
 from cavalcade.campaign.samplers.sampler import (
     INFEASIBLE,
     REFUSED,
+    DataFolder,
     Instance,
     Pose,
     open_world,

@@ -12,9 +12,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
 
-from cavalcade.campaign.samplers.data import DataFolder
 from cavalcade.campaign.samplers.feasibility import RADIUS, DiscRegions
-from cavalcade.campaign.samplers.sampler import Instance, Lengths, Pose, Sampler, rounded
+from cavalcade.campaign.samplers.sampler import (
+    DataFolder,
+    Instance,
+    Lengths,
+    Pose,
+    Sampler,
+    rounded,
+)
 from cavalcade.campaign.samplers.teams import TeamSection, fits
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array, transform_points

@@ -1,25 +1,28 @@
-"""What every sampler gives, and what a campaign asks of it."""
+"""What every sampler takes and gives, and what a campaign asks of it."""
 
 from __future__ import annotations
 
+import os
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
+from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, Strict
 
-from cavalcade.campaign.samplers.data import DataFolder
+from cavalcade.errors import InputError
 from cavalcade.scenario.fields import Length, Section, expected
 from cavalcade.world import GeneratedWorld, Shape, shape_to_mapping
 
 SOLVED, INFEASIBLE, UNSOLVED, REFUSED = "solved", "infeasible", "unsolved", "refused"
 
-EXPECTED: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {INFEASIBLE: ("infeasible",), UNSOLVED: ("infeasible", "budget"), REFUSED: ("refused",)}
-)
+EXPECTED: Mapping[str, tuple[str, ...]] = {
+    INFEASIBLE: ("infeasible",),
+    UNSOLVED: ("infeasible", "budget"),
+    REFUSED: ("refused",),
+}
 """With which outcomes a trial succeeds in worlds that are infeasible by construction: where that
 can be proven at once, where it cannot, and where the scenario is bad input."""
 
@@ -28,6 +31,50 @@ Area = tuple[float, float, float, float]
 
 Pose = tuple[float, float, float]
 """x, y, yaw in m and rad, map frame."""
+
+
+VARIABLE = "CAVALCADE_DATA"
+"""The environment variable that names the folder."""
+
+PLACES = (Path("data"), Path("../shared/data"))
+"""Where it is looked for otherwise, from the working directory."""
+
+
+@dataclass(frozen=True)
+class DataFolder:
+    """The folder of the data, if there is one.
+
+    Attributes:
+        path: Absolute; None where there is no such folder.
+    """
+
+    path: Path | None
+
+    @classmethod
+    def find(cls, named: str | Path | None = None) -> DataFolder:
+        """The folder named, else that of `CAVALCADE_DATA`, else the first of `PLACES` there is.
+
+        Raises:
+            InputError: A folder is named that does not exist.
+        """
+        for key, given in (("data", named), (VARIABLE, os.environ.get(VARIABLE) or None)):
+            if given is not None:
+                if not Path(given).is_dir():
+                    raise InputError(f"no such folder: {given}", key=key)
+                return cls(Path(given).resolve())
+        return cls(next((place.resolve() for place in PLACES if place.is_dir()), None))
+
+    def file(self, name: str | Path) -> Path:
+        """The absolute name of a file of the data; InputError if it is not there."""
+        found = None if self.path is None else self.path / name
+        if found is None or not found.is_file():
+            raise InputError(self.lack(name))
+        return found
+
+    def lack(self, what: str | Path) -> str:
+        """One line that says that something is not there, and how to name a folder that has it."""
+        where = "there is no folder of data" if self.path is None else f"not in {self.path}"
+        return f"{what}: {where}; name one that has it with --data or {VARIABLE}"
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,9 @@ from typing import Any, Literal, Self
 
 from pydantic import PrivateAttr, ValidationInfo, field_validator, model_validator
 
-from cavalcade.campaign.samplers.data import DataFolder
 from cavalcade.campaign.samplers.feasibility import DiscRegions
 from cavalcade.campaign.samplers.individual_goals import Legged
-from cavalcade.campaign.samplers.sampler import Instance, Sampler
+from cavalcade.campaign.samplers.sampler import DataFolder, Instance, Sampler
 from cavalcade.geometry import transform_points
 from cavalcade.scenario.fields import expected
 from cavalcade.scenario.model import Scenario

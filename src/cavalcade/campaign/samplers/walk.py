@@ -9,9 +9,8 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, Strict
 
-from cavalcade.campaign.samplers.data import DataFolder
 from cavalcade.campaign.samplers.individual_goals import Models, models_in_turn
-from cavalcade.campaign.samplers.sampler import Instance, Sampler
+from cavalcade.campaign.samplers.sampler import DataFolder, Instance, Sampler
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array
 from cavalcade.scenario.commands import Velocity
