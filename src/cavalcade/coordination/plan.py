@@ -112,7 +112,7 @@ class _Call:
     def __init__(
         self, problem: TeamProblem, method: str, settings: PlanSettings, seed: int
     ) -> None:
-        self.problem, self.method, self.seed = problem, method, seed
+        self.problem, self.method = problem, method
         self.published = settings.variant == "published"
         if self.published and settings.distance is None:
             settings = replace(settings, distance=DISTANCE)
@@ -126,7 +126,13 @@ class _Call:
         warm_up(method != "sequential", self.published or not problem.ground.flat)
         self.budget = Budget(settings.iterations, settings.seconds)
         self.lattice = SpaceTimePlanner(problem.ground)
-        self.planner = self._planner()
+        self.planner: RobotPlanner
+        if self.published:
+            self.planner = PublishedPlanner(problem, settings, seed)
+        elif problem.ground.flat:
+            self.planner = FlatPlanner(problem, self.lattice)
+        else:
+            self.planner = TerrainPlanner(problem, settings, seed)
 
     def answer(self) -> TeamPlan:
         budget, planner = self.budget, self.planner
@@ -162,13 +168,6 @@ class _Call:
         text = "" if solution.solved else f"no plan without conflicts was found; {self.budget}"
         reason = "solved" if solution.solved else "budget"
         return self._team_plan(reason, text, (), solution.paths, solution)
-
-    def _planner(self) -> RobotPlanner:
-        if self.published:
-            return PublishedPlanner(self.problem, self.settings, self.seed)
-        if self.problem.ground.flat:
-            return FlatPlanner(self.problem, self.lattice)
-        return TerrainPlanner(self.problem, self.settings, self.seed)
 
     def _search(self, paths: Paths) -> TeamSearch:
         return TeamSearch(self.planner, self.lattice, self.settings, paths, self.budget, self.rng)

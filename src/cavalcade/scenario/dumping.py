@@ -71,10 +71,11 @@ def _plain(scenario: Scenario, folder: Path) -> dict[str, Any]:
     data["task"] = _task(scenario.task, data["task"])
     for key in UNUSED_KEYS[scenario.task.kind]:
         del data["planner"][key]
-    events = data["execution"]["events"] = [_line(event) for event in scenario.execution.events]
+    events = [_line(event) for event in scenario.execution.events]
     for said, event in zip(events, scenario.execution.events, strict=True):
         if event.formation is not None:
             said["formation"] = _formation(event.formation)
+    data["execution"]["events"] = events
     data |= {"world": world, "robots": robots}
     return {key: data[key] for key in Scenario.model_fields}
 
@@ -97,7 +98,8 @@ def _formation(formation: FormationSection) -> dict[str, Any]:
     said = formation.model_dump(mode="json", exclude_none=True)
     joints = formation.connections
     # Null stands for the shape's own springs: that is a choice, and is written out.
-    said["connections"] = joints and [OneLine(joint.model_dump(mode="json")) for joint in joints]
+    lines = [OneLine(joint.model_dump(mode="json")) for joint in joints or ()]
+    said["connections"] = None if joints is None else lines
     return said
 
 
