@@ -188,13 +188,9 @@ def normals_within(field: Array, offsets: Offsets, cell: float) -> Array:
 
 @njit(cache=True)
 def relax(field: Array, cells: NDArray[np.int64], sweeps: int, tolerance: float) -> None:
-    """Make the given cells the means of their neighbours, in place (Gauss-Seidel).
+    """Make `cells` `(K, 2)` row, col the means of their neighbours, in place (Gauss-Seidel).
 
-    Args:
-        field: `(rows, cols)`.
-        cells: `(K, 2)` row, col of the cells that may change.
-        sweeps: How often at most.
-        tolerance: Ends when no cell changes more, m.
+    Ends after so many sweeps, or when none changes by more than `tolerance` m.
     """
     rows, cols = field.shape
     for _ in range(sweeps):
