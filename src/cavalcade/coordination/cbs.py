@@ -55,11 +55,8 @@ class _Node:
 def conflict_search(search: TeamSearch, root: Paths, merging: bool = False) -> Solution:
     """Resolve the conflicts of paths that were planned regardless of each other.
 
-    Args:
-        search: Of the team.
-        root: A path for each robot.
-        merging: Whether two robots that keep conflicting are planned as one, regardless of the
-            others; else they are left to constraints.
+    If `merging`, two robots that keep conflicting are planned as one, regardless of the others;
+    else they are left to constraints.
     """
     planner, settings, budget = search.planner, search.settings, search.budget
     problem = planner.problem

@@ -43,8 +43,6 @@ def conflicts_of(
 
     Args:
         tracks: `(K_j, 3)` poses every `TRACK_STEP` s; robots stand at their last for good.
-        models: Of the robots on them.
-        most: Conflicts of each pair.
         distance: Between centres, m: instead of the bodies (the paper's threshold d).
     """
     table = stacked(tracks)

@@ -11,10 +11,9 @@ from cavalcade.coordination.auto import solve_auto
 from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.cbs import conflict_search
 from cavalcade.coordination.conflicts import conflicts_of
-from cavalcade.coordination.feasibility import infeasible
 from cavalcade.coordination.joint import solve_joint
 from cavalcade.coordination.prioritised import improved, solve_sequential
-from cavalcade.coordination.problem import PlanSettings, TeamProblem
+from cavalcade.coordination.problem import PlanSettings, TeamProblem, infeasible
 from cavalcade.coordination.published import DISTANCE, PublishedPlanner
 from cavalcade.coordination.result import Paths, RobotPath, Solution, TeamPlan, total_cost
 from cavalcade.coordination.robot_planner import EFFORT, FlatPlanner, RobotPlanner, TeamSearch
@@ -113,7 +112,7 @@ class _Call:
     def __init__(
         self, problem: TeamProblem, method: str, settings: PlanSettings, seed: int
     ) -> None:
-        self.problem, self.method, self.seed = problem, method, seed
+        self.problem, self.method = problem, method
         self.published = settings.variant == "published"
         if self.published and settings.distance is None:
             settings = replace(settings, distance=DISTANCE)
@@ -127,7 +126,13 @@ class _Call:
         warm_up(method != "sequential", self.published or not problem.ground.flat)
         self.budget = Budget(settings.iterations, settings.seconds)
         self.lattice = SpaceTimePlanner(problem.ground)
-        self.planner = self._planner()
+        self.planner: RobotPlanner
+        if self.published:
+            self.planner = PublishedPlanner(problem, settings, seed)
+        elif problem.ground.flat:
+            self.planner = FlatPlanner(problem, self.lattice)
+        else:
+            self.planner = TerrainPlanner(problem, settings, seed)
 
     def answer(self) -> TeamPlan:
         budget, planner = self.budget, self.planner
@@ -163,13 +168,6 @@ class _Call:
         text = "" if solution.solved else f"no plan without conflicts was found; {self.budget}"
         reason = "solved" if solution.solved else "budget"
         return self._team_plan(reason, text, (), solution.paths, solution)
-
-    def _planner(self) -> RobotPlanner:
-        if self.published:
-            return PublishedPlanner(self.problem, self.settings, self.seed)
-        if self.problem.ground.flat:
-            return FlatPlanner(self.problem, self.lattice)
-        return TerrainPlanner(self.problem, self.settings, self.seed)
 
     def _search(self, paths: Paths) -> TeamSearch:
         return TeamSearch(self.planner, self.lattice, self.settings, paths, self.budget, self.rng)

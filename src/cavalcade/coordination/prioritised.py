@@ -34,7 +34,6 @@ def in_order(
     """Plan robots one after the other, each past the paths of those before it.
 
     Args:
-        search: Of the team.
         order: All robots, the most important one first.
         delays: Robots that stand at their starts first, s.
         leave: For so long the starts of those who are still to be planned are taken, s.
@@ -91,11 +90,6 @@ def mended_orders(search: TeamSearch, attempts: int, effort: int = EFFORT) -> Pa
     """Paths of all robots by the first order that works, mended after each failure.
 
     Delays and orders are drawn once mending goes round in circles.
-
-    Args:
-        search: Of the team.
-        attempts: Orders at most.
-        effort: Iterations that each robot may take.
     """
     alone, rng = search.alone, search.rng
     order = sorted(range(len(alone)), key=lambda robot: (-round(alone[robot].cost, 3), robot))

@@ -32,12 +32,7 @@ _SPACING = 4
 
 @dataclass(frozen=True, eq=False)
 class PublishedPlanner(RobotPlanner):
-    """Robots with legs by the paper's trees, with others as discs; they don't wait.
-
-    Attributes:
-        settings: Whether to leap.
-        seed: Of the trees.
-    """
+    """Robots with legs by the paper's trees, with others as discs; they don't wait."""
 
     settings: PlanSettings
     seed: int

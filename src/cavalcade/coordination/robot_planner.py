@@ -56,11 +56,7 @@ class Span(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class RobotPlanner(ABC):
-    """Plans one robot of the team at a time.
-
-    Attributes:
-        problem: The team's.
-    """
+    """Plans one robot of the team at a time."""
 
     problem: TeamProblem
 
@@ -90,11 +86,7 @@ class RobotPlanner(ABC):
 
 @dataclass(frozen=True, eq=False)
 class FlatPlanner(RobotPlanner):
-    """Robots of any kind on ground that is even, or walked on as if it were.
-
-    Attributes:
-        lattice: The search.
-    """
+    """Robots of any kind on ground that is even, or walked on as if it were."""
 
     lattice: SpaceTimePlanner
 
@@ -165,9 +157,7 @@ class TeamSearch:
     """What the methods for a whole team start from.
 
     Attributes:
-        planner: Of one robot.
         lattice: Whose ground, limits and costs the product space is searched with.
-        settings: Of the methods.
         alone: Each robot's path regardless of the others.
         budget: What is used is taken from it.
         rng: Draws orders, and seeds the trees of the product space.

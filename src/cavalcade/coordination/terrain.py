@@ -54,8 +54,6 @@ class TerrainPlanner(RobotPlanner):
     """Robots with legs on uneven ground: the cheaper of a walk and a trajectory of the trees.
 
     Attributes:
-        settings: Whether to leap.
-        seed: Of the trees.
         walking: Over the ground that feet may stand on; by the model.
         trees: Answers of the body planner so far, by robot.
     """

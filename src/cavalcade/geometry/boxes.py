@@ -110,10 +110,8 @@ def point_box(px, py, x, y, yaw, length, width):
 def boxes_gap(one, other, first, second, a, b):
     """Distance between two boxes, 0 where they meet.
 
-    Args:
-        one, other: Poses `(3,)` x, y, yaw.
-        first, second: Of each box `(3,)` length, width and inflation, m.
-        a, b: `(4, 2)` to write corners to.
+    They are at poses `(3,)`; `first` and `second` `(3,)` are their length, width and inflation, m.
+    Corners are written to `a` and `b` `(4, 2)`.
     """
     box_corners(one[0], one[1], one[2], first[0], first[1], a)
     box_corners(other[0], other[1], other[2], second[0], second[1], b)
@@ -151,12 +149,7 @@ def footprint_radius(footprint):
 
 @njit(cache=True)
 def footprints_meet(one, here, other, there, margin):
-    """Whether two footprints are nearer than `margin` (boxes at corners: a little more).
-
-    Args:
-        here, there: Their poses (x, y, yaw).
-        margin: m.
-    """
+    """Whether two footprints are nearer than `margin` m (boxes at corners: a little more)."""
     dx, dy = there[0] - here[0], there[1] - here[1]
     hl0, hw0, hl1, hw1 = one.half_length, one.half_width, other.half_length, other.half_width
     # The circles around both decide most cases, and those within both some more.

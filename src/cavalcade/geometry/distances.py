@@ -109,9 +109,7 @@ def polygons_clearance(poses, box, polygons, best, contact):
 def cells_clearance(poses, order, box, cells, best, contact):
     """Judge poses `(M, 3)` of a box, given in the grid's own frame, against `Cells`.
 
-    Args:
-        order: Indices `(M,)` in which to look at the poses; the nearest first is fastest.
-        cells: What is occupied.
+    They are looked at in `order` `(M,)`; the nearest first is fastest.
     """
     reach = box_radius(box)
     occupied, bound, cell = cells
@@ -155,11 +153,7 @@ def cells_clearance(poses, order, box, cells, best, contact):
 def boxes_clearance(one, other, sizes, best, contact):
     """Judge two boxes that move at the same time: poses `(M, 3)` each.
 
-    Args:
-        one, other: Their poses.
-        sizes: `(2, 3)` length, width and inflation of each, m.
-        best: `(2,)` smallest distance of the centres and smallest gap.
-        contact: `(M,)` becomes True where they touch.
+    Their length, width and inflation are `sizes` `(2, 3)`, m; `best[0]` is of their centres.
     """
     reach = 0.5 * (math.hypot(sizes[0, 0], sizes[0, 1]) + math.hypot(sizes[1, 0], sizes[1, 1]))
     reach += sizes[0, 2] + sizes[1, 2]
@@ -175,14 +169,9 @@ def boxes_clearance(one, other, sizes, best, contact):
 
 @njit(cache=True)
 def nearest_gaps(poses, bodies):
-    """The smallest gap of each body to any other at each time.
+    """The smallest gap `(K, N)` m of each body to any other at each time, inf if it is alone.
 
-    Args:
-        poses: `(K, N, 3)` x, y, yaw.
-        bodies: `(N, 3)` length, width and inflation, see `cavalcade.geometry.boxes`.
-
-    Returns:
-        `(K, N)` m, inf for a body that is alone.
+    Poses `(K, N, 3)` are x, y, yaw, bodies `(N, 3)` length, width and inflation.
     """
     count, robots = poses.shape[0], poses.shape[1]
     gaps = np.full((count, robots), np.inf)

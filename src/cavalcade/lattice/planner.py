@@ -69,14 +69,7 @@ from the centre swings by half the step in angle between two tests of the ground
 
 @dataclass(frozen=True, eq=False)
 class TimedPath:
-    """Moves from a start pose, see `cavalcade.lattice.primitives`.
-
-    Attributes:
-        start: x, y, yaw `(3,)`.
-        moves: `(M, 6)`.
-        limits: That the moves keep to.
-        model: Of the robot.
-    """
+    """Moves `(M, 6)` from a start x, y, yaw `(3,)`, see `cavalcade.lattice.primitives`."""
 
     start: Array
     moves: Array
@@ -131,15 +124,10 @@ class SpaceTimePlanner:
     ) -> tuple[TimedPath | None, bool, int]:
         """The cheapest path that the search finds, from rest to rest, clear of the others for good.
 
-        Args:
-            model: Of the robot.
-            start, goal: `(3,)` x, y, yaw.
-            others: To be avoided.
-            most: Expansions.
-            margins: And steps.
+        Start and goal are `(3,)` x, y, yaw.
 
         Returns:
-            The path or None; whether that is because `most` was spent; expansions.
+            The path or None; whether that is because `most` expansions were spent; expansions.
         """
         scene = self.scene(model, others, margins)
         primitives, finer = primitives_of(model, margins.finer), 0.5**margins.finer

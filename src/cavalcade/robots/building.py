@@ -94,12 +94,7 @@ def described(
     return QuadrupedDescription(
         name=name,
         trunk=combined([*trunk, *rotors]),
-        legs=(
-            _leg(parts, rear=False, right=False),
-            _leg(parts, rear=False, right=True),
-            _leg(parts, rear=True, right=False),
-            _leg(parts, rear=True, right=True),
-        ),
+        legs=tuple(_leg(parts, rear, right) for rear in (False, True) for right in (False, True)),
         foot_radius=outline.foot_radius,
         stand_height=stand_height,
         looks=look_shapes(outline, parts),

@@ -185,7 +185,7 @@ class QuadrupedDescription:
 
     name: str
     trunk: Inertial
-    legs: tuple[LegDescription, LegDescription, LegDescription, LegDescription]
+    legs: tuple[LegDescription, ...]
     foot_radius: float
     stand_height: float
     looks: tuple[BodyShape, ...]

@@ -103,17 +103,9 @@ def advance(state, command, dt, limits):
 
 @njit(cache=True)
 def predict_team(poses, velocities, commands, dt, steps, limits):
-    """States of a team after held commands.
+    """States `(N, 6)` of a team, see `advance`, after commands held for `steps` of `dt` s.
 
-    Args:
-        poses, velocities: `(N, 3)` in the map frame.
-        commands: `(N, 3)` in the body frame.
-        dt: Length of each step, s.
-        steps: Number of steps.
-        limits: The robots' `MotionLimits`.
-
-    Returns:
-        `(N, 6)` x, y, yaw, vx, vy, yaw rate.
+    Poses and velocities `(N, 3)` are in the map frame, commands `(N, 3)` in the body frame.
     """
     out = np.empty((poses.shape[0], 6))
     for k in range(poses.shape[0]):

@@ -10,10 +10,10 @@ import yaml
 
 from cavalcade.files import write_file
 from cavalcade.robots import is_model_file
-from cavalcade.scenario.fields import OneLine, without_nulls
+from cavalcade.scenario.fields import OneLine, Section
 from cavalcade.scenario.model import Scenario
 from cavalcade.scenario.rules import UNUSED_KEYS
-from cavalcade.scenario.task import INDIVIDUAL, Kind
+from cavalcade.scenario.task import INDIVIDUAL, FormationSection, TaskSection
 from cavalcade.scenario.worlds import resolve_scenario
 
 
@@ -61,49 +61,45 @@ def _plain(scenario: Scenario, folder: Path) -> dict[str, Any]:
     if scenario.world.generate is not None:
         world["generate"] = scenario.world.generate.to_dict()
     world["obstacles"] = [OneLine(obstacle) for obstacle in world["obstacles"]]
-    robots = [
-        OneLine(robot.model_dump(mode="json", exclude_none=True)) for robot in scenario.robots
-    ]
+    robots = [_line(robot) for robot in scenario.robots]
     names = [(world, "map"), (world, "terrain"), (world.get("movingai", {}), "file")]
     names += [(robot, "mjcf") for robot in robots]
     names += [(robot, "model") for robot in robots if is_model_file(robot["model"])]
     for place, key in names:
         if key in place:
             place[key] = _relative(Path(place[key]), folder)
-    data["task"] = _task(scenario.task.kind, data["task"])
+    data["task"] = _task(scenario.task, data["task"])
     for key in UNUSED_KEYS[scenario.task.kind]:
         del data["planner"][key]
-    execution = data["execution"]
-    execution["events"] = [_event(event) for event in execution["events"]]
+    events = [_line(event) for event in scenario.execution.events]
+    for said, event in zip(events, scenario.execution.events, strict=True):
+        if event.formation is not None:
+            said["formation"] = _formation(event.formation)
+    data["execution"]["events"] = events
     data |= {"world": world, "robots": robots}
     return {key: data[key] for key in Scenario.model_fields}
 
 
-def _task(kind: Kind, task: dict[str, Any]) -> dict[str, Any]:
+def _line(section: Section) -> OneLine:
+    """What is said in a section, on one line."""
+    return OneLine(section.model_dump(mode="json", exclude_none=True))
+
+
+def _task(task: TaskSection, said: dict[str, Any]) -> dict[str, Any]:
     """The dumped `task` section without what does not apply."""
-    if kind == "formation":
-        return {"formation": _formation(task["formation"]), "goals": task["goals"]}
-    if kind == "individual":
+    if task.formation is not None:
+        return {"formation": _formation(task.formation), "goals": said["goals"]}
+    if task.commands is None:
         return {"goals": INDIVIDUAL}
-    said = [OneLine(without_nulls(command)) for command in task["commands"]]
-    return {"commands": said, "duration": task["duration"]}
+    return {"commands": [_line(one) for one in task.commands], "duration": said["duration"]}
 
 
-def _formation(formation: dict[str, Any]) -> dict[str, Any]:
-    said = without_nulls(formation)
-    joints = formation["connections"]
+def _formation(formation: FormationSection) -> dict[str, Any]:
+    said = formation.model_dump(mode="json", exclude_none=True)
+    joints = formation.connections
     # Null stands for the shape's own springs: that is a choice, and is written out.
-    said["connections"] = joints if joints is None else [OneLine(joint) for joint in joints]
-    return said
-
-
-def _event(event: dict[str, Any]) -> dict[str, Any]:
-    said = OneLine(without_nulls(event))
-    for kind in ("add", "remove", "move"):
-        if kind in said:
-            said[kind] = without_nulls(said[kind])
-    if "formation" in said:
-        said["formation"] = _formation(said["formation"])
+    lines = [OneLine(joint.model_dump(mode="json")) for joint in joints or ()]
+    said["connections"] = None if joints is None else lines
     return said
 
 

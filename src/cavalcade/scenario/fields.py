@@ -138,8 +138,3 @@ def in_time(said: tuple[Any, ...]) -> tuple[Any, ...]:
 
 class OneLine(dict[str, Any]):
     """A mapping that is written to a file on one line."""
-
-
-def without_nulls(section: dict[str, Any]) -> dict[str, Any]:
-    """The keys of a section that are given."""
-    return {key: value for key, value in section.items() if value is not None}

@@ -20,13 +20,11 @@ from cavalcade.scenario.fields import (
     Size,
     expected,
 )
+from cavalcade.world.generators import GENERATORS
+from cavalcade.world.generators.model import options_of
 
 KIND_OPTIONS: Mapping[str, tuple[str, ...]] = {
-    "clutter": ("obstacles", "zone"),
-    "corridor": ("width", "bends", "angle", "zone"),
-    "forest": ("trees", "spacing", "zone"),
-    "maze": ("passage", "wall", "loops"),
-    "rooms": ("room", "door", "wall", "extra"),
+    kind: tuple(options_of(generator)) for kind, generator in GENERATORS.items()
 }
 """What each kind of generated world of obstacles may be told."""
 

@@ -15,10 +15,9 @@ from typing import Any
 from cavalcade.errors import ScenarioError
 from cavalcade.geometry import rectangle_corners
 from cavalcade.robots import RobotModel, robot_model
-from cavalcade.scenario.loading import parse_scenario
+from cavalcade.scenario.loading import parse_scenario, read_text
 from cavalcade.scenario.messages import short
 from cavalcade.scenario.model import Scenario
-from cavalcade.scenario.shipped import read_text
 from cavalcade.yaml_text import parse_yaml
 
 RESOLUTION = 0.025
@@ -54,106 +53,103 @@ def import_problem(file: str | Path) -> Scenario:
         raise ScenarioError("is a scenario already", file=path)
     if not isinstance(data, dict) or not {"environment", "robots"} <= set(data):
         raise ScenarioError(f"unknown format; known are {_KNOWN}", file=path)
-    return _DbCbs(path).scenario(data)
+    try:
+        said = _from_db_cbs(data, path.stem[:200] or "imported")
+    except ScenarioError as error:
+        raise error.at(file=path, key=error.key) from None
+    return parse_scenario(said, path)
 
 
-class _DbCbs:
-    def __init__(self, path: Path) -> None:
-        self.path = path
+def _from_db_cbs(data: dict[str, Any], name: str) -> dict[str, Any]:
+    """The plain data of a scenario, out of those of a db-CBS problem."""
+    environment = data["environment"]
+    if not isinstance(environment, dict):
+        raise ScenarioError("expected a mapping with min, max and obstacles", key="environment")
+    low, high = (_corner(environment, name) for name in ("min", "max"))
+    obstacles = environment.get("obstacles")
+    if obstacles is not None and not isinstance(obstacles, list):
+        raise ScenarioError("expected a list of boxes", key="environment.obstacles")
+    boxes = [_box(item, k) for k, item in enumerate(obstacles or [])]
+    if not isinstance(data["robots"], list) or not data["robots"]:
+        raise ScenarioError("expected a list of robots", key="robots")
+    robots = [_robot(item, k) for k, item in enumerate(data["robots"])]
+    origin, size, widened = _ground(low, high, robots)
+    farthest = max(math.dist(start[:2], goal[:2]) for _, start, goal in robots)
+    empty: dict[str, Any] = {"size": size}
+    if origin != (0.0, 0.0):
+        empty["origin"] = list(origin)
+    note = ", widened by what bodies at starts and goals need" if widened else ""
+    return {
+        "version": 1,
+        "name": name,
+        "description": f"db-CBS problem of {len(robots)} robots; the ground bounds bodies, "
+        f"there centres{note}",
+        "world": {"empty": empty, "resolution": RESOLUTION, "obstacles": boxes},
+        "robots": [
+            {"model": model.name, "start": list(start), "goal": list(goal)}
+            for model, start, goal in robots
+        ],
+        "task": {"goals": "individual"},
+        "execution": {"timeout": max(_LEAST_TIME, 60.0 + _TIME_PER_METRE * farthest)},
+    }
 
-    def scenario(self, data: dict[str, Any]) -> Scenario:
-        environment = data["environment"]
-        if not isinstance(environment, dict):
-            raise self.error("environment", "expected a mapping with min, max and obstacles")
-        low, high = (self.corner(environment, name) for name in ("min", "max"))
-        obstacles = environment.get("obstacles")
-        if obstacles is not None and not isinstance(obstacles, list):
-            raise self.error("environment.obstacles", "expected a list of boxes")
-        boxes = [self.box(item, k) for k, item in enumerate(obstacles or [])]
-        if not isinstance(data["robots"], list) or not data["robots"]:
-            raise self.error("robots", "expected a list of robots")
-        robots = [self.robot(item, k) for k, item in enumerate(data["robots"])]
-        origin, size, widened = _ground(low, high, robots)
-        farthest = max(math.dist(start[:2], goal[:2]) for _, start, goal in robots)
-        empty: dict[str, Any] = {"size": size}
-        if origin != (0.0, 0.0):
-            empty["origin"] = list(origin)
-        note = ", widened by what bodies at starts and goals need" if widened else ""
-        said = {
-            "version": 1,
-            "name": self.path.stem[:200] or "imported",
-            "description": f"db-CBS problem of {len(robots)} robots; the ground bounds bodies, "
-            f"there centres{note}",
-            "world": {"empty": empty, "resolution": RESOLUTION, "obstacles": boxes},
-            "robots": [
-                {"model": model.name, "start": list(start), "goal": list(goal)}
-                for model, start, goal in robots
-            ],
-            "task": {"goals": "individual"},
-            "execution": {"timeout": max(_LEAST_TIME, 60.0 + _TIME_PER_METRE * farthest)},
-        }
-        return parse_scenario(said, self.path)
 
-    def corner(self, environment: dict[str, Any], name: str) -> tuple[float, float]:
-        key = f"environment.{name}"
-        values = self.numbers(environment.get(name), key)
-        if len(values) == 3:
-            raise self.error(key, "problems in three dimensions have no place here")
-        if len(values) != 2:
-            raise self.error(key, "expected [x, y]: 2 numbers")
-        return values[0], values[1]
+def _corner(environment: dict[str, Any], name: str) -> tuple[float, float]:
+    key = f"environment.{name}"
+    values = _numbers(environment.get(name), key)
+    if len(values) == 3:
+        raise ScenarioError("problems in three dimensions have no place here", key=key)
+    if len(values) != 2:
+        raise ScenarioError("expected [x, y]: 2 numbers", key=key)
+    return values[0], values[1]
 
-    def box(self, item: Any, index: int) -> dict[str, Any]:
-        key = f"environment.obstacles[{index}]"
-        if not isinstance(item, dict) or item.get("type") != "box":
-            kind = short(item.get("type")) if isinstance(item, dict) else short(item)
-            raise self.error(f"{key}.type", f"expected box, got {kind}")
-        center, size = (self.numbers(item.get(k), f"{key}.{k}") for k in ("center", "size"))
-        if len(center) != 2 or len(size) != 2:
-            raise self.error(key, "expected center [x, y] and size [x, y]")
-        return {"box": {"center": center, "size": size}}
 
-    def robot(self, item: Any, index: int) -> tuple[RobotModel, Pose, Pose]:
-        key = f"robots[{index}]"
-        kind = item.get("type") if isinstance(item, dict) else None
-        if not isinstance(kind, str):
-            raise self.error(key, "expected a mapping with type, start and goal")
-        if "trailer" in kind:
-            raise self.error(
-                f"{key}.type", f"{short(kind)} has a trailer; robots with trailers are left out"
-            )
-        if kind not in _TYPES:
-            raise ScenarioError(
-                f"there is no model for {short(kind)}",
-                file=self.path,
-                key=f"{key}.type",
-                choices=_TYPES,
-            )
-        name, words = _TYPES[kind]
-        start, goal = (self.state(item.get(k), words, f"{key}.{k}") for k in ("start", "goal"))
-        return robot_model(name), start, goal
+def _box(item: Any, index: int) -> dict[str, Any]:
+    key = f"environment.obstacles[{index}]"
+    if not isinstance(item, dict) or item.get("type") != "box":
+        kind = short(item.get("type")) if isinstance(item, dict) else short(item)
+        raise ScenarioError(f"expected box, got {kind}", key=f"{key}.type")
+    center, size = (_numbers(item.get(k), f"{key}.{k}") for k in ("center", "size"))
+    if len(center) != 2 or len(size) != 2:
+        raise ScenarioError("expected center [x, y] and size [x, y]", key=key)
+    return {"box": {"center": center, "size": size}}
 
-    def state(self, value: Any, words: tuple[str, ...], key: str) -> Pose:
-        values = self.numbers(value, key)
-        if len(values) != len(words):
-            raise self.error(key, f"expected [{', '.join(words)}]: {len(words)} numbers")
-        said = dict(zip(words, values, strict=True))
-        x, y, yaw = said.pop("x"), said.pop("y"), said.pop("yaw", 0.0)
-        if any(abs(speed) > _STILL for speed in said.values()):
-            raise self.error(key, "expected a robot that stands still, with velocities 0")
-        return x, y, yaw
 
-    def numbers(self, value: Any, key: str) -> list[float]:
-        if not isinstance(value, list):
-            raise self.error(key, "expected a list of numbers")
-        for item in value:
-            valid = isinstance(item, int | float) and not isinstance(item, bool)
-            if not valid or not abs(item) <= 1e6:
-                raise self.error(key, f"expected numbers within ±1e6, got {short(item)}")
-        return [float(item) for item in value]
+def _robot(item: Any, index: int) -> tuple[RobotModel, Pose, Pose]:
+    key = f"robots[{index}]"
+    kind = item.get("type") if isinstance(item, dict) else None
+    if not isinstance(kind, str):
+        raise ScenarioError("expected a mapping with type, start and goal", key=key)
+    if "trailer" in kind:
+        text = f"{short(kind)} has a trailer; robots with trailers are left out"
+        raise ScenarioError(text, key=f"{key}.type")
+    if kind not in _TYPES:
+        text = f"there is no model for {short(kind)}"
+        raise ScenarioError(text, key=f"{key}.type", choices=_TYPES)
+    name, words = _TYPES[kind]
+    start, goal = (_state(item.get(k), words, f"{key}.{k}") for k in ("start", "goal"))
+    return robot_model(name), start, goal
 
-    def error(self, key: str, message: str) -> ScenarioError:
-        return ScenarioError(message, file=self.path, key=key)
+
+def _state(value: Any, words: tuple[str, ...], key: str) -> Pose:
+    values = _numbers(value, key)
+    if len(values) != len(words):
+        raise ScenarioError(f"expected [{', '.join(words)}]: {len(words)} numbers", key=key)
+    said = dict(zip(words, values, strict=True))
+    x, y, yaw = said.pop("x"), said.pop("y"), said.pop("yaw", 0.0)
+    if any(abs(speed) > _STILL for speed in said.values()):
+        raise ScenarioError("expected a robot that stands still, with velocities 0", key=key)
+    return x, y, yaw
+
+
+def _numbers(value: Any, key: str) -> list[float]:
+    if not isinstance(value, list):
+        raise ScenarioError("expected a list of numbers", key=key)
+    for item in value:
+        valid = isinstance(item, int | float) and not isinstance(item, bool)
+        if not valid or not abs(item) <= 1e6:
+            raise ScenarioError(f"expected numbers within ±1e6, got {short(item)}", key=key)
+    return [float(item) for item in value]
 
 
 def _ground(

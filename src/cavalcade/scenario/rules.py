@@ -10,7 +10,7 @@ from pydantic_core import PydanticCustomError
 
 from cavalcade.robots import MODELS, RobotModel
 from cavalcade.scenario.commands import METHOD, VARIANT
-from cavalcade.scenario.fields import Section, expected, without_nulls
+from cavalcade.scenario.fields import Section, expected
 from cavalcade.scenario.ground import WorldSection
 from cavalcade.scenario.settings import (
     FORMATION_KEYS,
@@ -85,7 +85,7 @@ def with_planner_defaults(data: Any) -> Any:
             "conflict": "first" if published else "costly",
             "leaps": True,
             "improve": 0,
-            **without_nulls(planner),
+            **{key: value for key, value in planner.items() if value is not None},
         }
     return data if defaults == planner else {**data, "planner": defaults}
 

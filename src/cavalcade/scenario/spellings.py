@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from cavalcade.errors import ScenarioError
@@ -19,7 +20,7 @@ class RenamedWarning(UserWarning):
     """A scenario says something in its old spelling."""
 
 
-def current_value(key: str, value: Any, file: object = None) -> Any:
+def current_value(key: str, value: Any, file: str | Path | None = None) -> Any:
     """A key's value in its present spelling; others come back as they are."""
     new = VALUES.get(key, {}).get(value) if isinstance(value, str) else None
     if new is None:
@@ -28,7 +29,9 @@ def current_value(key: str, value: Any, file: object = None) -> Any:
     return new
 
 
-def with_current_spelling(data: Mapping[str, Any], file: object = None) -> dict[str, Any]:
+def with_current_spelling(
+    data: Mapping[str, Any], file: str | Path | None = None
+) -> dict[str, Any]:
     """A scenario's plain data in the present spelling; `data` itself stays as it is.
 
     Raises:
@@ -37,7 +40,7 @@ def with_current_spelling(data: Mapping[str, Any], file: object = None) -> dict[
     return _renamed(data, "", file)
 
 
-def _renamed(data: Mapping[str, Any], place: str, file: object) -> dict[str, Any]:
+def _renamed(data: Mapping[str, Any], place: str, file: str | Path | None) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for name, value in data.items():
         key = f"{place}{name}"
@@ -46,17 +49,13 @@ def _renamed(data: Mapping[str, Any], place: str, file: object) -> dict[str, Any
             _warn(key, new, file)
             name = new.rpartition(".")[2]
             if name in data:
-                raise ScenarioError(f"stands there as {new}, too", file=_path(file), key=key)
+                raise ScenarioError(f"stands there as {new}, too", file=file, key=key)
         if isinstance(value, Mapping):
             value = _renamed(value, f"{key}.", file)
         found[name] = current_value(key, value, file)
     return found
 
 
-def _path(file: object) -> str | None:
-    return None if file is None else str(file)
-
-
-def _warn(old: str, new: str, file: object) -> None:
+def _warn(old: str, new: str, file: str | Path | None) -> None:
     place = "" if file is None else f"{file}: "
     warnings.warn(f"{place}{old} is called {new} now", RenamedWarning, stacklevel=4)

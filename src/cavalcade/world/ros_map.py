@@ -54,21 +54,9 @@ _THRESHOLDS: dict[Mode, tuple[float, float]] = {
 
 @dataclass(frozen=True)
 class _Description:
-    """What the YAML file says.
+    """What the YAML file says; `unknown` is a key of our own, which other readers ignore."""
 
-    Attributes:
-        image: The picture as it is named there: relative to the YAML file, or absolute.
-        resolution: m per cell.
-        origin: Pose (x m, y m, yaw rad) of the lower-left corner of the picture.
-        mode: How grey becomes occupancy.
-        negate: White is occupied instead of black.
-        free_thresh: At most this occupancy is free, 0 to 1.
-        occupied_thresh: At least this occupancy is occupied, 0 to 1.
-        unknown: Whether unknown ground counts as an obstacle; a key of our own, which other
-            readers ignore.
-    """
-
-    image: str
+    image: str  # relative to the YAML file, or absolute
     resolution: float
     origin: tuple[float, float, float]
     mode: Mode
@@ -174,7 +162,6 @@ def save_map(
 
 
 def _read_description(path: Path) -> _Description:
-    """Read and check the YAML description of a map."""
     document = load_mapping(path)
     try:
         description = _Description(
@@ -196,7 +183,6 @@ def _read_description(path: Path) -> _Description:
 
 
 def _image(document: dict[str, Any], key: str) -> str:
-    """The name of a picture."""
     value = required(document, key)
     if not isinstance(value, str) or not value.strip():
         raise MapError("expected the name of a picture", key=key)
@@ -204,7 +190,6 @@ def _image(document: dict[str, Any], key: str) -> str:
 
 
 def _flag(document: dict[str, Any], key: str) -> bool:
-    """0 or 1, false or true."""
     value = required(document, key)
     if not isinstance(value, (bool, int)):
         raise MapError("expected 0 or 1", key=key)

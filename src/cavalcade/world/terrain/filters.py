@@ -67,7 +67,12 @@ def make_layers(heights: Array, cell: float) -> dict[str, Array]:
     rough = np.abs(over - smooth)
     ground = 0.5 * (1.0 - rough / ROUGHNESS) + 0.5 * (1.0 - slope / SLOPE)
     ground = np.minimum(np.maximum(ground, 0.0) + LEAST, 1.0)
-    ground[any_within(unknown | pits, disc(HOLE_RADIUS / cell))] = 0.0
+    holes = unknown | pits
+    if holes.any():
+        from scipy.ndimage import distance_transform_edt
+
+        away = distance_transform_edt(~holes)
+        ground[away**2 <= (HOLE_RADIUS / cell) ** 2 + 1e-9] = 0.0
     normals = normals_within(smooth, disc(SMOOTH_NORMAL_RADIUS / cell), cell)
     return {"height": height, "smooth": smooth, "normals": normals, "traversability": ground}
 
@@ -133,21 +138,6 @@ def mean_within(field: Array, offsets: Offsets) -> Array:
 
 
 @njit(cache=True)
-def any_within(mask: NDArray[np.bool_], offsets: Offsets) -> NDArray[np.bool_]:
-    """Whether one of the cells at `offsets` is set, `(rows, cols)`."""
-    rows, cols = mask.shape
-    out = np.zeros((rows, cols), np.bool_)
-    for row in range(rows):
-        for col in range(cols):
-            if mask[row, col]:
-                for k in range(offsets.shape[0]):
-                    r, c = row + offsets[k, 0], col + offsets[k, 1]
-                    if 0 <= r < rows and 0 <= c < cols:
-                        out[r, c] = True
-    return out
-
-
-@njit(cache=True)
 def normals_within(field: Array, offsets: Offsets, cell: float) -> Array:
     """Upward normals of the planes that fit the heights around each cell best, `(rows, cols, 3)`.
 
@@ -198,13 +188,9 @@ def normals_within(field: Array, offsets: Offsets, cell: float) -> Array:
 
 @njit(cache=True)
 def relax(field: Array, cells: NDArray[np.int64], sweeps: int, tolerance: float) -> None:
-    """Make the given cells the means of their neighbours, in place (Gauss-Seidel).
+    """Make `cells` `(K, 2)` row, col the means of their neighbours, in place (Gauss-Seidel).
 
-    Args:
-        field: `(rows, cols)`.
-        cells: `(K, 2)` row, col of the cells that may change.
-        sweeps: How often at most.
-        tolerance: Ends when no cell changes more, m.
+    Ends after so many sweeps, or when none changes by more than `tolerance` m.
     """
     rows, cols = field.shape
     for _ in range(sweeps):

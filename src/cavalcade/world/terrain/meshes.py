@@ -113,10 +113,7 @@ def _text_stl(content: bytes) -> Array:
 def covered_cells(triangles: Array, cell: float, rows: int, cols: int) -> float:
     """How many cells the triangles' bounding rectangles cover together, one by one.
 
-    Args:
-        triangles: `(N, 3, 3)` corners x, y, z; x and y from the grid's lower-left corner, m.
-        cell: m.
-        rows, cols: Of the grid.
+    Their corners `(N, 3, 3)` are x, y, z in m, seen from the grid's lower-left corner.
     """
     total = 0.0
     for k in range(triangles.shape[0]):

@@ -63,13 +63,8 @@ def to_grid(samples: Samples, cell: float, holes: bool = True) -> Array:
     Finer samples are averaged first, then values are taken bilinearly; a cell is a hole where
     holes weigh half or more.
 
-    Args:
-        samples: With their `step`.
-        cell: m.
-        holes: Keep them.
-
     Raises:
-        MapError: Too few, too many or no heights.
+        MapError: Too few, too many or no heights, or no `step`.
     """
     heights = checked_heights(samples.heights)
     if samples.step is None:
@@ -108,12 +103,8 @@ def to_grid(samples: Samples, cell: float, holes: bool = True) -> Array:
 def resample(field: Array, step: float, out: Array, cell: float, x0: float, y0: float) -> None:
     """Fill `out` `(rows, cols)` of cells `cell` from a grid of samples `step` apart.
 
-    Args:
-        field: Samples; [0, 0] stands at (0, 0), not at a cell's centre.
-        step: Distance of two samples, m.
-        out: Filled; cell [0, 0]'s lower-left corner lies at (x0, y0).
-        cell: Side of its cells, m.
-        x0, y0: m.
+    Sample [0, 0] stands at (0, 0), not at a cell's centre; the lower-left corner of cell [0, 0]
+    lies at (x0, y0), m.
     """
     for row in range(out.shape[0]):
         for col in range(out.shape[1]):
