@@ -56,12 +56,9 @@ class Reporter:
             self._bar = None
 
     def _show_bar(self, columns: Sequence[ProgressColumn], per_second: float, **task: Any) -> None:
-        """Begin a bar.
+        """Begin a bar, with columns before the time that has passed, drawn so many times a second.
 
-        Args:
-            columns: Between the bar and the time that has passed.
-            per_second: How often it is drawn.
-            task: Its description and so on, as rich takes them.
+        `task` is its description and so on, as rich takes them.
         """
         from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
         from rich.progress import Progress as Bar
