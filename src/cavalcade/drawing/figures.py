@@ -36,12 +36,7 @@ def make_figures(
 ) -> list[Path]:
     """Draw all figures of a run, a plan, or a plan that was carried out.
 
-    Args:
-        scenario: The scenario that was run.
-        world: Its ground as it was at the start.
-        directory: Where to; made if it is missing.
-        recording: What happened.
-        plan: Drawn instead of the team's way through the arena.
+    The directory is made if it is missing; the world is that of the start.
 
     Returns:
         The files written, in the order a reader wants them:

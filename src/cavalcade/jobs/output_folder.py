@@ -59,14 +59,10 @@ class OutputFolder:
         remove_folders(self._made)
 
     def commit(self, scenario: Scenario, summary: Mapping[str, Any]) -> tuple[Path, ...]:
-        """Put everything in place; the summary comes last, so that its being there says whole.
+        """Put everything in place, and give the files in a reader's order.
 
-        Args:
-            scenario: Written as `scenario.yaml`, its file names relative to the folder.
-            summary: Written as `summary.json`.
-
-        Returns:
-            The files, in a reader's order.
+        The scenario's file names become relative to the folder. The summary comes last, so that
+        its being there says whole.
 
         Raises:
             OutputError: Something cannot be written.

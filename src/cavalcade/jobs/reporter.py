@@ -161,10 +161,7 @@ def kernels_are_cached(part: str = "fleet", kernel: str = "ideal.advance_team") 
     """Whether an earlier run has left compiled kernels, wherever numba keeps them.
 
     A guess for the user's information only: after an update some kernels may be compiled anew.
-
-    Args:
-        part: The package to look at.
-        kernel: Module and name of one of its kernels that every job uses; `*` for any.
+    `kernel`: module and name of one of the package's that every job uses; `*` for any.
     """
     package = Path(cavalcade.__file__).parent
     named = os.environ.get("NUMBA_CACHE_DIR")

@@ -35,10 +35,6 @@ def summarise_physics(track: PhysicsTrack, models: Sequence[RobotModel]) -> Phys
     - `max_tilt_rad`: the largest angle between a trunk's z axis and the vertical.
     - `min_height_m`, `max_height_m`: of trunks, in the map.
     - `carried_share`: mean force of the ground on each robot's feet over its nominal weight.
-
-    Args:
-        track: Of the run.
-        models: One per robot, with a description.
     """
     robots = [_description(model) for model in models]
     torque = np.array([robot.torque_limits for robot in robots])

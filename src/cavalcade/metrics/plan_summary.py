@@ -69,12 +69,8 @@ def summarise_plan(
     Distances and collisions are those of the sampled plan until all robots are parked, and null
     without a plan.
 
-    Args:
-        scenario: As it was planned, with the method that was asked for.
-        world: Its ground.
-        plan: What came out.
-        stretches: Per robot `(M,)`: how far its legs stretch to each foothold, m.
-        wall_time: Of everything but figures and files, s.
+    `stretches`: per robot `(M,)` how far its legs stretch to each foothold, m. `wall_time`: of
+    everything but figures and files, s.
     """
     robots = len(scenario.robots)
     solved = plan.solved

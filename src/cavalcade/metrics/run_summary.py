@@ -140,15 +140,8 @@ def placement_errors(positions: Array, slots: Array, taking_part: NDArray[np.boo
     """Distance of each robot to its own slot of the best-fit placement of the shape.
 
     The placement is the rotation and translation (no scaling, no reflection) with the least sum
-    of squared distances.
-
-    Args:
-        positions: `(T, N, 2)` of the robots, m.
-        slots: `(T, N, 2)` each robot's slot in the formation's frame, m.
-        taking_part: `(T, N)` whether the robot has a slot.
-
-    Returns:
-        `(T, N)` m; 0 for robots that take no part.
+    of squared distances. Positions and slots (in the formation's frame) are `(T, N, 2)` m, and
+    `(T, N)` says which robots have a slot; the others have an error of 0.
     """
     weight = taking_part[..., None].astype(float)
     count = np.maximum(weight.sum(axis=1, keepdims=True), 1.0)

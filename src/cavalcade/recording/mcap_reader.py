@@ -29,10 +29,7 @@ _Found = dict[str, list[tuple[int, bytes]]]
 
 
 def read_recording(path: str | Path) -> Recording:
-    """Read what a run left.
-
-    Args:
-        path: The run's folder or the MCAP file itself.
+    """Read what a run left, from its folder or the MCAP file itself.
 
     Raises:
         RecordingError: It is missing, damaged or not one of ours.
