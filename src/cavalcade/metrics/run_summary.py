@@ -33,13 +33,15 @@ def summarise(scenario: Scenario, world: World, recording: Recording, outcome: O
     """The summary of a run, whatever its task."""
     near = clearance(world, recording, scenario.models)
     collisions = Collisions(near.robot_robot, near.robot_obstacle)
-    track, physics = recording.physics, None
+    track, physics, factor = recording.physics, None, None
     if track is not None:
         physics = summarise_physics(track, scenario.models)
         collisions = Collisions(
             max(near.robot_robot, physics.contacts.robot_robot),
             max(near.robot_obstacle, physics.contacts.robot_obstacle),
         )
+        if len(recording.time) and outcome.wall_time > 0.0:
+            factor = rounded(recording.time[-1] / outcome.wall_time)
     reason = outcome.reason
     if (collisions.robot_robot or collisions.robot_obstacle) and reason != "fallen":
         reason = "collision"
@@ -72,7 +74,7 @@ def summarise(scenario: Scenario, world: World, recording: Recording, outcome: O
         duration_s=durations,
         goal_error_m=goal_errors,
         goal_moved_m=rounded(max((status.goal_moved for status in driven), default=None)),
-        real_time_factor=_real_time_factor(recording, outcome),
+        real_time_factor=factor,
         physics=physics,
         versions=package_versions(() if track is None else ("mujoco",)),
     )
@@ -105,13 +107,6 @@ def role_changes(recording: Recording) -> int:
         changed = (before.roles != after.roles) & (before.roles >= 0) & (after.roles >= 0)
         count += int(np.count_nonzero(changed))
     return count
-
-
-def _real_time_factor(recording: Recording, outcome: Outcome) -> float | None:
-    """Simulated by wall time of a run in physics."""
-    if recording.physics is None or not len(recording.time) or outcome.wall_time <= 0.0:
-        return None
-    return rounded(recording.time[-1] / outcome.wall_time)
 
 
 def _in_place(

@@ -113,27 +113,13 @@ def physics_messages(track: PhysicsTrack) -> Iterator[_Message]:
 
 
 def _connect(writer: Writer, kinds: dict[str, str]) -> dict[str, Any]:
+    from rosbags import interfaces as ros
     from rosbags.typesys import Stores, get_typestore
 
     store = get_typestore(Stores.ROS2_HUMBLE)
-    latched = _latched()
-    return {
-        topic: writer.add_connection(
-            topic,
-            kind,
-            typestore=store,
-            offered_qos_profiles=[latched] if topic in ("/map", _messages.OBSTACLES_TOPIC) else [],
-        )
-        for topic, kind in kinds.items()
-    }
-
-
-def _latched() -> Any:
-    """The quality of service with which late subscribers still get the map."""
-    from rosbags import interfaces as ros
-
     for_ever = ros.QosTime(9223372036, 854775807)
-    return ros.Qos(
+    # With this quality of service late subscribers still get the map.
+    latched = ros.Qos(
         history=ros.QosHistory.KEEP_LAST,
         depth=1,
         reliability=ros.QosReliability.RELIABLE,
@@ -144,6 +130,15 @@ def _latched() -> Any:
         liveliness_lease_duration=for_ever,
         avoid_ros_namespace_conventions=False,
     )
+    return {
+        topic: writer.add_connection(
+            topic,
+            kind,
+            typestore=store,
+            offered_qos_profiles=[latched] if topic in ("/map", _messages.OBSTACLES_TOPIC) else [],
+        )
+        for topic, kind in kinds.items()
+    }
 
 
 def _all_messages(
