@@ -114,7 +114,8 @@ def figures(folder: Path) -> Callable[[], object]:
     from cavalcade.drawing.figures import make_figures
 
     done = cv.run("square-clutter")
-    return lambda: make_figures(done.scenario, done.world, done.recording, folder / "figures")
+    place = folder / "figures"
+    return lambda: make_figures(done.scenario, done.world, place, recording=done.recording)
 
 
 def main() -> int:

@@ -13,11 +13,6 @@ from cavalcade.errors import InputError, MapError, OutputError
 def read_bytes(path: Path, limit: int, kind: type[InputError] = MapError) -> bytes:
     """Content of a regular file of at most `limit` bytes.
 
-    Args:
-        path: The file.
-        limit: Bytes.
-        kind: Of the error.
-
     Raises:
         InputError: It is missing, no regular file, larger, or cannot be read; of that `kind`.
     """
@@ -66,12 +61,9 @@ def replacing(path: str | Path) -> Iterator[Path]:
 
 
 def write_file(path: str | Path, content: bytes | str, durable: bool = False) -> None:
-    """Write a file, whole or not at all.
+    """Write a file, whole or not at all; text in UTF-8 as it stands.
 
-    Args:
-        path: The file.
-        content: Bytes, or text that is written in UTF-8 as it stands.
-        durable: Whether it must survive a failure of power from the moment that this returns.
+    `durable`: it must survive a failure of power from the moment that this returns.
 
     Raises:
         OutputError: It cannot be written; nothing half-written is left, and what was there stays.

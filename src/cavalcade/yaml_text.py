@@ -33,14 +33,9 @@ def parse_yaml(
 ) -> Any:
     """The value of one YAML document; None for an empty one.
 
-    Args:
-        text: The document.
-        file: Named in the error.
-        key: Likewise.
-        kind: Of the error.
-
     Raises:
-        InputError: It is not YAML, or holds what plain values cannot; of that `kind`.
+        InputError: It is not YAML, or holds what plain values cannot; of that `kind`, and it names
+            `file` and `key`.
     """
     place = kind("", file=file, key=key)
     try:

@@ -39,7 +39,7 @@ def straight_arrival_times(monkeypatch):
 
 
 def draw(run, folder):
-    return make_figures(run.scenario, run.world, run.recording, folder)
+    return make_figures(run.scenario, run.world, folder, recording=run.recording)
 
 
 def test_a_run_leaves_four_pictures(run, tmp_path):
@@ -86,7 +86,7 @@ def test_very_short_recordings(run, tmp_path, cycles):
         poses=run.recording.poses[:cycles],
         status=run.recording.status[:cycles],
     )
-    files = make_figures(run.scenario, run.world, short, tmp_path)
+    files = make_figures(run.scenario, run.world, tmp_path, recording=short)
     assert [file.name for file in files] == (NAMES if cycles else [])
 
 
@@ -97,7 +97,7 @@ def test_a_team_without_a_goal_has_no_arrival_field(make_run, tmp_path):
         for status in run.recording.status
     )
     recording = dataclasses.replace(run.recording, status=idle)
-    files = make_figures(run.scenario, run.world, recording, tmp_path)
+    files = make_figures(run.scenario, run.world, tmp_path, recording=recording)
     assert [file.name for file in files] == NAMES[:3]
 
 
@@ -116,7 +116,7 @@ def test_a_lost_robot_and_a_new_shape_are_drawn(make_run, tmp_path):
         for i, status in enumerate(run.recording.status)
     )
     recording = dataclasses.replace(run.recording, status=changed)
-    assert len(make_figures(run.scenario, run.world, recording, tmp_path)) == 4
+    assert len(make_figures(run.scenario, run.world, tmp_path, recording=recording)) == 4
 
 
 def test_a_map_with_unknown_ground_and_a_turned_origin(make_run, tmp_path):
@@ -125,7 +125,7 @@ def test_a_map_with_unknown_ground_and_a_turned_origin(make_run, tmp_path):
     grid[:20], grid[90:100, 200:230] = -1, 100
     ground = OccupancyMap(grid, 0.05, (0.5, -0.5, 0.1))
     world = World(ground.with_shapes(run.world.shapes), ground, run.world.shapes, ())
-    assert len(make_figures(run.scenario, world, run.recording, tmp_path)) == 4
+    assert len(make_figures(run.scenario, world, tmp_path, recording=run.recording)) == 4
 
 
 def test_a_place_that_cannot_be_written_is_named(run, tmp_path):

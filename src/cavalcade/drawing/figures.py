@@ -19,89 +19,63 @@ from cavalcade.drawing.plans.timing import draw_timing
 from cavalcade.drawing.plans.top_view import draw_top_view
 from cavalcade.drawing.scene import PlanScene, Scene
 from cavalcade.drawing.style import make_directory
-from cavalcade.geometry import Array
 
 if TYPE_CHECKING:
     from cavalcade.metrics.plan_summary import PlanResult
     from cavalcade.recording.frames import Recording
-    from cavalcade.recording.physics_track import PhysicsTrack
     from cavalcade.scenario import Scenario, World
 
 
 def make_figures(
-    scenario: Scenario, world: World, recording: Recording, directory: str | Path
-) -> list[Path]:
-    """Draw all figures of a run into `directory`, which is made if it is missing.
-
-    Returns:
-        The files written, in the order a reader wants them: `sequence.png`,
-        `obstacle_distance.png`, `pair_distance.png` (two robots or more), `arrival_field.png`
-        (if the team had a goal). A recording without a single cycle gives an empty list.
-
-    Raises:
-        OutputError: A picture cannot be written.
-    """
-    if len(recording.time) == 0:
-        return []
-    folder = make_directory(directory)
-    scene = Scene(scenario, world, recording)
-    files = [
-        draw_sequence(scene, folder / "sequence.png"),
-        draw_obstacle_distance(scene, folder / "obstacle_distance.png"),
-        draw_pair_distance(scene, folder / "pair_distance.png"),
-        draw_arrival_field(scene, folder / "arrival_field.png"),
-    ]
-    return [file for file in files if file is not None]
-
-
-def make_plan_figures(
-    scenario: Scenario, world: World, made: PlanResult, directory: str | Path
-) -> list[Path]:
-    """Draw all figures of a plan into `directory`, which is made if it is missing.
-
-    Returns:
-        The files written: `plan.png`; where there are trajectories also `timing.png`; where feet
-        step also `footholds.png`; on terrain also `profile.png`.
-
-    Raises:
-        OutputError: A picture cannot be written.
-    """
-    folder = make_directory(directory)
-    scene = PlanScene(scenario, world, made)
-    files = [
-        draw_top_view(scene, folder / "plan.png"),
-        draw_timing(scene, folder / "timing.png"),
-        draw_footholds(scene, folder / "footholds.png"),
-        draw_profile(scene, folder / "profile.png"),
-    ]
-    return [file for file in files if file is not None]
-
-
-def make_physics_figures(
     scenario: Scenario,
-    track: PhysicsTrack,
-    commands: tuple[Array, Array] | None,
+    world: World,
     directory: str | Path,
+    *,
+    recording: Recording | None = None,
+    plan: PlanResult | None = None,
 ) -> list[Path]:
-    """Draw what the legs did into `directory`, which is made if it is missing.
+    """Draw all figures of a run, a plan, or a plan that was carried out.
 
-    `commands`: times `(K,)` s on the track's clock, and the body-frame velocities `(K, N, 3)`
-    that hold from then on; None for none.
+    The directory is made if it is missing; the world is that of the start.
 
     Returns:
-        `legs.png` (speeds, height of the trunk, torques) and `gait.png` (which feet carry how much
-        over three seconds); nothing of a track with less than two samples.
+        The files written, in the order a reader wants them:
+
+        - of a plan `plan.png`; where there are trajectories also `timing.png`; where feet step
+          also `footholds.png`; on terrain also `profile.png`,
+        - of a run without one, of one cycle or more, `sequence.png`, `obstacle_distance.png`,
+          `pair_distance.png` (two robots or more), `arrival_field.png` (if the team had a goal),
+        - in physics, of two samples or more, `legs.png` (speeds, height of the trunk, torques) and
+          `gait.png` (which feet carry how much over three seconds).
 
     Raises:
         OutputError: A picture cannot be written.
-        RecordingError: The track is not that of the scenario's robots.
+        RecordingError: The recording's track is not that of the scenario's robots.
     """
-    if len(track.time) < 2:
-        return []
-    robots = descriptions_of(scenario, track)
     folder = make_directory(directory)
-    name = str(scenario.name)
-    return [
-        draw_legs(name, track, robots, commands, folder / "legs.png"),
-        draw_gait(name, track, robots, folder / "gait.png"),
-    ]
+    files: list[Path | None] = []
+    if plan is not None:
+        planned = PlanScene(scenario, world, plan)
+        files += [
+            draw_top_view(planned, folder / "plan.png"),
+            draw_timing(planned, folder / "timing.png"),
+            draw_footholds(planned, folder / "footholds.png"),
+            draw_profile(planned, folder / "profile.png"),
+        ]
+    elif recording is not None and len(recording.time):
+        scene = Scene(scenario, world, recording)
+        files += [
+            draw_sequence(scene, folder / "sequence.png"),
+            draw_obstacle_distance(scene, folder / "obstacle_distance.png"),
+            draw_pair_distance(scene, folder / "pair_distance.png"),
+            draw_arrival_field(scene, folder / "arrival_field.png"),
+        ]
+    track = None if recording is None else recording.physics
+    if recording is not None and track is not None and len(track.time) > 1:
+        robots, name = descriptions_of(scenario, track), str(scenario.name)
+        commands = (recording.time, recording.commands)
+        files += [
+            draw_legs(name, track, robots, commands, folder / "legs.png"),
+            draw_gait(name, track, robots, folder / "gait.png"),
+        ]
+    return [file for file in files if file is not None]

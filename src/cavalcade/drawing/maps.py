@@ -53,24 +53,15 @@ def add_map(
     figure: Figure, left: float, bottom: float, width: float, view: Array, *, first: bool = True
 ) -> Axes:
     """Axes of that width in inches that show the part `view` to scale; `first` of their row."""
+    from matplotlib.ticker import MaxNLocator
+
     span = view[2:] - view[:2]
     axes = style.add_panel(figure, left, bottom, width, width * float(span[1] / span[0]))
     axes.set_xlim(view[0], view[2])
     axes.set_ylim(view[1], view[3])
     axes.set_aspect("equal", adjustable="box")
-    _set_ticks(axes, view, width, first)
-    axes.set_xlabel("$x$ (m)", labelpad=1)
-    if first:
-        axes.set_ylabel("$y$ (m)", labelpad=1)
-    return axes
-
-
-def _set_ticks(axes: Axes, view: Array, inches: float, first: bool) -> None:
-    """The same round steps on both axes; labels of neighbouring panels keep their distance."""
-    from matplotlib.ticker import MaxNLocator
-
-    span = view[2:] - view[:2]
-    most = max(2, min(8, int(inches / 0.3)))
+    # The same round steps on both axes; labels of neighbouring panels keep their distance.
+    most = max(2, min(8, int(width / 0.3)))
     longest = float(span.max()) if span[0] >= 0.5 * span[1] else float(2.0 * span[0])
     steps = MaxNLocator(nbins=most, steps=[1, 2, 5, 10]).tick_values(0.0, longest)
     step = float(steps[1] - steps[0])
@@ -79,6 +70,10 @@ def _set_ticks(axes: Axes, view: Array, inches: float, first: bool) -> None:
         if axis == 0 and not first:
             ticks = ticks[ticks > low + 0.06 * span[0]]
         (axes.set_xticks, axes.set_yticks)[axis](ticks)
+    axes.set_xlabel("$x$ (m)", labelpad=1)
+    if first:
+        axes.set_ylabel("$y$ (m)", labelpad=1)
+    return axes
 
 
 def points_per_metre(axes: Axes) -> float:

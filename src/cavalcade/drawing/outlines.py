@@ -40,17 +40,12 @@ def body_ring(pose: Array, model: RobotModel) -> Array:
 def cell_rings(
     mask: NDArray[np.bool_], resolution: float, origin: tuple[float, float, float]
 ) -> list[Array]:
-    """Outlines of the true cells of a grid.
+    """Outlines `(K, 2)` of the true cells of a grid in the map frame, not closed.
 
-    Args:
-        mask: `(rows, cols)`, row 0 at the lowest y.
-        resolution: Side of a cell, m.
-        origin: Pose (x, y, yaw) of the lower-left corner of cell [0, 0] in the map frame.
-
-    Returns:
-        Rings `(K, 2)` in the map frame, not closed, outer ones counter-clockwise and holes
-        clockwise, so that filling them together leaves the holes empty. Edges lie on the cells'
-        borders; corners are cut by a quarter of a cell (by half a cell on very large grids).
+    Row 0 is at the lowest y; `origin` is the pose of the lower-left corner of cell [0, 0]. Outer
+    rings are counter-clockwise and holes clockwise, so that filling them together leaves the holes
+    empty. Edges lie on the cells' borders; corners are cut by a quarter of a cell (by half a cell
+    on very large grids).
     """
     from contourpy import FillType, contour_generator
 

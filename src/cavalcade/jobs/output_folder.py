@@ -41,7 +41,8 @@ class OutputFolder:
         self.path = Path(path)
         self._made = make_folders(self.path)
         try:
-            if not force and _holds_something(self.path):
+            # What a killed run left of its stage is not a result.
+            if not force and any(not one.name.startswith(_STAGE) for one in self.path.iterdir()):
                 raise OutputError(
                     f"{self.path}: the folder is not empty; name another one or use --force"
                 )
@@ -58,14 +59,10 @@ class OutputFolder:
         remove_folders(self._made)
 
     def commit(self, scenario: Scenario, summary: Mapping[str, Any]) -> tuple[Path, ...]:
-        """Put everything in place; the summary comes last, so that its being there says whole.
+        """Put everything in place, and give the files in a reader's order.
 
-        Args:
-            scenario: Written as `scenario.yaml`, its file names relative to the folder.
-            summary: Written as `summary.json`.
-
-        Returns:
-            The files, in a reader's order.
+        The scenario's file names become relative to the folder. The summary comes last, so that
+        its being there says whole.
 
         Raises:
             OutputError: Something cannot be written.
@@ -84,24 +81,16 @@ class OutputFolder:
                 (file.relative_to(self.stage) for file in self.stage.rglob("*") if file.is_file()),
                 key=lambda name: (_PRODUCTS.index(name.parts[0]), name),
             )
-            self._clear()
-            for name in reversed(staged):
-                (self.path / name).parent.mkdir(exist_ok=True)
-                os.replace(self.stage / name, self.path / name)
+            # What an earlier run left goes, the summary first, and nothing else.
+            for name in _PRODUCTS:
+                if name != FIGURES:
+                    (self.path / name).unlink(missing_ok=True)
+            for picture in (self.path / FIGURES).glob("*.png"):
+                picture.unlink()
+            for file in reversed(staged):
+                (self.path / file).parent.mkdir(exist_ok=True)
+                os.replace(self.stage / file, self.path / file)
         except OSError as error:
             raise OutputError(f"{self.path}: cannot be written: {reason_of(error)}") from None
         self._made.clear()
-        return tuple(self.path / name for name in staged)
-
-    def _clear(self) -> None:
-        """Take away what an earlier run left, the summary first, and nothing else."""
-        for name in _PRODUCTS:
-            if name != FIGURES:
-                (self.path / name).unlink(missing_ok=True)
-        for picture in (self.path / FIGURES).glob("*.png"):
-            picture.unlink()
-
-
-def _holds_something(folder: Path) -> bool:
-    # What a killed run left of its stage is not a result.
-    return any(not entry.name.startswith(_STAGE) for entry in folder.iterdir())
+        return tuple(self.path / file for file in staged)

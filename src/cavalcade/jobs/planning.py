@@ -32,14 +32,7 @@ def make_plan(
     coordinator: Coordinator | None = None,
     reporter: JobReporter | None = None,
 ) -> PlanResult:
-    """Plan and measure the plan, without files.
-
-    Args:
-        scenario: With individual goals.
-        world: Its ground.
-        coordinator: Instead of the scenario's method.
-        reporter: Told what goes on.
-    """
+    """Plan and measure the plan, without files; by `coordinator` if not the scenario's method."""
     started = clock.perf_counter()
     with (reporter or JobReporter(scenario.name, quiet=True)).planning(scenario):
         team = (coordinator or coordinate)(scenario, world)

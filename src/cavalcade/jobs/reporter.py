@@ -56,12 +56,9 @@ class Reporter:
             self._bar = None
 
     def _show_bar(self, columns: Sequence[ProgressColumn], per_second: float, **task: Any) -> None:
-        """Begin a bar.
+        """Begin a bar, with columns before the time that has passed, drawn so many times a second.
 
-        Args:
-            columns: Between the bar and the time that has passed.
-            per_second: How often it is drawn.
-            task: Its description and so on, as rich takes them.
+        `task` is its description and so on, as rich takes them.
         """
         from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
         from rich.progress import Progress as Bar
@@ -164,10 +161,7 @@ def kernels_are_cached(part: str = "fleet", kernel: str = "ideal.advance_team") 
     """Whether an earlier run has left compiled kernels, wherever numba keeps them.
 
     A guess for the user's information only: after an update some kernels may be compiled anew.
-
-    Args:
-        part: The package to look at.
-        kernel: Module and name of one of its kernels that every job uses; `*` for any.
+    `kernel`: module and name of one of the package's that every job uses; `*` for any.
     """
     package = Path(cavalcade.__file__).parent
     named = os.environ.get("NUMBA_CACHE_DIR")

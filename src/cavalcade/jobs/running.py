@@ -237,8 +237,10 @@ def _kept(
     if result.planned is not None:
         write_plan(folder.stage / PLAN, result.trajectories, result.footholds)
     if figures:
+        from cavalcade.drawing.figures import make_figures
+
         reporter.say("Drawing the figures ...")
-        _draw(result, shown, folder.stage / FIGURES)
+        make_figures(scenario, world, folder.stage / FIGURES, recording=recording, plan=shown)
     if replay:
         from cavalcade.drawing.replay.page import write_replay
 
@@ -246,20 +248,6 @@ def _kept(
         write_replay(page, scenario, world, recording=recording, plan=shown, summary=summary)
     files = folder.commit(scenario, result.summary.to_dict())
     return replace(result, directory=folder.path, files=files)
-
-
-def _draw(result: JobResult, shown: PlanResult | None, folder: Path) -> None:
-    """The figures: of a plan, of a formation's run, and of what legs did in physics."""
-    from cavalcade.drawing.figures import make_figures, make_physics_figures, make_plan_figures
-
-    scenario, world, recording = result.scenario, result.world, result.recording
-    if shown is not None:
-        make_plan_figures(scenario, world, shown, folder)
-    elif recording is not None:
-        make_figures(scenario, world, recording, folder)
-    if recording is not None and recording.physics is not None:
-        commands = (recording.time, recording.commands)
-        make_physics_figures(scenario, recording.physics, commands, folder)
 
 
 def _loaded(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -25,21 +24,6 @@ _GRAIN = 1e-6
 """Smaller changes of a command are none, m/s or rad/s."""
 
 
-@dataclass(frozen=True)
-class Stretch:
-    """A time for which one robot's commanded velocity had stood for a while.
-
-    Attributes:
-        robot: Which.
-        command: `(3,)` body frame, m/s, m/s, rad/s.
-        velocities: `(K, 3)` measured in the body frame.
-    """
-
-    robot: int
-    command: Array
-    velocities: Array
-
-
 Push = tuple[float, int]
 """When somebody was pushed, s, and who."""
 
@@ -57,15 +41,14 @@ def summarise_commands(recording: Recording, pushes: Sequence[Push] = ()) -> Com
       largest of all stretches: trunks sway at each step.
     """
     found: dict[str, list[float]] = {key: [] for key in CommandTracking.__dataclass_fields__}
-    for stretch in stretches(recording, pushes):
-        wanted = stretch.command
+    for wanted, velocities in stretches(recording, pushes):
         speed = float(np.hypot(*wanted[:2]))
-        mean = stretch.velocities.mean(axis=0)
+        mean = velocities.mean(axis=0)
         if speed >= _MOVING:
             along = wanted[:2] / speed
             found["speed_error"].append(abs(float(mean[:2] @ along) / speed - 1.0))
             found["drift_m_s"].append(abs(float(along[0] * mean[1] - along[1] * mean[0])))
-            off = stretch.velocities[:, :2] @ along - speed
+            off = velocities[:, :2] @ along - speed
             found["rms_m_s"].append(float(np.sqrt((off**2).mean())))
         if abs(wanted[2]) >= _MOVING:
             found["yaw_rate_error"].append(abs(float(mean[2] / wanted[2]) - 1.0))
@@ -74,10 +57,11 @@ def summarise_commands(recording: Recording, pushes: Sequence[Push] = ()) -> Com
     )
 
 
-def stretches(recording: Recording, pushes: Sequence[Push] = ()) -> Iterator[Stretch]:
-    """The stretches of constant commands of each robot, without their first seconds.
+def stretches(recording: Recording, pushes: Sequence[Push] = ()) -> Iterator[tuple[Array, Array]]:
+    """Command `(3,)` and measured velocities `(K, 3)` of each stretch of constant commands.
 
-    A push begins another one.
+    Both are of the body frame, robot after robot, without the first seconds of each stretch; a
+    push begins another one.
     """
     time, poses = _motion(recording)
     if len(time) < 2:
@@ -97,7 +81,7 @@ def stretches(recording: Recording, pushes: Sequence[Push] = ()) -> Iterator[Str
             begin, end = recording.time[first] + SETTLED, recording.time[last]
             inside = (middle >= begin) & (middle <= end)
             if end - begin >= LEAST and inside.any():
-                yield Stretch(robot, said[first], measured[inside])
+                yield said[first], measured[inside]
 
 
 def body_velocities(time: Array, poses: Array) -> Array:

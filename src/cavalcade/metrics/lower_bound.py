@@ -18,13 +18,10 @@ from cavalcade.world import OccupancyMap
 def lower_bounds(
     area: OccupancyMap, models: Sequence[RobotModel], stops: Sequence[Sequence[ArrayLike]]
 ) -> tuple[float | None, ...]:
-    """Per robot the length of its shortest path, alone, m.
+    """Per robot the length of its shortest path, alone, m; None where there is none.
 
-    Args:
-        area: The ground.
-        models: One per robot.
-        stops: Per robot the points `(2,)` of the map frame that it visits, its start first; None
-            is answered for fewer than two, and where there is no path.
+    `stops`: per robot the points `(2,)` of the map frame that it visits, its start first; for
+    fewer than two the answer is None.
     """
     paths: dict[float, ShortestPaths] = {}
     result: list[float | None] = []

@@ -9,7 +9,13 @@ from typing import Any
 import numpy as np
 
 from cavalcade.geometry import GRAVITY
-from cavalcade.metrics.summary import BodyContacts, GroundContacts, PhysicsSummary
+from cavalcade.metrics.summary import (
+    BodyContacts,
+    GroundContacts,
+    PhysicsSummary,
+    rounded,
+    rounded_each,
+)
 from cavalcade.recording.physics_track import ContactEvent, PhysicsTrack
 from cavalcade.robots import RobotModel
 
@@ -29,10 +35,6 @@ def summarise_physics(track: PhysicsTrack, models: Sequence[RobotModel]) -> Phys
     - `max_tilt_rad`: the largest angle between a trunk's z axis and the vertical.
     - `min_height_m`, `max_height_m`: of trunks, in the map.
     - `carried_share`: mean force of the ground on each robot's feet over its nominal weight.
-
-    Args:
-        track: Of the run.
-        models: One per robot, with a description.
     """
     robots = [_description(model) for model in models]
     torque = np.array([robot.torque_limits for robot in robots])
@@ -45,12 +47,12 @@ def summarise_physics(track: PhysicsTrack, models: Sequence[RobotModel]) -> Phys
     shares = carried.mean(axis=0) / weights if len(carried) else [None] * track.size
     return PhysicsSummary(
         contacts=count_contacts(track.contacts),
-        max_torque_share=_rounded(np.abs(track.torques / torque).max(initial=0.0)),
-        max_speed_share=_rounded(np.abs(track.joint_rates / speed).max(initial=0.0)),
-        max_tilt_rad=_rounded(np.arccos(np.clip(w_to_z, -1.0, 1.0)).max(initial=0.0)),
-        min_height_m=_rounded(heights.min()) if len(track.time) else None,
-        max_height_m=_rounded(heights.max()) if len(track.time) else None,
-        carried_share=tuple(None if share is None else _rounded(share) for share in shares),
+        max_torque_share=rounded(np.abs(track.torques / torque).max(initial=0.0)),
+        max_speed_share=rounded(np.abs(track.joint_rates / speed).max(initial=0.0)),
+        max_tilt_rad=rounded(np.arccos(np.clip(w_to_z, -1.0, 1.0)).max(initial=0.0)),
+        min_height_m=rounded(heights.min()) if len(track.time) else None,
+        max_height_m=rounded(heights.max()) if len(track.time) else None,
+        carried_share=rounded_each(shares),
     )
 
 
@@ -85,7 +87,3 @@ def _description(model: RobotModel) -> Any:
     if model.description is None:
         raise ValueError(f"{model.name} has no description")
     return model.description
-
-
-def _rounded(value: float) -> float:
-    return round(float(value), 6)

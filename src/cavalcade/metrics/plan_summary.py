@@ -69,12 +69,8 @@ def summarise_plan(
     Distances and collisions are those of the sampled plan until all robots are parked, and null
     without a plan.
 
-    Args:
-        scenario: As it was planned, with the method that was asked for.
-        world: Its ground.
-        plan: What came out.
-        stretches: Per robot `(M,)`: how far its legs stretch to each foothold, m.
-        wall_time: Of everything but figures and files, s.
+    `stretches`: per robot `(M,)` how far its legs stretch to each foothold, m. `wall_time`: of
+    everything but figures and files, s.
     """
     robots = len(scenario.robots)
     solved = plan.solved
@@ -89,6 +85,10 @@ def summarise_plan(
     ]
     durations = [None if path is None else path.duration for path in plan.trajectories]
     lengths = [None if path is None else path.length for path in plan.trajectories]
+    errors = [
+        None if path is None else float(np.hypot(*(path.position[-1, :2] - goal)))
+        for (_, goal), path in zip(ends, plan.trajectories, strict=True)
+    ]
     unsure = (None,) * robots
     makespan = max((d for d in durations if d is not None), default=None) if solved else None
     return Summary(
@@ -107,7 +107,7 @@ def summarise_plan(
         path_length_m=rounded_each(lengths) if solved else unsure,
         lower_bound_m=lower_bounds(world.map, scenario.models, ends),
         duration_s=rounded_each(durations) if solved else unsure,
-        goal_error_m=_goal_errors(scenario, plan) if solved else unsure,
+        goal_error_m=rounded_each(errors) if solved else unsure,
         goal_moved_m=0.0,
         found_by=plan.method,
         iterations=plan.iterations,
@@ -127,13 +127,6 @@ def as_recording(trajectories: Sequence[Trajectory]) -> Recording:
     times = np.unique(np.concatenate([trajectory.time for trajectory in trajectories]))
     poses = team_poses(trajectories, times)
     return Recording(times, poses, poses, np.zeros_like(poses), (), (), ())
-
-
-def _goal_errors(scenario: Scenario, plan: TeamPlan) -> tuple[float | None, ...]:
-    return rounded_each(
-        None if path is None else float(np.hypot(*(path.position[-1, :2] - goal[:2])))
-        for goal, path in zip(scenario.goals, plan.trajectories, strict=True)
-    )
 
 
 def _footholds(scenario: Scenario, stretches: Sequence[Array]) -> FootholdCount:

@@ -33,13 +33,15 @@ def summarise(scenario: Scenario, world: World, recording: Recording, outcome: O
     """The summary of a run, whatever its task."""
     near = clearance(world, recording, scenario.models)
     collisions = Collisions(near.robot_robot, near.robot_obstacle)
-    track, physics = recording.physics, None
+    track, physics, factor = recording.physics, None, None
     if track is not None:
         physics = summarise_physics(track, scenario.models)
         collisions = Collisions(
             max(near.robot_robot, physics.contacts.robot_robot),
             max(near.robot_obstacle, physics.contacts.robot_obstacle),
         )
+        if len(recording.time) and outcome.wall_time > 0.0:
+            factor = rounded(recording.time[-1] / outcome.wall_time)
     reason = outcome.reason
     if (collisions.robot_robot or collisions.robot_obstacle) and reason != "fallen":
         reason = "collision"
@@ -72,7 +74,7 @@ def summarise(scenario: Scenario, world: World, recording: Recording, outcome: O
         duration_s=durations,
         goal_error_m=goal_errors,
         goal_moved_m=rounded(max((status.goal_moved for status in driven), default=None)),
-        real_time_factor=_real_time_factor(recording, outcome),
+        real_time_factor=factor,
         physics=physics,
         versions=package_versions(() if track is None else ("mujoco",)),
     )
@@ -107,13 +109,6 @@ def role_changes(recording: Recording) -> int:
     return count
 
 
-def _real_time_factor(recording: Recording, outcome: Outcome) -> float | None:
-    """Simulated by wall time of a run in physics."""
-    if recording.physics is None or not len(recording.time) or outcome.wall_time <= 0.0:
-        return None
-    return rounded(recording.time[-1] / outcome.wall_time)
-
-
 def _in_place(
     recording: Recording, driven: Sequence[PlannerStatus], limit: ArrivalTolerance
 ) -> tuple[tuple[float | None, ...], tuple[float | None, ...]]:
@@ -140,15 +135,8 @@ def placement_errors(positions: Array, slots: Array, taking_part: NDArray[np.boo
     """Distance of each robot to its own slot of the best-fit placement of the shape.
 
     The placement is the rotation and translation (no scaling, no reflection) with the least sum
-    of squared distances.
-
-    Args:
-        positions: `(T, N, 2)` of the robots, m.
-        slots: `(T, N, 2)` each robot's slot in the formation's frame, m.
-        taking_part: `(T, N)` whether the robot has a slot.
-
-    Returns:
-        `(T, N)` m; 0 for robots that take no part.
+    of squared distances. Positions and slots (in the formation's frame) are `(T, N, 2)` m, and
+    `(T, N)` says which robots have a slot; the others have an error of 0.
     """
     weight = taking_part[..., None].astype(float)
     count = np.maximum(weight.sum(axis=1, keepdims=True), 1.0)

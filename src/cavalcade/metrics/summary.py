@@ -87,9 +87,9 @@ class PhysicsSummary(Keys):
     """What bodies and joints did in physics."""
 
     contacts: BodyContacts
-    max_torque_share: float
-    max_speed_share: float
-    max_tilt_rad: float
+    max_torque_share: float | None
+    max_speed_share: float | None
+    max_tilt_rad: float | None
     min_height_m: float | None
     max_height_m: float | None
     carried_share: tuple[float | None, ...]

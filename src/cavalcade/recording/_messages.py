@@ -30,7 +30,7 @@ Stamps = NDArray[np.int64]
 FRAME = "map"
 
 STATUS_TOPIC = "/cavalcade/status"
-"""std_msgs/String, JSON: the planner's status of every cycle (see `StatusEncoder`)."""
+"""std_msgs/String, JSON: the planner's status of every cycle (see `status.encoded`)."""
 
 NOTES_TOPIC = "/cavalcade/notes"
 """std_msgs/String, JSON `{"time", "text"}`: events and watchdog messages."""
@@ -65,36 +65,30 @@ _CUBE, _SPHERE, _LINE_LIST = 1, 2, 5
 _ADD, _DELETE = 0, 2
 
 
-def run_topics(robots: int) -> dict[str, str]:
-    """Topics of every recording of so many robots, and their message types."""
-    team = {
+def topics_of(robots: int, bodies: int) -> dict[str, str]:
+    """Topics of a recording of so many robots, `bodies` of them in physics, and their types."""
+    kinds = {
         "/map": "nav_msgs/msg/OccupancyGrid",
         "/tf": "tf2_msgs/msg/TFMessage",
         "/markers": "visualization_msgs/msg/MarkerArray",
         **dict.fromkeys((STATUS_TOPIC, NOTES_TOPIC, OBSTACLES_TOPIC), "std_msgs/msg/String"),
     }
-    each = {
-        "pose": "geometry_msgs/msg/PoseStamped",
-        "pose_estimated": "geometry_msgs/msg/PoseStamped",
-        "cmd_vel": "geometry_msgs/msg/TwistStamped",
-        "path": "nav_msgs/msg/Path",
-    }
-    return team | _of_robots(robots, each)
-
-
-def physics_topics(robots: int) -> dict[str, str]:
-    """Further topics of recordings in physics, and their message types."""
-    team = dict.fromkeys((CONTACTS_TOPIC, FALLS_TOPIC), "std_msgs/msg/String")
-    each = {
-        "body": "geometry_msgs/msg/PoseStamped",
-        "joint_states": "sensor_msgs/msg/JointState",
-        **{f"foot_force/{leg}": "geometry_msgs/msg/WrenchStamped" for leg in LEGS},
-    }
-    return team | _of_robots(robots, each)
-
-
-def _of_robots(robots: int, each: dict[str, str]) -> dict[str, str]:
-    return {f"/robot_{k}/{name}": kind for k in range(robots) for name, kind in each.items()}
+    for k in range(robots):
+        kinds |= {
+            f"/robot_{k}/pose": "geometry_msgs/msg/PoseStamped",
+            f"/robot_{k}/pose_estimated": "geometry_msgs/msg/PoseStamped",
+            f"/robot_{k}/cmd_vel": "geometry_msgs/msg/TwistStamped",
+            f"/robot_{k}/path": "nav_msgs/msg/Path",
+        }
+    if bodies:
+        kinds |= dict.fromkeys((CONTACTS_TOPIC, FALLS_TOPIC), "std_msgs/msg/String")
+    for k in range(bodies):
+        kinds |= {
+            f"/robot_{k}/body": "geometry_msgs/msg/PoseStamped",
+            f"/robot_{k}/joint_states": "sensor_msgs/msg/JointState",
+            **{f"/robot_{k}/foot_force/{leg}": "geometry_msgs/msg/WrenchStamped" for leg in LEGS},
+        }
+    return kinds
 
 
 def base_frame(robot: int) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,7 @@ from cavalcade.recording.cdr import Layout, nanoseconds_of
 from cavalcade.recording.frames import ObstacleTrack, Recording
 from cavalcade.recording.mcap_writer import FILE
 from cavalcade.recording.physics_track import ContactEvent, FallEvent, PhysicsTrack
-from cavalcade.recording.status import PlannerStatus, StatusDecoder
+from cavalcade.recording.status import decoded
 from cavalcade.robots import LEGS
 
 _BULKY = ("/map", "/tf", "/markers")
@@ -29,10 +29,7 @@ _Found = dict[str, list[tuple[int, bytes]]]
 
 
 def read_recording(path: str | Path) -> Recording:
-    """Read what a run left.
-
-    Args:
-        path: The run's folder or the MCAP file itself.
+    """Read what a run left, from its folder or the MCAP file itself.
 
     Raises:
         RecordingError: It is missing, damaged or not one of ours.
@@ -59,7 +56,7 @@ def _messages_of(file: Path) -> _Found:
         with Reader(file) as reader:
             robots = sum(c.topic.endswith("/pose") for c in reader.connections)
             bodies = sum(c.topic.endswith("/body") for c in reader.connections)
-            known = _messages.run_topics(robots) | _messages.physics_topics(bodies)
+            known = _messages.topics_of(robots, bodies)
             wanted = [
                 c
                 for c in reader.connections
@@ -93,22 +90,21 @@ def _recording(found: _Found) -> Recording:
         poses=poses,
         estimated=estimated,
         commands=commands,
-        status=_statuses(found, robots),
+        status=tuple(decoded(_said(found, robots))),
         obstacles=tuple(_obstacle(track) for track in tracks[-1]) if tracks else (),
         notes=tuple((float(note["time"]), str(note["text"])) for note in notes),
         physics=_physics(found),
     )
 
 
-def _statuses(found: _Found, robots: int) -> tuple[PlannerStatus, ...]:
-    """The status of every cycle, with the paths as they were written last."""
+def _said(found: _Found, robots: int) -> Iterator[tuple[str, tuple[Array, ...]]]:
+    """The status of every cycle as text, with the paths as they were written last."""
     written = [
         (time, robot, data)
         for robot in range(robots)
         for time, data in found.get(f"/robot_{robot}/path", ())
     ]
     written.sort(key=lambda one: one[0], reverse=True)
-    decoder, result = StatusDecoder(), []
     paths: dict[int, Array] = {}
     current: tuple[Array, ...] = ()
     for time, data in found.get(_messages.STATUS_TOPIC, ()):
@@ -116,8 +112,7 @@ def _statuses(found: _Found, robots: int) -> tuple[PlannerStatus, ...]:
             _, robot, path = written.pop()
             paths[robot] = _messages.points_of(path)
             current = tuple(paths[k] for k in sorted(paths))
-        result.append(decoder.decode(_messages.string_of(data), current))
-    return tuple(result)
+        yield _messages.string_of(data), current
 
 
 def _physics(found: _Found) -> PhysicsTrack | None:

@@ -20,7 +20,7 @@ from cavalcade.recording import _messages
 from cavalcade.recording.cdr import nanoseconds, stamps_of
 from cavalcade.recording.frames import ObstacleTrack, Recording
 from cavalcade.recording.physics_track import PhysicsTrack
-from cavalcade.recording.status import StatusEncoder
+from cavalcade.recording.status import encoded
 from cavalcade.robots import LEGS, RobotModel
 from cavalcade.world import OccupancyMap
 
@@ -61,10 +61,11 @@ def write_recording(
 
     target = Path(path)
     messages = _all_messages(recording, tuple(models), maps)
-    topics = _messages.run_topics(recording.poses.shape[1])
+    bodies = 0
     if recording.physics is not None:
-        topics |= _messages.physics_topics(recording.physics.size)
+        bodies = recording.physics.size
         messages += physics_messages(recording.physics)
+    topics = _messages.topics_of(recording.poses.shape[1], bodies)
     messages.sort(key=itemgetter(0, 1))
     try:
         # rosbags writes a folder of its own; only the file in it is wanted.
@@ -112,32 +113,13 @@ def physics_messages(track: PhysicsTrack) -> Iterator[_Message]:
 
 
 def _connect(writer: Writer, kinds: dict[str, str]) -> dict[str, Any]:
+    from rosbags import interfaces as ros
     from rosbags.typesys import Stores, get_typestore
 
     store = get_typestore(Stores.ROS2_HUMBLE)
-    definitions = {
-        kind: (store.generate_msgdef(kind, ros_version=2)[0], store.hash_rihs01(kind))
-        for kind in sorted(set(kinds.values()))
-    }
-    latched = _latched()
-    return {
-        topic: writer.add_connection(
-            topic,
-            kind,
-            msgdef=definitions[kind][0],
-            rihs01=definitions[kind][1],
-            offered_qos_profiles=[latched] if topic in ("/map", _messages.OBSTACLES_TOPIC) else [],
-        )
-        for topic, kind in kinds.items()
-    }
-
-
-def _latched() -> Any:
-    """The quality of service with which late subscribers still get the map."""
-    from rosbags import interfaces as ros
-
     for_ever = ros.QosTime(9223372036, 854775807)
-    return ros.Qos(
+    # With this quality of service late subscribers still get the map.
+    latched = ros.Qos(
         history=ros.QosHistory.KEEP_LAST,
         depth=1,
         reliability=ros.QosReliability.RELIABLE,
@@ -148,6 +130,15 @@ def _latched() -> Any:
         liveliness_lease_duration=for_ever,
         avoid_ros_namespace_conventions=False,
     )
+    return {
+        topic: writer.add_connection(
+            topic,
+            kind,
+            typestore=store,
+            offered_qos_profiles=[latched] if topic in ("/map", _messages.OBSTACLES_TOPIC) else [],
+        )
+        for topic, kind in kinds.items()
+    }
 
 
 def _all_messages(
@@ -168,10 +159,9 @@ def _all_messages(
         found.append(_text(time, 2, _messages.NOTES_TOPIC, {"time": time, "text": text}))
     if not stamps:
         return found
-    encoder = StatusEncoder()
     # The paths come before the status that they belong to.
     found.extend(_paths(recording, stamps))
-    said = [_messages.string_message(encoder.encode(status)) for status in recording.status]
+    said = [_messages.string_message(text) for text in encoded(recording.status)]
     found.extend(_series(times, 4, _messages.STATUS_TOPIC, said))
     found.extend(_series(times, 5, "/tf", _messages.transform_messages(times, recording.poses)))
     for robot in range(recording.poses.shape[1]):

@@ -82,10 +82,7 @@ def plan_arrays(
 
 
 def read_plan(path: str | Path) -> tuple[dict[int, Trajectory], dict[int, Array]]:
-    """Trajectories and footholds `(M, 6)` by robot.
-
-    Args:
-        path: A folder that `plan` left, or the file itself.
+    """Trajectories and footholds `(M, 6)` by robot, from a folder that `plan` left or the file.
 
     Raises:
         RecordingError: It is missing, damaged or no plan.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -61,14 +62,13 @@ class PlannerStatus:
     targets: Array | None = None
 
 
-class StatusEncoder:
-    """Status after status to JSON; what seldom changes is written only when it does."""
+def encoded(statuses: Iterable[PlannerStatus]) -> Iterator[str]:
+    """The text of status after status in JSON, without their paths.
 
-    def __init__(self) -> None:
-        self._last: dict[str, Any] = {}
-
-    def encode(self, status: PlannerStatus) -> str:
-        """The text of the next status, without its paths."""
+    What seldom changes is written only when it does.
+    """
+    before: dict[str, Any] = {}
+    for status in statuses:
         said: dict[str, Any] = {
             "state": status.state,
             "leader": int(status.leader),
@@ -85,29 +85,24 @@ class StatusEncoder:
             "waypoint": int(status.waypoint),
             "targets": None if status.targets is None else _plain(status.targets),
         }
-        before, self._last = self._last, said
         kept = {key for key in _RARE if key in before and before[key] == said[key]}
         news = {key: value for key, value in said.items() if key not in kept}
-        return json.dumps(news, separators=(",", ":"))
+        yield json.dumps(news, separators=(",", ":"))
+        before = said
 
 
-class StatusDecoder:
-    """The way back."""
+def decoded(texts: Iterable[tuple[str, tuple[Array, ...]]]) -> Iterator[PlannerStatus]:
+    """The way back, of each text and the paths of that cycle.
 
-    def __init__(self) -> None:
-        self._last: dict[str, Any] = {}
-
-    def decode(self, text: str, paths: tuple[np.ndarray, ...] = ()) -> PlannerStatus:
-        """The status of the next text.
-
-        Raises:
-            ValueError, KeyError, TypeError: It is not what `StatusEncoder` writes.
-        """
+    Raises:
+        ValueError, KeyError, TypeError: A text is not what `encoded` writes.
+    """
+    rare: dict[str, Any] = {}
+    for text, paths in texts:
         said = json.loads(text)
-        self._last |= {key: said[key] for key in _RARE if key in said}
-        rare = self._last
+        rare |= {key: said[key] for key in _RARE if key in said}
         goal, targets = rare["goal"], rare.get("targets")
-        return PlannerStatus(
+        yield PlannerStatus(
             state=said["state"],
             leader=int(said["leader"]),
             roles=np.array(said["roles"], dtype=np.int64),

@@ -47,17 +47,17 @@ def test_errors_are_those_of_the_means() -> None:
 
 def test_the_first_seconds_of_a_command_do_not_count() -> None:
     said = [[0.2, 0, 0]] * 30 + [[0.4, 0, 0]] * 71
-    (stretch,) = stretches(recording(said, (0.4, 0.0, 0.0)))
-    assert stretch.command.tolist() == [0.4, 0.0, 0.0]
+    ((command, velocities),) = stretches(recording(said, (0.4, 0.0, 0.0)))
+    assert command.tolist() == [0.4, 0.0, 0.0]
     # 3.5 s from the change to the last cycle, less two.
-    assert len(stretch.velocities) == 30
+    assert len(velocities) == 30
 
 
 def test_a_push_counts_as_a_new_command() -> None:
     moved = recording([[0.4, 0, 0]] * 141, (0.4, 0.0, 0.0))
-    first, last = stretches(moved, [(3.52, 0), (1.0, 1)])
+    (_, first), (_, last) = stretches(moved, [(3.52, 0), (1.0, 1)])
     # 2 s of each are left out.
-    assert (len(first.velocities), len(last.velocities)) == (31, 29)
+    assert (len(first), len(last)) == (31, 29)
 
 
 def test_commands_that_change_all_the_time_have_no_figures() -> None:

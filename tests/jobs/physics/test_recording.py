@@ -12,7 +12,7 @@ from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_typestore
 
 from cavalcade.errors import RecordingError
-from cavalcade.recording._messages import JOINT_NAMES, physics_topics
+from cavalcade.recording._messages import JOINT_NAMES, topics_of
 from cavalcade.recording.frames import Recorder
 from cavalcade.recording.mcap_reader import read_recording
 from cavalcade.recording.mcap_writer import physics_messages, write_recording
@@ -75,7 +75,7 @@ def test_same_track_same_bytes(tmp_path: Path) -> None:
 
 def test_messages_are_those_of_ros() -> None:
     """Every message decoded by rosbags, and encoded again to the same bytes."""
-    track, kinds = a_track(), physics_topics(ROBOTS)
+    track, kinds = a_track(), topics_of(0, ROBOTS)
     decoded: dict[str, list[tuple[int, Any]]] = {topic: [] for topic in kinds}
     for time, _, topic, data in physics_messages(track):
         message = STORE.deserialize_cdr(bytes(data), kinds[topic])

@@ -7,16 +7,18 @@ import pytest
 from PIL import Image
 
 import cavalcade as cv
-from cavalcade.drawing.figures import make_physics_figures
+from cavalcade.drawing.figures import make_figures
+from cavalcade.drawing.physics.legs import draw_gait, draw_legs
 from cavalcade.drawing.physics.signals import (
     busiest_window,
+    descriptions_of,
     loaded_spans,
     peaks,
     planar_speed,
     spread,
-    torque_share,
 )
 from cavalcade.errors import RecordingError
+from cavalcade.recording.frames import Recording
 from cavalcade.recording.physics_track import ContactEvent, FallEvent
 
 
@@ -43,14 +45,23 @@ def walked(trot):
     return scenario, trot(when, poses)
 
 
+def figures_of(scenario, track, folder):
+    """Those of a recording of nothing but the track."""
+    none = np.zeros((0, track.size, 3))
+    recording = Recording(np.zeros(0), none, none, none, (), (), (), track)
+    return make_figures(scenario, cv.build_world(scenario), folder, recording=recording)
+
+
 def test_figures_are_drawn(walked, tmp_path):
     scenario, track = walked
     commands = np.zeros((80, 2, 3))
     commands[20:60, 0, 0] = 0.4
-    made = make_physics_figures(
-        scenario, track, (0.1 * np.arange(80), commands), tmp_path / "figures"
-    )
-    assert [file.name for file in made] == ["legs.png", "gait.png"]
+    robots = descriptions_of(scenario, track)
+    said = (0.1 * np.arange(80), commands)
+    made = [
+        draw_legs("legs", track, robots, said, tmp_path / "legs.png"),
+        draw_gait("gait", track, robots, tmp_path / "gait.png"),
+    ]
     # Who only stands has a quarter of its weight on each foot, which is drawn in half its colour.
     amber = [(230, 159, 0), (241, 206, 113)]
     for file, standing in zip(made, amber, strict=True):
@@ -69,11 +80,13 @@ def test_contacts_and_falls_add_red(walked, tmp_path):
     )
 
     def red(which, name):
-        file = make_physics_figures(scenario, which, None, tmp_path / name)[0]
+        file = figures_of(scenario, which, tmp_path / name)[0]
         with Image.open(file) as picture:
             seen = np.asarray(picture.convert("RGB")).astype(int)
         return (np.abs(seen - (246, 213, 217)).max(axis=2) < 4).sum()
 
+    files = figures_of(scenario, track, tmp_path)
+    assert [file.name for file in files] == ["legs.png", "gait.png"]
     assert red(hit, "b") > red(track, "a") + 5000
 
 
@@ -84,14 +97,14 @@ def test_a_single_sample_has_no_figures(walked, tmp_path):
         for name in ("time", "base", "joints", "joint_rates", "torques", "foot_forces")
     }
     short = dataclasses.replace(track, **first)
-    assert make_physics_figures(scenario, short, None, tmp_path) == []
+    assert figures_of(scenario, short, tmp_path) == []
 
 
 def test_the_track_is_that_of_the_scenario(walked, tmp_path):
     scenario, track = walked
     one = scenario.model_copy(update={"robots": scenario.robots[:1]})
     with pytest.raises(RecordingError, match="samples of 1 robots"):
-        make_physics_figures(one, track, None, tmp_path)
+        figures_of(one, track, tmp_path)
 
 
 def test_speed_is_that_over_ground(walked):
@@ -111,16 +124,6 @@ def test_speed_of_a_moved_and_turned_run_is_the_same(walked):
     np.testing.assert_allclose(
         planar_speed(dataclasses.replace(track, base=base)), planar_speed(track), atol=1e-9
     )
-
-
-def test_torques_are_shares_of_limits(walked):
-    _, track = walked
-    limits = np.full((2, 12), 20.0)
-    torques = np.zeros_like(track.torques)
-    torques[5, 1, 7] = -10.0
-    share = torque_share(dataclasses.replace(track, torques=torques), limits)
-    assert share[5, 1, 7] == pytest.approx(0.5)
-    assert np.count_nonzero(share) == 1
 
 
 @pytest.mark.parametrize("count", [1, 2, 7, 400, 1000])

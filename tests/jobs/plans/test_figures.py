@@ -5,7 +5,7 @@ import pytest
 from PIL import Image
 
 import cavalcade as cv
-from cavalcade.drawing.figures import make_plan_figures
+from cavalcade.drawing.figures import make_figures
 from cavalcade.drawing.plans.motion import activities, leaps
 from cavalcade.drawing.plans.timing import team_gaps
 from cavalcade.drawing.plans.top_view import waits
@@ -20,7 +20,7 @@ def drawn(make_scenario, straight_team, tmp_path):
         scenario = make_scenario(**options)
         world = cv.build_world(scenario)
         made = cv.plan(scenario, coordinator=team or straight_team(leaping=leaping))
-        return make_plan_figures(scenario, world, made, tmp_path / "figures")
+        return make_figures(scenario, world, tmp_path / "figures", plan=made)
 
     return make
 

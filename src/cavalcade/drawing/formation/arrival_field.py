@@ -24,11 +24,10 @@ _MARGINS = style.Margins(left=0.34, right=0.42, bottom=0.30, top=0.05)
 
 
 def arrival_field(scene: Scene, goal: Array) -> tuple[Array, Array]:
-    """Arrival times at `goal`, and the clearance they come from.
+    """Arrival times `(rows, cols)` at `goal` in normalised seconds, inf where there is no way.
 
-    Returns:
-        `(rows, cols)` normalised seconds, inf where there is no way, and `(rows, cols)` m from a
-        cell's centre to the nearest obstacle.
+    Beside them the clearance they come from, `(rows, cols)` m from a cell's centre to the nearest
+    obstacle.
 
     The leader's field: speed rises from 0 at the inflated obstacles to 1 at `d_safe_A` from them
     (Norén et al., section 2.2), as at the end of the run's first map; events change nothing.
@@ -64,15 +63,10 @@ def draw_arrival_field(scene: Scene, path: Path) -> Path | None:
         _draw_paths(axes, scene)
         draw_team_goal(axes, goal)
         inches = axes.get_position().height * figure.get_figheight()
-        add_scale(figure, axes, mesh, _scale_label(inches))
+        # As long a label as fits beside the scale.
+        label = "arrival time (normalised s)" if inches >= 1.6 else "arrival time (s)"
+        add_scale(figure, axes, mesh, label if inches >= 0.95 else "ETA (s)")
         return style.save(figure, path, dpi=400)
-
-
-def _scale_label(inches: float) -> str:
-    """What the scale shows, as long as it fits beside it."""
-    if inches >= 1.6:
-        return "arrival time (normalised s)"
-    return "arrival time (s)" if inches >= 0.95 else "ETA (s)"
 
 
 def _draw_field(axes: Axes, scene: Scene, times: Array, clearance: Array, view: Array) -> Any:

@@ -24,7 +24,6 @@ from cavalcade.drawing.physics.signals import (
     peaks,
     planar_speed,
     spread,
-    torque_share,
 )
 from cavalcade.geometry import GRAVITY, Array
 from cavalcade.recording.physics_track import PhysicsTrack
@@ -47,10 +46,14 @@ def draw_legs(
     name: str,
     track: PhysicsTrack,
     robots: Sequence[QuadrupedDescription],
-    commands: tuple[Array, Array] | None,
+    commands: tuple[Array, Array],
     path: Path,
 ) -> Path:
-    """Draw it a page wide; times `(K,)` and commands `(K, N, 3)` may be known."""
+    """Draw it a page wide.
+
+    `commands`: times `(K,)` s on the track's clock, and the body-frame velocities `(K, N, 3)`
+    that hold from then on.
+    """
     rows = min(track.size, _MOST_ROWS)
     heights, gaps = [0.42] * rows + [1.0, 1.0], [0.05] * (rows - 1) + [0.16] * 2
     span = (float(track.time[0]), float(track.time[-1]))
@@ -60,9 +63,10 @@ def draw_legs(
         _draw_height(panels[rows], track, [one.stand_height for one in robots])
         _draw_torques(panels[rows + 1], track, np.array([one.torque_limits for one in robots]))
         panels[0].set_title(name, loc="left", pad=3)
-        handles = [style.key("real", color=style.INK, linewidth=1.0)]
-        if commands is not None:
-            handles.append(style.key("commanded", color=_COMMANDED, linewidth=0.8))
+        handles = [
+            style.key("real", color=style.INK, linewidth=1.0),
+            style.key("commanded", color=_COMMANDED, linewidth=0.8),
+        ]
         if track.contacts:
             handles.append(style.key("unwanted contact", **style.mark("|", 5, style.LIMIT, 1.0)))
         draw_legend(panels[0], handles, columnspacing=1.2)
@@ -95,20 +99,17 @@ def _number_row(axes: Axes, robot: int) -> None:
 
 
 def _draw_speeds(
-    panels: Sequence[Axes], track: PhysicsTrack, commands: tuple[Array, Array] | None
+    panels: Sequence[Axes], track: PhysicsTrack, commands: tuple[Array, Array]
 ) -> None:
     """Each robot's speed over ground in a row of its own, and what was commanded."""
     speed = planar_speed(track)
-    times, wanted = None, np.zeros((0, track.size))
-    if commands is not None:
-        times, wanted = commands[0], np.linalg.norm(commands[1][..., :2], axis=2)
+    times, wanted = commands[0], np.linalg.norm(commands[1][..., :2], axis=2)
     top = max(1.15 * float(np.quantile(np.concatenate([speed, wanted]), 0.998)), 0.1)
     # Two or three round ticks from 0.
     step = next(s for s in (0.05, 0.1, 0.2, 0.25, 0.5, 1.0, 2.0, 5.0, 1e9) if top / s < 2.6)
     for robot, axes in enumerate(panels):
-        if times is not None:
-            axes.step(times, wanted[:, robot], where="post", color=_COMMANDED, linewidth=0.6,
-                      zorder=2)  # fmt: skip
+        axes.step(times, wanted[:, robot], where="post", color=_COMMANDED, linewidth=0.6,
+                  zorder=2)  # fmt: skip
         axes.plot(track.time, speed[:, robot], color=style.robot_color(robot), linewidth=1.0,
                   zorder=3)  # fmt: skip
         axes.set_ylim(0.0, top)
@@ -143,7 +144,7 @@ def _draw_height(axes: Axes, track: PhysicsTrack, stand: list[float]) -> None:
 
 def _draw_torques(axes: Axes, track: PhysicsTrack, limits: Array) -> None:
     """The largest torque of each robot's joints in shares of their limits; the worst is named."""
-    share = torque_share(track, limits)
+    share: Array = np.abs(track.torques) / limits
     times, highest = peaks(track.time, 100.0 * share.max(axis=2), columns=500)
     for robot in range(track.size):
         axes.plot(times, highest[:, robot], **style.robot_line(robot), linewidth=0.7, zorder=3)

@@ -59,12 +59,6 @@ def planar_speed(track: PhysicsTrack) -> Array:
     return speed
 
 
-def torque_share(track: PhysicsTrack, limits: Array) -> Array:
-    """`(T, N, 12)` magnitudes of the torques in shares of their limits `(N, 12)`."""
-    share: Array = np.abs(track.torques) / limits
-    return share
-
-
 def peaks(time: Array, values: Array, columns: int) -> tuple[Array, Array]:
     """At most so many times, and the largest of the values `(T, N)` around each."""
     stride = max(1, -(-len(time) // columns))

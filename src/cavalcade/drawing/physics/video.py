@@ -41,16 +41,8 @@ def render_video(
 ) -> Path:
     """Draw a track off-screen, the camera going with the team, as an animated picture.
 
-    Args:
-        scenario: The scenario that was run.
-        world: Its `World`, as it was at the start.
-        track: What the robots did; at least one sample.
-        path: The file to write; its ending says which kind: .webp (small) or .gif.
-        rate: Pictures a second.
-        size: Width and height in pixels.
-
-    Returns:
-        The file written.
+    The world is that of the start, the path's ending says the kind of file: .webp (small) or .gif;
+    `rate` is pictures a second, `size` width and height in pixels.
 
     Raises:
         InputError: MuJoCo is missing, nothing here can draw off-screen, or the file's kind, the

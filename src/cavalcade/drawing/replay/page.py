@@ -46,16 +46,9 @@ def write_replay(
 ) -> Path:
     """Write the replay of a run, a plan, or a plan that was carried out as one HTML file.
 
-    Args:
-        path: The file to write.
-        scenario: The scenario that was run.
-        world: Its `World`: the map and the exact shapes, as they were at the start.
-        recording: What happened; its track of a run in physics moves links and feet.
-        plan: Trajectories and footholds; they move the robots where there are no physics.
-        summary: The content of `summary.json`; keys that are missing or null are left out.
-
-    Returns:
-        The file written.
+    The world is that of the start. Keys that the summary lacks or that are null are left out. The
+    recording's track of a run in physics moves links and feet; where there is none, the plan's
+    trajectories and footholds move the robots.
 
     Raises:
         OutputError: It cannot be written.
