@@ -120,7 +120,7 @@ def _in_place(
     ends = slot_poses(driven[-1]) if driven else None
     if ends is None or not len(recording.time):
         return (None,) * robots, (None,) * robots
-    off = recording.poses - ends
+    off = recording.poses - np.where(np.isfinite(ends), ends, np.nan)
     there = np.hypot(off[..., 0], off[..., 1]) <= limit.position
     there &= np.abs(wrap_angle(off[..., 2])) <= limit.heading
     durations: list[float | None] = []
