@@ -10,7 +10,7 @@ import yaml
 
 from cavalcade.errors import ScenarioError
 from cavalcade.scenario import load_scenario, scenario_names, scenario_schema
-from cavalcade.scenario.loading import MAX_BYTES
+from cavalcade.scenario.shipped import MAX_BYTES
 
 Data = dict[str, Any]
 

@@ -22,7 +22,7 @@ from cavalcade.scenario import (
     resolve_scenario,
     scenario_names,
 )
-from cavalcade.scenario.loading import LIBRARY
+from cavalcade.scenario.shipped import LIBRARY
 
 _FEW = settings(
     max_examples=150,

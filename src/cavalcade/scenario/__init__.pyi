@@ -3,14 +3,14 @@ from .ground import Obstacle as Obstacle
 from .importing import import_problem as import_problem
 from .loading import load_scenario as load_scenario
 from .loading import parse_scenario as parse_scenario
-from .loading import scenario_descriptions as scenario_descriptions
-from .loading import scenario_names as scenario_names
 from .loading import scenario_schema as scenario_schema
 from .model import ResolvedScenario as ResolvedScenario
 from .model import Scenario as Scenario
 from .settings import Event as Event
 from .settings import Move as Move
 from .settings import PlannerSection as PlannerSection
+from .shipped import scenario_descriptions as scenario_descriptions
+from .shipped import scenario_names as scenario_names
 from .task import FormationSection as FormationSection
 from .timeline import ObstacleSpan as ObstacleSpan
 from .timeline import obstacle_spans as obstacle_spans

@@ -15,9 +15,10 @@ from typing import Any
 from cavalcade.errors import ScenarioError
 from cavalcade.geometry import rectangle_corners
 from cavalcade.robots import RobotModel, robot_model
-from cavalcade.scenario.loading import parse_scenario, read_text
+from cavalcade.scenario.loading import parse_scenario
 from cavalcade.scenario.messages import short
 from cavalcade.scenario.model import Scenario
+from cavalcade.scenario.shipped import read_text
 from cavalcade.yaml_text import parse_yaml
 
 RESOLUTION = 0.025

@@ -12,9 +12,9 @@ from cavalcade.campaign.samplers.individual_goals import Legged
 from cavalcade.campaign.samplers.sampler import DataFolder, Instance, Sampler
 from cavalcade.geometry import transform_points
 from cavalcade.scenario.fields import expected
-from cavalcade.scenario.loading import scenario_names
 from cavalcade.scenario.model import Scenario
 from cavalcade.scenario.settings import FORMATION_KEYS, Budget
+from cavalcade.scenario.shipped import scenario_names
 from cavalcade.scenario.task import INDIVIDUAL
 
 
