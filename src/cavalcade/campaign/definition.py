@@ -229,8 +229,8 @@ def _with_overrides(suite: Suite, overrides: Sequence[str]) -> tuple[Suite, tupl
             names = (str(variant),)
         groups.append(group.model_copy(update={"variants": names}))
     variants = tuple(dict.fromkeys(name for group in groups for name in group.variants))
-    said = {"worlds": tuple(groups), "variants": variants, "references": {}}
-    return suite.model_copy(update=said), tuple(rest)
+    update = {"worlds": tuple(groups), "variants": variants, "references": {}}
+    return suite.model_copy(update=update), tuple(rest)
 
 
 def _nearest(word: str, ids: Sequence[str]) -> list[str]:

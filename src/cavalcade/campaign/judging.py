@@ -21,7 +21,6 @@ from cavalcade.checking.tracks import Track
 from cavalcade.execution.arrival import tolerance_of
 from cavalcade.geometry import Array
 from cavalcade.jobs import JobResult
-from cavalcade.jobs.planning import settings_of
 from cavalcade.recording.frames import Recording
 from cavalcade.recording.physics_track import PhysicsTrack
 from cavalcade.recording.plan_file import plan_arrays
@@ -245,7 +244,9 @@ def measured_plan(result: JobResult) -> dict[str, float | None]:
 
 def _alone(scenario: Scenario, world: World) -> tuple[list[float | None], float]:
     """Durations of the robots' plans if each were alone, s, and the time to plan them all, s."""
+    # These load kernels, which trials without plans need not.
     from cavalcade.coordination import TeamProblem, plan_team, problem_of
+    from cavalcade.jobs.planning import settings_of
 
     problem, settings = problem_of(scenario, world), settings_of(scenario)
     durations: list[float | None] = []

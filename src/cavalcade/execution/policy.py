@@ -23,7 +23,10 @@ class Policy(Protocol):
         """Poses `(N, 3)` and their times `(N,)` in, body-frame velocities `(N, 3)` out."""
 
     def pause(self) -> None:
-        """Stop until `resume`; by default nothing is done, as `step` is not called meanwhile."""
+        """Stop until `resume`.
+
+        Derived classes need do nothing, as `step` is not called meanwhile.
+        """
         return
 
     def resume(self) -> None:

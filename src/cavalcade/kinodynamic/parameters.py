@@ -102,11 +102,20 @@ def make_body(
         trunk_half_length=0.5 * legs.trunk_length,
         trunk_half_width=0.5 * legs.trunk_width,
         belly=0.5 * legs.trunk_height,
+        hip_x=legs.hip_x,
+        hip_y=legs.hip_y,
+        h_min=legs.h_min,
+        h_nom=legs.h_nom,
+        h_max=legs.h_max,
+        v_nom=legs.v_nom,
+        v_max=legs.v_max,
+        yaw_rate=legs.yaw_rate,
+        mu=legs.mu,
+        grf_max=legs.grf_max,
         margin=float(margin),
         dt=STEP,
         leaps=bool(leaps),
         published=bool(published),
-        **{name: getattr(legs, name) for name in Body._fields if hasattr(legs, name)},
     )
 
 

@@ -62,7 +62,6 @@ _LIMITS = np.dtype(
 )
 
 
-@cache
 def motion_limits(model: RobotModel) -> MotionLimits:
     """The limits that a robot is planned with."""
     acceleration = min(model.max_acceleration, _GENTLE[0])
@@ -134,7 +133,10 @@ def footprint_of(limits: MotionLimits) -> Footprint:
 
 @cache
 def primitives_of(model: RobotModel, finer: int = 0) -> Array:
-    """The moves `(P, 8)` that a search tries from every state, with steps halved `finer` times."""
+    """The moves `(P, 8)` that a search tries from every state, with steps halved `finer` times.
+
+    All callers share the array; nobody may change it.
+    """
     limits = motion_limits(model)
     speed, radius = limits.speed, limits.radius
     scale = 0.5**finer

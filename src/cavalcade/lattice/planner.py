@@ -106,7 +106,7 @@ class SpaceTimePlanner:
         weight: Of the heuristic: larger ones find paths sooner, smaller ones better paths.
     """
 
-    def __init__(self, ground: Ground, weight: float = 1.5) -> None:
+    def __init__(self, ground: Ground, *, weight: float = 1.5) -> None:
         self.ground = ground
         self.weight = weight
         self.grid = grid_of(ground)

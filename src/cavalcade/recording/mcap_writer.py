@@ -117,6 +117,10 @@ def _connect(writer: Writer, kinds: dict[str, str]) -> dict[str, Any]:
     from rosbags.typesys import Stores, get_typestore
 
     store = get_typestore(Stores.ROS2_HUMBLE)
+    definitions = {
+        kind: (store.generate_msgdef(kind, ros_version=2)[0], store.hash_rihs01(kind))
+        for kind in sorted(set(kinds.values()))
+    }
     for_ever = ros.QosTime(9223372036, 854775807)
     # With this quality of service late subscribers still get the map.
     latched = ros.Qos(
@@ -134,7 +138,8 @@ def _connect(writer: Writer, kinds: dict[str, str]) -> dict[str, Any]:
         topic: writer.add_connection(
             topic,
             kind,
-            typestore=store,
+            msgdef=definitions[kind][0],
+            rihs01=definitions[kind][1],
             offered_qos_profiles=[latched] if topic in ("/map", _messages.OBSTACLES_TOPIC) else [],
         )
         for topic, kind in kinds.items()

@@ -66,7 +66,7 @@ def _from_db_cbs(data: dict[str, Any], name: str) -> dict[str, Any]:
     environment = data["environment"]
     if not isinstance(environment, dict):
         raise ScenarioError("expected a mapping with min, max and obstacles", key="environment")
-    low, high = (_corner(environment, name) for name in ("min", "max"))
+    low, high = (_corner(environment, end) for end in ("min", "max"))
     obstacles = environment.get("obstacles")
     if obstacles is not None and not isinstance(obstacles, list):
         raise ScenarioError("expected a list of boxes", key="environment.obstacles")

@@ -100,10 +100,13 @@ class Scenario(Parts):
         try:
             check_backend(changed)
         except PydanticCustomError as error:
-            message, key, choices = (
-                dict(error.context or {})[k] for k in ("text", "key", "choices")
-            )
-            raise ScenarioError(message, file=self.file, key=key, choices=choices) from None
+            said = error.context or {}
+            raise ScenarioError(
+                str(said.get("text")),
+                file=self.file,
+                key=said.get("key"),
+                choices=said.get("choices"),
+            ) from None
         return changed
 
     def __eq__(self, other: object) -> bool:

@@ -1,6 +1,6 @@
 """The scenarios that come with the package: the YAML files in `library/`.
 
-Apart from reading scenarios, so that they are listed without numpy.
+Apart from reading scenarios, so that they are listed without numpy and pydantic.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ from pathlib import Path
 
 from cavalcade.errors import ScenarioError
 from cavalcade.files import read_head
-from cavalcade.scenario.messages import did_you_mean
 from cavalcade.yaml_text import parse_yaml
 
 LIBRARY = Path(__file__).parent / "library"
@@ -55,6 +54,8 @@ def find_scenario(name_or_path: str | Path) -> Path:
         raise ScenarioError(f"no file can be named {ascii(name)[:60]}", choices=names) from None
     if folder:
         raise ScenarioError("a folder without scenario.yaml; expected a scenario file", file=name)
+    from cavalcade.scenario.messages import did_you_mean
+
     text = "no such file or shipped scenario" + did_you_mean(name, names)
     raise ScenarioError(text, file=name, choices=names)
 

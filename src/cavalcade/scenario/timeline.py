@@ -10,8 +10,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from cavalcade.errors import ScenarioError
 from cavalcade.scenario.ground import Obstacle
 from cavalcade.scenario.model import Scenario
@@ -134,5 +132,13 @@ def _same(one: Obstacle, other: Obstacle) -> bool:
     """Whether two shapes are of one kind and have the same figures."""
     if one.kind != other.kind:
         return False
-    a, b = (np.hstack([np.ravel(said) for _, said in shape.value]) for shape in (one, other))
-    return len(a) == len(b) and bool((np.abs(a - b) <= _SAME).all())
+    a, b = _figures(one), _figures(other)
+    return len(a) == len(b) and all(abs(x - y) <= _SAME for x, y in zip(a, b, strict=True))
+
+
+def _figures(obstacle: Obstacle) -> list[float]:
+    if obstacle.box is not None:
+        return [*obstacle.box.center, *obstacle.box.size, obstacle.box.yaw]
+    if obstacle.circle is not None:
+        return [*obstacle.circle.center, obstacle.circle.radius]
+    return [value for point in obstacle.value.points for value in point]

@@ -7,7 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cavalcade.checking.heights import Heights
 from cavalcade.checking.physics import Floor, Leap, Touch, judge_leap
+from cavalcade.checking.physics.leaps import leap_reason
 
 from .conftest import GO1, GRAVITY, still
 
@@ -128,3 +130,12 @@ def test_a_robot_that_falls_back_fails():
     base = record.base.copy()
     base[record.time > 1.5, 0] = 0.6
     assert "back before the edge" in verdict(replace(record, base=base)).reason
+
+
+def test_of_a_run_that_ended_before_its_leap_there_is_nothing_to_say():
+    record = still(1.0)
+    names = ("time", "base", "joints", "rates", "torques", "forces")
+    nothing = replace(record, **{name: getattr(record, name)[:0] for name in names})
+    level = Heights(np.zeros((40, 60)), 0.05, (-1.0, -1.0, 0.0))
+    assert leap_reason(nothing, GO1, level, np.array([1.0, 0.0]), 2.0) == ""
+    assert "only 0 feet" in verdict(nothing).reason

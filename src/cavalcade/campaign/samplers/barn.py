@@ -82,4 +82,5 @@ def _files(data: DataFolder) -> list[Path]:
 
 
 def _number(path: Path) -> int:
+    """Of a file whose name `_FILE` matches."""
     return int(path.stem.removeprefix("world_"))

@@ -122,10 +122,9 @@ def judge_leap(
     flights = [float(record.time[end - 1] - record.time[max(k - 1, 0)]) for k, end in flying]
     bottom = links.feet[..., 2] - links.radius
     landed = late[:, None] & carries & (past > 0.0) & (np.abs(bottom - leap.beyond) < LANDED)
-    # When the last of the four feet lands for the first time.
-    touch_down = float(record.time[landed.argmax(axis=0)].max())
-    if not landed.any(axis=0).all():
-        touch_down = math.nan
+    touch_down = math.nan
+    if landed.any(axis=0).all():  # when the last of the four feet lands for the first time
+        touch_down = float(record.time[landed.argmax(axis=0)].max())
     surface = np.where(past > 0.0, leap.beyond, min(leap.before, leap.beyond))
     sunk = float((surface - bottom)[late].max(initial=-np.inf))
     pitch = float(np.abs(roll_pitch_yaw(record.turn)[late, 1]).max(initial=0.0))
@@ -216,8 +215,10 @@ def leap_reason(
 ) -> str:
     """What the leap of a robot from where it is at `begin` s towards a point fails by; else empty.
 
-    Also of a way without a break there is nothing to say.
+    Also of a way without a break, and of a run that ended before, there is nothing to say.
     """
+    if not len(record.time):
+        return ""
     first = int(np.searchsorted(record.time, begin))
     start = record.base[min(first, len(record.time) - 1), :2]
     around = np.concatenate([record.base[:, :2], [end]])

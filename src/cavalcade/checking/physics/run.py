@@ -119,10 +119,12 @@ def _descriptions(scenario: Scenario) -> list[QuadrupedDescription]:
 
 def _sparse(records: tuple[RobotRecord, ...]) -> list[Violation]:
     time, gaps, everyone = records[0].time, records[0].steps, tuple(range(len(records)))
-    for k in np.flatnonzero(gaps > SPARSE + 1e-6)[:1]:
-        text, gap = f"bodies have no samples for {gaps[k]:.3f} s", float(gaps[k])
-        return [Violation("samples", float(time[k]), everyone, text, gap, SPARSE)]
-    return []
+    long = gaps > SPARSE + 1e-6
+    if not long.any():
+        return []
+    k = int(long.argmax())
+    text, gap = f"bodies have no samples for {gaps[k]:.3f} s", float(gaps[k])
+    return [Violation("samples", float(time[k]), everyone, text, gap, SPARSE)]
 
 
 def _short(record: RobotRecord, track: Track) -> list[Violation]:

@@ -109,7 +109,8 @@ def _paths(scene: Scene) -> dict[str, Any]:
     lines, etas = [], []
     for cycle in picked:
         status = scene.recording.status[int(cycle)]
-        drawable = [line[np.isfinite(line).all(axis=1)] for line in status.paths]
+        paths = (np.reshape(path, (-1, 2)) for path in status.paths)
+        drawable = [path[np.isfinite(path).all(axis=1)] for path in paths]
         lines.append([steps(simplified(line, 0.015), 100) for line in drawable])
         best = float(np.min(status.eta, initial=np.inf))
         etas.append(round(10.0 * best) if np.isfinite(best) else None)

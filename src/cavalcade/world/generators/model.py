@@ -39,7 +39,7 @@ Generator = Callable[..., Draw]
 """Takes the world's size, a source of all randomness and, by keyword, its kind's options."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class GeneratedWorld(Draw):
     """A world drawn by a seed. Its shapes are the truth; maps are made from them.
 

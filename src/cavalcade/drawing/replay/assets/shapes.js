@@ -53,7 +53,7 @@ function boxFaces(size, r = 0.3 * Math.min(...size)) {
       for (let i = 0; i + 1 < nodes.length; i++)
         for (let j = 0; j + 1 < nodes.length; j++) {
           const p = corner(nodes[i], nodes[j]), q = corner(nodes[i + 1], nodes[j]), s = corner(nodes[i + 1], nodes[j + 1]), t = corner(nodes[i], nodes[j + 1]);
-          out.push(p, q, s, p, s, t);
+          out.push(...(sign > 0 ? [p, q, s, p, s, t] : [p, s, q, p, t, s]));
         }
     }
   return out;
