@@ -13,8 +13,8 @@ from cavalcade.coordination.cbs import conflict_search
 from cavalcade.coordination.conflicts import conflicts_of
 from cavalcade.coordination.joint import solve_merged
 from cavalcade.coordination.prioritised import improved, in_order, mended_orders
-from cavalcade.coordination.result import Paths, Solution, total_cost
 from cavalcade.coordination.robot_planner import EFFORT, TeamSearch
+from cavalcade.coordination.solution import Paths, Solution, total_cost
 
 _FEW = 4
 """So few robots in conflict are searched for conflicts and planned as one, with a share of the

@@ -17,8 +17,8 @@ from itertools import count
 from cavalcade.coordination.conflicts import Conflict, conflicts_of
 from cavalcade.coordination.joint import solve_joint
 from cavalcade.coordination.problem import PlanSettings
-from cavalcade.coordination.result import Paths, Solution, total_cost
 from cavalcade.coordination.robot_planner import Span, TeamSearch
+from cavalcade.coordination.solution import Paths, Solution, total_cost
 from cavalcade.lattice.planner import TRACK_STEP
 
 _PAD = 0.5

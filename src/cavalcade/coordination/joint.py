@@ -19,8 +19,8 @@ from cavalcade.coordination._joint import (
 )
 from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.problem import TeamProblem
-from cavalcade.coordination.result import Paths, RobotPath, total_cost
 from cavalcade.coordination.robot_planner import Span, TeamSearch, others_among, spans_of
+from cavalcade.coordination.solution import Paths, RobotPath, total_cost
 from cavalcade.geometry import Array
 from cavalcade.lattice.collision import Margins
 from cavalcade.lattice.motion_limits import metre_cost, motion_limits, team_limits

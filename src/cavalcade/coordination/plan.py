@@ -11,12 +11,14 @@ from cavalcade.coordination.auto import solve_auto
 from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.cbs import conflict_search
 from cavalcade.coordination.conflicts import conflicts_of
+from cavalcade.coordination.feasibility import infeasible
 from cavalcade.coordination.joint import solve_joint
 from cavalcade.coordination.prioritised import improved, solve_sequential
-from cavalcade.coordination.problem import PlanSettings, TeamProblem, infeasible
+from cavalcade.coordination.problem import PlanSettings, TeamProblem
 from cavalcade.coordination.published import DISTANCE, PublishedPlanner
-from cavalcade.coordination.result import Paths, RobotPath, Solution, TeamPlan, total_cost
+from cavalcade.coordination.result import TeamPlan
 from cavalcade.coordination.robot_planner import EFFORT, FlatPlanner, RobotPlanner, TeamSearch
+from cavalcade.coordination.solution import Paths, RobotPath, Solution, total_cost
 from cavalcade.coordination.terrain import TerrainPlanner, walkable
 from cavalcade.coordination.warm import warm_up
 from cavalcade.errors import InputError

@@ -10,8 +10,8 @@ from collections.abc import Mapping, Sequence
 
 from cavalcade.coordination.cbs import conflict_search
 from cavalcade.coordination.conflicts import conflicts_of
-from cavalcade.coordination.result import Paths, RobotPath, Solution
 from cavalcade.coordination.robot_planner import EFFORT, Span, TeamSearch, spans_of
+from cavalcade.coordination.solution import Paths, RobotPath, Solution
 
 _DELAYS = (2.0, 4.0, 8.0, 16.0)
 """s that robots wait at their starts where no order helps."""

@@ -4,19 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from cavalcade.errors import InputError
 from cavalcade.geometry import inverse_transform_points, rotation, transform_points
-from cavalcade.geometry.boxes import footprints_meet
 from cavalcade.geometry.trajectory import Trajectory
-from cavalcade.lattice.collision import pose_free
 from cavalcade.lattice.ground import Ground, make_ground
-from cavalcade.lattice.motion_limits import footprint
-from cavalcade.lattice.planner import SpaceTimePlanner
 from cavalcade.robots import RobotModel, robot_model
 from cavalcade.world import OccupancyMap, Terrain
 
@@ -25,8 +20,6 @@ if TYPE_CHECKING:
 
 Pose = tuple[float, float, float]
 
-_TOUCH = -1e-6
-"""Bodies that only touch don't overlap, m."""
 
 _CHOICES = {
     "variant": ("cavalcade", "published"),
@@ -168,24 +161,3 @@ def problem_of(scenario: Scenario, world: World) -> TeamProblem:
     return TeamProblem.on_map(
         world.map, scenario.models, scenario.starts, scenario.goals, world.terrain
     )
-
-
-def infeasible(
-    problem: TeamProblem, lattice: SpaceTimePlanner
-) -> tuple[str, tuple[int, ...]] | None:
-    """Why there can be no plan, in one line, and the robots that it is about; None without a proof.
-
-    The lattice's cost-to-go says what is connected.
-    """
-    footprints = [footprint(model) for model in problem.models]
-    for name, poses in (("start", problem.starts), ("goal", problem.goals)):
-        for k, pose in enumerate(poses):
-            if not pose_free(lattice.grid, footprints[k], *pose, _TOUCH):
-                return f"the {name} of robot {k} is off the map or in an obstacle", (k,)
-        for i, j in combinations(range(len(poses)), 2):
-            if footprints_meet(footprints[i], poses[i], footprints[j], poses[j], _TOUCH):
-                return f"the {name}s of robots {i} and {j} overlap", (i, j)
-    for k, (start, goal) in enumerate(zip(problem.starts, problem.goals, strict=True)):
-        if not lattice.reachable(problem.models[k], np.array(start), np.array(goal)):
-            return f"no way leads robot {k} to its goal, not even alone", (k,)
-    return None

@@ -14,8 +14,8 @@ import numpy as np
 
 from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.problem import PlanSettings
-from cavalcade.coordination.result import RobotPath
 from cavalcade.coordination.robot_planner import EFFORT, RobotPlanner, Span, planned_by_trees
+from cavalcade.coordination.solution import RobotPath
 from cavalcade.geometry import Array
 from cavalcade.kinodynamic.settings import BodySettings
 from cavalcade.lattice.planner import TRACK_STEP

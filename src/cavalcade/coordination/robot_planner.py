@@ -12,7 +12,7 @@ import numpy as np
 
 from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.problem import PlanSettings, TeamProblem
-from cavalcade.coordination.result import Paths, RobotPath
+from cavalcade.coordination.solution import Paths, RobotPath
 from cavalcade.geometry import Array
 from cavalcade.kinodynamic import BodyPlan, BodySettings, plan_body
 from cavalcade.lattice.collision import Margins, Others, move_free, place_free, pose_free

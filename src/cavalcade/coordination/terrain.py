@@ -15,7 +15,6 @@ import numpy as np
 from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.conflicts import first_conflict
 from cavalcade.coordination.problem import PlanSettings
-from cavalcade.coordination.result import RobotPath
 from cavalcade.coordination.robot_planner import (
     EFFORT,
     FlatPlanner,
@@ -24,6 +23,7 @@ from cavalcade.coordination.robot_planner import (
     others_among,
     planned_by_trees,
 )
+from cavalcade.coordination.solution import RobotPath
 from cavalcade.eikonal import surface_distance
 from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import STEP, WALK, Trajectory

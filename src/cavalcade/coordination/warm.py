@@ -8,8 +8,9 @@ from cavalcade import lattice
 from cavalcade.coordination._joint import search_joint
 from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.conflicts import conflicts_of, find_conflicts, first_conflict
+from cavalcade.coordination.feasibility import infeasible
 from cavalcade.coordination.joint import solve_joint
-from cavalcade.coordination.problem import PlanSettings, TeamProblem, infeasible
+from cavalcade.coordination.problem import PlanSettings, TeamProblem
 from cavalcade.coordination.robot_planner import spans_of
 from cavalcade.coordination.terrain import TerrainPlanner
 from cavalcade.kinodynamic import warming
