@@ -20,20 +20,28 @@ from pathlib import Path
 
 PROBE = """
 import sys, time
-from cavalcade.cli import main
-from cavalcade.execution.control import ControlLoop
+from cavalcade.cli import commands, main
 
-send = ControlLoop.send
+run_command = commands.run_command
 moves = False
 
-def told(self, commands):
-    global moves
-    send(self, commands)
-    if not moves and commands.any():
-        moves = True
-        print(f"MOVES {time.time()}", file=sys.stderr)
+def watched(arguments):
+    # Only here, so that a command's imports are its own, as from the shell.
+    from cavalcade.execution.control import ControlLoop
 
-ControlLoop.send = told
+    send = ControlLoop.send
+
+    def told(self, commands):
+        global moves
+        send(self, commands)
+        if not moves and commands.any():
+            moves = True
+            print(f"MOVES {time.time()}", file=sys.stderr)
+
+    ControlLoop.send = told
+    return run_command(arguments)
+
+commands.run_command = watched
 code = main(sys.argv[1:])
 print(f"ENDS {time.time()}", file=sys.stderr)
 sys.exit(code)
