@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.formation.goals import GoalPlan
-from cavalcade.formation.team import Team
 from cavalcade.geometry import Array, wrap_angle
 from cavalcade.recording.status import PlannerStatus
+
+if TYPE_CHECKING:
+    from cavalcade.formation.goals import GoalPlan
+    from cavalcade.formation.team import Team
 
 _THERE = 0.09  # m and
 _TURNED = 0.13  # rad from its final pose within which a robot has arrived
