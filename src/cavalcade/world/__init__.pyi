@@ -1,10 +1,10 @@
-from .datasets import BarnWorld as BarnWorld
-from .datasets import load_barn as load_barn
-from .datasets import load_movingai as load_movingai
 from .generators import GENERATORS as GENERATORS
 from .generators import GeneratedWorld as GeneratedWorld
 from .generators import generate as generate
 from .generators import is_connected as is_connected
+from .map_formats import BarnWorld as BarnWorld
+from .map_formats import load_barn as load_barn
+from .map_formats import load_movingai as load_movingai
 from .occupancy import OccupancyMap as OccupancyMap
 from .raster import rasterise as rasterise
 from .ros_map import MapWarning as MapWarning

@@ -1,4 +1,4 @@
-"""Worlds of data sets of others.
+"""Formats of maps and worlds of others, read; ROS maps have a file of their own, `ros_map`.
 
 Fields of BARN (Perille et al., SSRR 2020) are lists of circles; grid maps of the MovingAI
 benchmarks (Sturtevant, 2012) are text, one letter per cell.
