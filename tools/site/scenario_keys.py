@@ -1,4 +1,4 @@
-"""The reference of scenario files, made from the same JSON Schema that `cavalcade schema` prints."""
+"""The reference of scenario files, from the JSON Schema that `cavalcade schema` prints."""
 
 from __future__ import annotations
 
@@ -115,16 +115,19 @@ def _kind(schema: Any, anchors: dict[str, str]) -> str:
 
 
 _NULL = {"type": "null"}
-_WORDS = {"number": "number", "integer": "whole number", "boolean": "yes or no", "string": "text"}
+_WORDS = {
+    "number": "number",
+    "integer": "whole number",
+    "boolean": "true or false",
+    "string": "text",
+}
 _SIGNS = {"exclusiveMinimum": ">", "minimum": "≥", "exclusiveMaximum": "<", "maximum": "≤"}
 
 
 def _bounds(schema: Any) -> str:
     """Such as ` > 0, ≤ 10`."""
-    said = (
-        f"{sign} {schema[key]:g}"
-        for key, sign in _SIGNS.items()
-        if abs(schema.get(key, _UNBOUNDED)) < _UNBOUNDED
-    )
-    text = ", ".join(said)
+    bounds = {key: schema[key] for key in _SIGNS if abs(schema.get(key, _UNBOUNDED)) < _UNBOUNDED}
+    if bounds.get("minimum", 0.0) > 0.0:
+        bounds.pop("exclusiveMinimum", None)  # says less
+    text = ", ".join(f"{_SIGNS[key]} {bound:g}" for key, bound in bounds.items())
     return f" {text}" if text else ""
