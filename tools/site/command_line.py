@@ -19,7 +19,7 @@ def _command(name: str, command: Any) -> str:
     parts = [parameter for parameter in command.params if parameter.name != "help"]
     words = [f"cavalcade {name}", *filter(None, map(_usage, parts))]
     rows = [f"| {_names(one)} | {_meaning(one)} |" for one in parts]
-    table = ["", "| | |", "|---|---|", *rows] if rows else []
+    table = ["", "| option | |", "|---|---|", *rows] if rows else []
     usage = " ".join(words)
     return "\n".join(
         (f"## `{name}` {{ #{name} }}", "", command.help or "", "", f"`{usage}`", *table)

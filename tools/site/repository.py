@@ -29,4 +29,4 @@ def _example(path: Path) -> str:
 def shipped_scenarios() -> str:
     """A table of the scenarios that can be run by name."""
     rows = [f"| `{name}` | {about} |" for name, about in scenario_descriptions().items()]
-    return "\n".join(("| name | |", "|---|---|", *rows))
+    return "\n".join(("| scenario | |", "|---|---|", *rows))

@@ -15,6 +15,9 @@ from cavalcade.world.generators.model import options_of
 _SCHEMA = scenario_schema()
 _PARTS: dict[str, Any] = _SCHEMA["$defs"]
 
+_MORE = {"GenerateSource": " They are [below](#generated)."}
+"""What the page has besides about a mapping."""
+
 _UNBOUNDED = 1e6
 """Bounds of this size are those of all coordinates; the page says so once."""
 
@@ -29,7 +32,7 @@ def scenario_keys() -> str:
     for name, (place, *others) in places.items():
         level = "##" if "." not in place else "###"
         also = f" Also: {', '.join(f'`{one}`' for one in others)}." if others else ""
-        about = _PARTS[name].get("description", "") + also
+        about = _PARTS[name].get("description", "") + also + _MORE.get(name, "")
         table = _table(_PARTS[name], name, anchors)
         sections.append(f"{level} `{place}` {{ #{anchors[name]} }}\n\n{about}\n\n{table}")
     return "\n\n".join(sections)

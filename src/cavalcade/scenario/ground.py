@@ -148,8 +148,7 @@ class EmptySource(Section):
 class GenerateSource(Section):
     """A seeded random world or terrain; its lower left corner is at (0, 0).
 
-    Which options a kind takes, and their defaults, stand in a table of their own; null is the
-    default of the kind.
+    Each kind takes some of the options and has defaults of its own, which null stands for.
 
     Attributes:
         kind: What is generated: obstacles, or terrain for robots with legs.
