@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+import yaml
 
-from cavalcade.scenario import scenario_schema
+from cavalcade.scenario import scenario_names, scenario_schema
 from cavalcade.scenario.fields import Section, _described
+from cavalcade.scenario.shipped import find_scenario
 
 SCHEMA = scenario_schema()
 SECTIONS = {"Scenario": SCHEMA, **SCHEMA["$defs"]}
@@ -62,3 +64,18 @@ def test_bounds_have_the_names_that_json_schema_gives_them() -> None:
     assert prop("ExecutionSection.timeout")["maximum"] == 86_400
     assert prop("Circle.center")["prefixItems"][0]["minimum"] == -1e6
     assert not any(f"'{name}'" in str(SCHEMA) for name in ("ge", "gt", "le", "lt"))
+
+
+@pytest.mark.parametrize("name", scenario_names())
+def test_shipped_scenarios_fit_the_schema(name: str) -> None:
+    jsonschema = pytest.importorskip("jsonschema")
+    data = yaml.safe_load(find_scenario(name).read_text(encoding="utf-8"))
+    jsonschema.Draft202012Validator(SCHEMA).validate(data)
+
+
+@pytest.mark.parametrize(("timeout", "fits"), [(0.0, False), (1e-3, True), (86_401, False)])
+def test_bounds_have_an_effect_in_editors(timeout: float, fits: bool) -> None:
+    jsonschema = pytest.importorskip("jsonschema")
+    data = yaml.safe_load(find_scenario("cone").read_text(encoding="utf-8"))
+    data.setdefault("execution", {})["timeout"] = timeout
+    assert jsonschema.Draft202012Validator(SCHEMA).is_valid(data) is fits
