@@ -69,7 +69,7 @@ lint: $(VENV)/.stamp-lint
 	@$(BIN)/python tools/check_structure.py
 
 docs: $(VENV)/.stamp-docs
-	@NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build
 	@echo "Built: site/index.html"
 
 bench: $(VENV)/.stamp-bench
