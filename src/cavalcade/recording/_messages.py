@@ -24,6 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.geometry import Array
 from cavalcade.recording.cdr import ENCAPSULATION, Layout, planar_poses, stamps_of
+from cavalcade.recording.physics_track import yaw_of
 from cavalcade.robots import JOINTS, LEGS, RobotModel
 from cavalcade.world import OccupancyMap
 
@@ -178,7 +179,7 @@ def legged_frames(robot: int, base: Array, feet: Array | None) -> list[Transform
     the feet's places in the trunk's frame. The feet's axes are those of the map.
     """
     w, x, y, z = base[:, 3:].T
-    yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    yaw = yaw_of(base[:, 3:])
     c, s = np.cos(0.5 * yaw), np.sin(0.5 * yaw)
     body = np.zeros((len(base), 7))
     body[:, 2] = base[:, 2]
