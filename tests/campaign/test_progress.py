@@ -2,7 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from cavalcade.campaign.progress import CampaignReporter, duration
+from cavalcade.campaign.progress import CampaignReporter
+from cavalcade.jobs.reporter import duration
 
 
 class Clock:
