@@ -116,11 +116,9 @@ def _carried_out(
 
 def _planned(known: _Known, out: Path | None, force: bool, quiet: bool) -> tuple[Line, JobResult]:
     from cavalcade.campaign.judging import judged_plan, measured_plan
-    from cavalcade.campaign.warming import warm
     from cavalcade.jobs import plan
 
     scenario = known.sample()
-    warm(known.trial.variant, scenario.world.has_heights)
     result = plan(scenario, out, force=force, quiet=quiet)
     verdict = judged_plan(result, known.instance.expected)
     return known.judged(verdict, measured_plan(result), result), result

@@ -186,6 +186,8 @@ class FormationPlanner:
 
     def set_dynamic_obstacles(self, obstacles: Sequence[DynamicObstacle]) -> None:
         """Say what moves now and how fast; an empty list when nothing moves any more."""
+        if len(obstacles) and not self._obstacles:
+            self._mode.expect_boxes()
         self._obstacles = tuple(obstacles)
 
     def step(self, poses: ArrayLike, time: float, stamps: ArrayLike | None = None) -> Array:
