@@ -5,7 +5,10 @@ inclusive): with `occ = 1 - grey / 255`, or `grey / 255` if `negate` is set,
 
 - `trinary`: `occ >= occupied_thresh` is 100, `occ <= free_thresh` is 0, the rest is unknown;
 - `scale`: the rest is scaled to 0..100 between the two thresholds;
-- `raw`: the grey itself, 0 to 100; all else is unknown. `negate` and opacity have no effect.
+- `raw`: the grey itself, 0 to 100; all else is unknown. Thresholds, `negate` and opacity have no
+  effect.
+
+The two thresholds may be equal: then nothing is unknown, and what is exactly there is occupied.
 
 In the first two modes a pixel that is not fully opaque is unknown. Row 0 of a picture is its top,
 row 0 of a map is its bottom.
@@ -164,22 +167,19 @@ def save_map(
 def _read_description(path: Path) -> _Description:
     document = load_mapping(path)
     try:
-        description = _Description(
+        mode = choice(document, "mode", MODES, "trinary")
+        return _Description(
             image=_image(document, "image"),
             resolution=checked_resolution(number(document, "resolution")),
             origin=checked_origin(numbers(document, "origin")),
-            mode=choice(document, "mode", MODES, "trinary"),
+            mode=mode,
             negate=_flag(document, "negate"),
-            free_thresh=_threshold(document, "free_thresh"),
-            occupied_thresh=_threshold(document, "occupied_thresh"),
+            **_thresholds(document, mode),
             unknown=choice(document, "unknown", get_args(Unknown), "occupied"),
         )
     except MapError as error:
         # The parts know the key; the file is known here.
         raise error.at(file=path, key=error.key) from None
-    if description.free_thresh >= description.occupied_thresh:
-        raise MapError("must be less than occupied_thresh", file=path, key="free_thresh")
-    return description
 
 
 def _image(document: dict[str, Any], key: str) -> str:
@@ -196,11 +196,17 @@ def _flag(document: dict[str, Any], key: str) -> bool:
     return bool(value)
 
 
-def _threshold(document: dict[str, Any], key: str) -> float:
-    threshold = number(document, key)
-    if not 0.0 <= threshold <= 1.0:
-        raise MapError("expected a number from 0 to 1", key=key)
-    return threshold
+def _thresholds(document: dict[str, Any], mode: Mode) -> dict[str, float]:
+    """The two thresholds; those of raw maps are of no account, whatever is said."""
+    if mode == "raw":
+        return dict(zip(("free_thresh", "occupied_thresh"), _THRESHOLDS["raw"], strict=True))
+    found = {key: number(document, key) for key in ("free_thresh", "occupied_thresh")}
+    for key, threshold in found.items():
+        if not 0.0 <= threshold <= 1.0:
+            raise MapError("expected a number from 0 to 1", key=key)
+    if found["free_thresh"] > found["occupied_thresh"]:
+        raise MapError("must not be more than occupied_thresh", key="free_thresh")
+    return found
 
 
 def _occupancy_of_grey(description: _Description) -> NDArray[np.int8]:
@@ -215,10 +221,10 @@ def _occupancy_of_grey(description: _Description) -> NDArray[np.int8]:
     table = np.full(256, UNKNOWN, dtype=np.int8)
     if description.mode == "scale":
         span = np.float32(description.occupied_thresh - description.free_thresh)
-        between = (occ > low) & (occ < high)
+        between = (occ > low) & (occ < high)  # none if they are equal
         table[between] = np.floor((occ[between] - low) / span * np.float32(100.0) + 0.5)
-    table[occ >= high] = OCCUPIED
     table[occ <= low] = FREE
+    table[occ >= high] = OCCUPIED
     return table
 
 
