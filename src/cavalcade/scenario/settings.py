@@ -102,6 +102,10 @@ class PlannerSection(Section):
     for walking ones, which sway); the variant `published` means `static` and `first` unless they
     are given. What follows `budget` is for formations.
 
+    `despeckle` takes specks out of the map that the planner is given: groups of occupied cells
+    that fit into a square of this side, m. The world keeps them, and what drives over one has
+    collided.
+
     Units: lengths m, speeds m/s, `lookahead` and `d_switch` seconds of normalised time; the `w_`
     values are velocities of the map between 0 and 1.
     """
@@ -113,6 +117,7 @@ class PlannerSection(Section):
     leaps: Annotated[bool, Strict()] | None = None
     improve: Annotated[int, Strict(), Field(ge=0, le=10**9)] | None = None
     margin: Annotated[Number, Field(ge=0, le=1)] | None = None
+    despeckle: Annotated[Number, Field(ge=0, le=1)] = 0.0
     budget: Budget = Budget()
     preset: Literal["simulation", "laboratory"] | None = None
     lookahead: Annotated[Number, Field(gt=0, le=1e4)] | None = None

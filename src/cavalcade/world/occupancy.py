@@ -160,6 +160,37 @@ class OccupancyMap(PlacedGrid):
         touched = rasterise(shapes, self.rows, self.cols, self.resolution, self.origin)
         return replace(self, grid=np.where(touched, np.int8(OCCUPIED), self.grid))
 
+    def despeckled(self, size: float) -> OccupancyMap:
+        """This map without specks: small groups of obstacle cells become free.
+
+        Mapping leaves single cells and clusters of a few where nothing stands. A group are cells
+        that touch each other at sides or corners; where unknown counts as occupied, these belong
+        to it. Groups at the border stay, as what lies beyond is occupied.
+
+        Args:
+            size: Groups that fit into a square of this side, along the map's axes, are specks, m.
+
+        Raises:
+            MapError: The size is negative or not finite.
+        """
+        side = _finite(size, "size")
+        if side < 0.0:
+            raise MapError("expected a length that is not negative", key="size")
+        cells = math.floor(side / self.resolution + 1e-6)
+        if cells < 1:
+            return self
+        from scipy.ndimage import find_objects, label
+
+        groups = label(np.pad(self.occupied, 1, constant_values=True), np.ones((3, 3)))[0]
+        boxes = find_objects(groups)
+        small = np.zeros(len(boxes) + 1, dtype=bool)
+        for number, (rows, cols) in enumerate(boxes, start=1):
+            small[number] = max(rows.stop - rows.start, cols.stop - cols.start) <= cells
+        specks = small[groups[1:-1, 1:-1]] & self.occupied
+        # A map of one cell is as small as a speck, but at its border.
+        specks &= groups[1:-1, 1:-1] != groups[0, 0]
+        return replace(self, grid=np.where(specks, np.int8(FREE), self.grid))
+
     def __repr__(self) -> str:
         return (
             f"OccupancyMap({self.rows} x {self.cols} cells of {self.resolution:g} m, "
