@@ -31,6 +31,11 @@ def as_floats(values: object, key: str) -> Array:
     return np.array(array.astype(np.float64).filled(np.nan))
 
 
+def beyond_a_turn(yaw: float) -> bool:
+    """Whether a heading is more than a turn: it may well be in degrees."""
+    return abs(yaw) > 2.0 * np.pi + 0.02  # 6.3 is a turn, too
+
+
 def wrap_angle(angle: ArrayLike) -> Array:
     """Angles `(...)` mapped to [-pi, pi)."""
     return (np.asarray(angle, dtype=float) + np.pi) % (2.0 * np.pi) - np.pi

@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 
 from cavalcade.errors import MapError
 from cavalcade.files import write_file
+from cavalcade.geometry import beyond_a_turn
 from cavalcade.world._descriptions import choice, load_mapping, number, numbers, required
 from cavalcade.world._images import encode_pgm, encode_png, read_grey
 from cavalcade.world.occupancy import (
@@ -85,10 +86,12 @@ def load_map(path: str | Path, unknown: Unknown | None = None) -> OccupancyMap:
         MapError: A file is missing or malformed; the message names file and key.
 
     Warns:
-        MapWarning: `free_thresh` turns the grey that stands for unknown ground into free ground.
+        MapWarning: `free_thresh` turns the grey that stands for unknown ground into free ground,
+            or the origin's yaw seems to be in degrees.
     """
     path = Path(path)
     description = _read_description(path)
+    warn_of_degrees(path, description.origin[2])
     picture = path.parent / description.image
     if not _exists(picture):
         raise MapError(f"no such file: {description.image}", file=path, key="image")
@@ -112,6 +115,13 @@ def load_map(path: str | Path, unknown: Unknown | None = None) -> OccupancyMap:
         description.origin,
         description.unknown if unknown is None else unknown,
     )
+
+
+def warn_of_degrees(path: Path, yaw: float) -> None:
+    """Warn of an origin that is turned by more than a turn."""
+    if beyond_a_turn(yaw):
+        text = f"a yaw of {yaw:g} rad is more than a turn; expected radians, not degrees"
+        warnings.warn(f"{path}: origin: {text}", MapWarning, stacklevel=3)
 
 
 def save_map(

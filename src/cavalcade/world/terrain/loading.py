@@ -17,7 +17,7 @@ from cavalcade.files import read_head
 from cavalcade.world._descriptions import as_float, choice, load_mapping, numbers
 from cavalcade.world._images import PNG_SIGNATURE
 from cavalcade.world.occupancy import checked_origin, checked_resolution
-from cavalcade.world.ros_map import MapWarning
+from cavalcade.world.ros_map import MapWarning, warn_of_degrees
 from cavalcade.world.terrain.meshes import is_mesh, read_mesh
 from cavalcade.world.terrain.samples import (
     Samples,
@@ -96,7 +96,9 @@ def _described(path: Path, cell: float) -> Terrain:
             if kind == "description":
                 raise MapError("expected a PNG, NPZ, CSV, STL or PLY file", key="file")
             samples = _read(kind, file, cell, said)
-        return _terrain(samples, cell, said)
+        terrain = _terrain(samples, cell, said)
+        warn_of_degrees(path, terrain.origin[2])
+        return terrain
     except MapError as error:
         if error.file is not None:
             raise
@@ -121,7 +123,7 @@ def _read(kind: Kind, file: Path, cell: float, said: dict[str, Any]) -> Samples:
                 raise MapError("a mesh has none", key=key)
         return read_mesh(file, cell, scale)
     samples = read_archive(file) if kind == "archive" else read_table(file)
-    samples = _known(samples, said, file)
+    samples = _known(samples, said, file, scale)
     samples = replace(samples, heights=scale * samples.heights)
     return _turned(samples, said, "bottom")
 
@@ -131,13 +133,13 @@ def _nodata(said: dict[str, Any]) -> float | None:
     return as_float(said["nodata"], "nodata") if "nodata" in said else None
 
 
-def _known(samples: Samples, said: dict[str, Any], file: Path) -> Samples:
+def _known(samples: Samples, said: dict[str, Any], file: Path, scale: float = 1.0) -> Samples:
     """The heights without those that only mark missing ones; a warning where nobody said which."""
     nodata = _nodata(said)
     if nodata is None and (mark := likely_nodata(samples.heights)) is not None:
         text = f"heights of {mark:g} look as if they stood for missing ones"
         hint = f"expected nodata: {mark:g} in its description, if so"
-        if abs(mark) > MAX_HEIGHT:
+        if scale * abs(mark) > MAX_HEIGHT:
             raise MapError(f"{text}; {hint}", file=file)
         warnings.warn(f"{file}: {text}; {hint}", MapWarning, stacklevel=2)
     return without(samples, nodata)
