@@ -12,6 +12,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
+
 from cavalcade.errors import MapError
 from cavalcade.files import read_head
 from cavalcade.world._descriptions import as_float, choice, load_mapping, numbers
@@ -66,19 +68,25 @@ def load_terrain(path: str | Path, resolution: float = RESOLUTION) -> Terrain:
     path = Path(path)
     cell = checked_cell(resolution)
     try:
-        if path.is_dir():
-            samples = read_triple(*(path / name for name in _TABLES))
-            return _terrain(_known(samples, {}, path), cell, {})
-        kind = _kind_of(path)
-        if kind == "description":
-            return _described(path, cell)
-        if kind in ("picture", "table"):
-            raise MapError(f"a {kind} needs a description in YAML with file and resolution")
-        return _terrain(_read(kind, path, cell, {}), cell, {})
+        # Numbers of damaged files overflow, or are signals; what comes of them is looked at.
+        with np.errstate(over="ignore", invalid="ignore"):
+            return _loaded(path, cell)
     except MapError as error:
         raise (error.at(file=path, key=error.key) if error.file is None else error) from None
     except MemoryError:
         raise MapError("is too large for the memory there is", file=path) from None
+
+
+def _loaded(path: Path, cell: float) -> Terrain:
+    if path.is_dir():
+        samples = read_triple(*(path / name for name in _TABLES))
+        return _terrain(_known(samples, {}, path), cell, {})
+    kind = _kind_of(path)
+    if kind == "description":
+        return _described(path, cell)
+    if kind in ("picture", "table"):
+        raise MapError(f"a {kind} needs a description in YAML with file and resolution")
+    return _terrain(_read(kind, path, cell, {}), cell, {})
 
 
 def _described(path: Path, cell: float) -> Terrain:
