@@ -100,7 +100,8 @@ class RadioFleet:
         """
         wanted = as_floats(commands, "commands")
         if wanted.shape != self._commands.shape or not np.isfinite(wanted).all():
-            raise InputError(f"expected finite commands of shape {self._commands.shape}")
+            text = f"expected finite commands of shape {self._commands.shape}"
+            raise InputError(text, key="commands")
         if self._instant:
             deaf = self._silent | self._disabled
             self._commands = np.where(deaf[:, None], 0.0, wanted)
