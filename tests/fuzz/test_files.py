@@ -12,6 +12,7 @@ from __future__ import annotations
 import copy
 import io
 import os
+import re
 import struct
 import warnings
 import zlib
@@ -28,9 +29,11 @@ from hypothesis import HealthCheck, given, note, settings
 from hypothesis import strategies as st
 from PIL import Image
 
+from cavalcade.campaign.suite import SUITES, load_suite
 from cavalcade.checking.mapfile import read_movingai, read_ros_map
 from cavalcade.errors import CavalcadeError, RecordingError
-from cavalcade.robots import load_model
+from cavalcade.locomotion import LegControl
+from cavalcade.robots import load_model, robot_model
 from cavalcade.scenario import (
     ScenarioWarning,
     build_world,
@@ -190,6 +193,7 @@ def _read(read: Callable[[], Any], folder: Path) -> Any:
         warnings.simplefilter("error")
         for kind in (ScenarioWarning, MapWarning, RenamedWarning):
             warnings.simplefilter("ignore", kind)
+        warnings.filterwarnings("ignore", "Inertia matrix is too close", UserWarning)  # MuJoCo's
         try:
             return read()
         except CavalcadeError as error:
@@ -478,6 +482,57 @@ def test_robots(tmp_path: Path, random: Random) -> None:
     assert np.isfinite([*sizes, model.max_yaw_rate, *model.body, model.tracking_error]).all()
     if scenario is not None:
         _read(lambda: build_world(scenario), tmp_path)
+
+
+@pytest.fixture(scope="session")
+def mujoco_model() -> str:
+    """Go1 as a MuJoCo model."""
+    pytest.importorskip("mujoco")
+    from cavalcade.fleet.mujoco.robot_spec import robot_spec
+
+    description = robot_model("go1").description
+    assert description is not None
+    spec = robot_spec(description, (2, 1), 0.8).spec
+    spec.compile()
+    return re.sub(r"<site [^>]*/>|<sensor>.*</sensor>", "", spec.to_xml(), flags=re.DOTALL)
+
+
+@given(_RANDOM)
+@_MANY
+def test_mujoco_models(tmp_path: Path, mujoco_model: str, random: Random) -> None:
+    from cavalcade.fleet.mujoco import own_robot
+
+    text, changes = mujoco_model, []
+    for _ in range(random.choice((0, 1, 1, 2, 5))):
+        if random.random() < 0.8:  # a number, or what stands for one
+            places = [found.span() for found in re.finditer(r'(?<=[" ])-?[\d.e+-]+(?=[" ])', text)]
+            new = random.choice(("0", "-1", "1e-9", "1e9", "1e300", "nan", "inf", "", "x", "1 2"))
+        else:  # a tag, or an attribute with its value
+            places = [found.span() for found in re.finditer(r'<[^>]*>|\w+="[^"]*"', text)]
+            new = random.choice(("", "<body/>", 'name="a"'))
+        begin, end = random.choice(places or [(0, 0)])
+        changes.append((text[begin:end], new))
+        text = text[:begin] + new + text[end:]
+    path = tmp_path / "m.xml"
+    path.write_text(text, encoding="utf-8")
+    note(str(changes))
+    robot = _read(lambda: own_robot(path, robot_model("go1")), tmp_path)
+    control = None if robot is None else _read(lambda: LegControl([robot]), tmp_path)
+    if control is not None:
+        description = robot.description
+        masses = [description.mass, description.stand_height, *description.torque_limits]
+        assert np.isfinite([*masses, *np.ravel(description.joint_range)]).all()
+
+
+@given(_RANDOM)
+@_MANY
+def test_suites_of_campaigns(tmp_path: Path, random: Random) -> None:
+    source = random.choice(sorted(SUITES.glob("*.yaml")))
+    content = as_yaml(damaged_data(yaml.safe_load(source.read_text("utf-8")), random))
+    note(str(content))
+    path = tmp_path / "s.yaml"
+    path.write_bytes(content)
+    _read(lambda: load_suite(path), tmp_path)
 
 
 @pytest.mark.parametrize("kind", [RecordingError, CavalcadeError])
