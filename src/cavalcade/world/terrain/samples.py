@@ -9,12 +9,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from cavalcade.errors import MapError
 from cavalcade.files import read_bytes, read_head
 from cavalcade.geometry import Array
+from cavalcade.kernels import kernel
 from cavalcade.world._images import (
     decode_deep_colours,
     decode_png,
@@ -107,7 +107,7 @@ def to_grid(samples: Samples, cell: float, holes: bool = True) -> Array:
     return out
 
 
-@njit(cache=True)
+@kernel
 def resample(field: Array, step: float, out: Array, cell: float, x0: float, y0: float) -> None:
     """Fill `out` `(rows, cols)` of cells `cell` from a grid of samples `step` apart.
 
