@@ -180,6 +180,7 @@ coordinate = st.floats(-1e5, 1e5)
     st.sampled_from(["occupied", "free"]),
     st.booleans(),
 )
+@pytest.mark.filterwarnings("ignore:.*a yaw of")
 def test_a_saved_map_loads_back_equal(tmp_path, grid, resolution, origin, image, unknown, trinary):
     array = np.array(grid)
     if trinary:
