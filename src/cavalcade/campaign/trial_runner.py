@@ -54,13 +54,16 @@ def run_trial_into(
     Raises:
         OutputError, OSError: `out` cannot be written.
     """
+    from cavalcade.scenario import ScenarioWarning
     from cavalcade.world import MapWarning
 
     known = _Known(trial)
     try:
         with warnings.catch_warnings():
-            # What is said of a map's thresholds has been said to whoever chose the map.
+            # What is said of a map's thresholds has been said to whoever chose the map, and
+            # variants are compared on scenarios that not all of them make something of.
             warnings.simplefilter("ignore", MapWarning)
+            warnings.simplefilter("ignore", ScenarioWarning)
             if trial.sampler.individual_goals and trial.backend != "mujoco":
                 return _planned(known, out, force, quiet)
             return _carried_out(known, out, force, quiet)
