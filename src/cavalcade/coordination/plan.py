@@ -105,7 +105,7 @@ def inflated(model: RobotModel, margin: float) -> RobotModel:
     """The robot with a footprint that is `margin` m wider on all sides."""
     if not margin:
         return model
-    return replace(model, length=model.length + 2.0 * margin, width=model.width + 2.0 * margin)
+    return model.with_limits(length=model.length + 2.0 * margin, width=model.width + 2.0 * margin)
 
 
 class _Call:

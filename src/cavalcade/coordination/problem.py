@@ -126,7 +126,7 @@ class TeamProblem:
         Raises:
             InputError: An unknown model, or not a start and a goal for each robot.
         """
-        team = tuple(robot_model(one) if isinstance(one, str) else one for one in models)
+        team = tuple(robot_model(one) for one in models)
 
         def local(poses: Sequence[Pose]) -> tuple[Pose, ...]:
             table = np.array(poses, dtype=float).reshape(-1, 3)

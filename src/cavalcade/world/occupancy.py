@@ -13,8 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.errors import MapError
 from cavalcade.geometry import Array, inverse_transform_points, transform_points
+from cavalcade.values import plain_number
 from cavalcade.world.raster import rasterise
-from cavalcade.world.shapes import Shape, plain_number
+from cavalcade.world.shapes import Shape
 
 FREE, OCCUPIED, UNKNOWN = 0, 100, -1
 """Cell values of nav_msgs/OccupancyGrid."""

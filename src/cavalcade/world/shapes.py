@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array, inverse_transform_points, polygons, rectangle_corners
+from cavalcade.values import plain_number
 
 MAX_COORDINATE = 1e6
 """Largest coordinate or length of a shape, m; beyond it arithmetic loses the millimetres."""
@@ -217,16 +218,6 @@ def shape_to_mapping(shape: Shape) -> dict[str, dict[str, Any]]:
     if isinstance(shape, Circle):
         return {"circle": {"center": list(shape.center), "radius": shape.radius}}
     return {"box": {"center": list(shape.center), "size": list(shape.size), "yaw": shape.yaw}}
-
-
-def plain_number(value: object, key: str, kind: type[InputError] = InputError) -> float:
-    """`value` as a float, infinite or nan too; True and False are none."""
-    if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
-        raise kind("expected a number", key=key)
-    try:
-        return float(value)
-    except (OverflowError, TypeError):
-        raise kind("expected a number", key=key) from None
 
 
 def _number(value: object, key: str) -> float:
