@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Mapping
+from os import PathLike, fspath
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
@@ -59,7 +62,12 @@ def whole_number(value: object, key: str, least: int = -(10**18), most: int = 10
 
 
 def number_array(
-    values: object, key: str, shape: tuple[int | None, ...], what: str, most: float = MAX_VALUE
+    values: object,
+    key: str,
+    shape: tuple[int | None, ...],
+    what: str,
+    most: float = MAX_VALUE,
+    kind: type[InputError] = InputError,
 ) -> NDArray[np.float64]:
     """An own float array of a shape, in which None stands for any length.
 
@@ -68,33 +76,70 @@ def number_array(
         key: The argument's name.
         shape: What is expected.
         what: The same in words, such as `(N, 3) poses`.
-        most: Largest value and, negated, the least.
+        most: Largest value and, negated, the least; nan if all are taken, nan too.
+        kind: Of the error.
 
     Raises:
         InputError: Another shape; something that is no number, is masked, not finite or too large.
     """
     try:
         array = np.asarray(values)
-    except (TypeError, ValueError):
-        raise InputError(f"expected {what}, got rows of different lengths", key=key) from None
+    except (TypeError, ValueError, OverflowError):
+        raise kind(f"expected {what}, got rows of different lengths", key=key) from None
     if np.ma.is_masked(values):
-        raise InputError(f"expected {what}, some values are masked", key=key)
+        raise kind(f"expected {what}, some values are masked", key=key)
     if array.dtype.kind not in "iuf":
         # An empty list is an array of floats; of texts, None and truth values none can be made.
-        raise InputError(f"expected {what}, got {described(values)}", key=key)
+        raise kind(f"expected {what}, got {described(values)}", key=key)
     fits = len(array.shape) == len(shape) and all(
         want is None or have == want for have, want in zip(array.shape, shape, strict=True)
     )
     if not fits:
-        raise InputError(f"expected {what}, got an array of shape {array.shape}", key=key)
+        raise kind(f"expected {what}, got an array of shape {array.shape}", key=key)
     with np.errstate(over="ignore"):
-        result: NDArray[np.float64] = np.array(array, dtype=float)
+        result: NDArray[np.float64] = np.array(array, dtype=float, order="C")
     # One pass: nan fails every comparison.
-    if not (np.abs(result) <= most).all():
+    if not math.isnan(most) and not (np.abs(result) <= most).all():
         if not np.isfinite(result).all():
-            raise InputError(f"expected {what}, all finite", key=key)
-        raise InputError(f"expected {what} within ±{most:g}", key=key)
+            raise kind(f"expected {what}, all finite", key=key)
+        raise kind(f"expected {what} within ±{most:g}", key=key)
     return result
+
+
+def points_of(
+    values: object, most: float = MAX_VALUE, kind: type[InputError] = InputError
+) -> NDArray[np.float64]:
+    """Points `(N, 2)` in m as an own array.
+
+    Raises:
+        InputError: They are something else, or beyond `most`; of that `kind`.
+    """
+    return number_array(values, "points", (None, 2), "points (N, 2) in m", most, kind)
+
+
+def pose_of(value: object, key: str) -> tuple[float, float, float]:
+    """A pose x, y in m, yaw in rad.
+
+    Raises:
+        InputError: It is something else.
+    """
+    x, y, yaw = number_array(value, key, (3,), "three finite numbers: x, y, yaw").tolist()
+    return x, y, yaw
+
+
+def path_of(value: object, key: str = "path", kind: type[InputError] = InputError) -> Path:
+    """The path of a file or folder.
+
+    Raises:
+        InputError: It is none, or no name that a file can have; of that `kind`.
+    """
+    if not isinstance(value, (str, PathLike)) or not isinstance(name := fspath(value), str):
+        raise kind(f"expected the name of a file or folder, got {described(value)}", key=key)
+    if "\0" in name:
+        raise kind("the name of a file holds a null byte", key=key)
+    if len(name) > 4000 or any(len(part) > 255 for part in name.split("/")):
+        raise kind(f"the name {described(name)} is too long", key=key)
+    return Path(name)
 
 
 def instance_of(value: Any, kind: type[_T], key: str, what: str = "") -> _T:
@@ -109,16 +154,23 @@ def instance_of(value: Any, kind: type[_T], key: str, what: str = "") -> _T:
     return value
 
 
-def instances_of(values: Any, kind: type[_T], key: str, what: str = "") -> tuple[_T, ...]:
-    """`values` as a tuple, each of a class.
+def instances_of(values: Any, kind: Any, key: str, what: str = "") -> tuple[Any, ...]:
+    """`values` as a tuple, each of a class or of one of several, `A | B`.
 
     Raises:
         InputError: They are something else.
     """
     wanted = what or f"a list, each {_with_article(kind.__name__)}"
-    if isinstance(values, (str, bytes)) or not isinstance(values, Iterable):
+    if isinstance(values, (str, bytes, Mapping)) or not _is_iterable(values):
         raise InputError(f"expected {wanted}, got {described(values)}", key=key)
     return tuple(instance_of(v, kind, f"{key}[{k}]", what) for k, v in enumerate(values))
+
+
+def _is_iterable(values: object) -> bool:
+    """Whether values can be gone through; arrays of no dimension cannot."""
+    return isinstance(values, Iterable) and not (
+        isinstance(values, type) or (isinstance(values, np.ndarray) and values.ndim == 0)
+    )
 
 
 def described(value: object) -> str:

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from cavalcade.eikonal import _descent, _march
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array
+from cavalcade.values import instance_of, plain_number
 
 _ALL: NDArray[np.int64] = np.empty(0, np.int64)
 _FARTHEST = 1e12  # cells
@@ -37,16 +38,18 @@ class TravelGrid:
     def __init__(self, speed: ArrayLike, cell: float, beside: TravelGrid | None = None) -> None:
         try:
             speed = np.asarray(speed, dtype=float)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise InputError("expected (rows, cols) numbers", key="speed") from None
         if speed.ndim != 2 or speed.size == 0:
             raise InputError(f"expected (rows, cols) speeds, got shape {speed.shape}", key="speed")
         try:
             self.cell = float(cell)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise InputError(f"expected a cell size in m, got {cell!r}", key="cell") from None
         if not 0.0 < self.cell < np.inf:
             raise InputError(f"expected a positive cell size in m, got {cell!r}", key="cell")
+        if beside is not None:
+            instance_of(beside, TravelGrid, "beside")
         self.rows, self.cols = speed.shape
         self._stride = self.cols + 2
         size = (self.rows + 2) * self._stride
@@ -99,7 +102,7 @@ class TravelGrid:
         """
         try:
             points = np.atleast_2d(np.asarray(sources, dtype=float))
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise InputError("expected points (N, 2) in m", key="point") from None
         if points.ndim != 2 or points.shape[1] != 2:
             raise InputError(f"expected points (N, 2) in m, got shape {points.shape}", key="point")
@@ -187,6 +190,9 @@ class TravelGrid:
             The path `(K, 2)` from start to goal, empty where there is none, and its time in s
             (inf where there is none).
         """
+        guess = plain_number(guess, "guess")
+        if math.isnan(guess):
+            raise InputError("expected a time in s, got nan", key="guess")
         begin, end = self._place(start), self._place(goal)
         if np.inf in (self._delay[self._index(*begin)], self._delay[self._index(*end)]):
             return np.empty((0, 2)), np.inf
@@ -196,7 +202,7 @@ class TravelGrid:
                 self._scratch = np.full(self._delay.size, np.inf)
             try:
                 count, reached, eta = _descent.local_path(
-                    begin, end, float(guess), self._padded, self._scratch, self._work,
+                    begin, end, guess, self._padded, self._scratch, self._work,
                     self._points, self._stamps,
                 )  # fmt: skip
             except MemoryError:
@@ -216,7 +222,7 @@ class TravelGrid:
         try:
             x, y = pair
             x, y = float(x), float(y)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise InputError("expected a point (x, y) in m", key="point") from None
         u, v = x / self.cell, y / self.cell
         if -_FARTHEST < u < _FARTHEST and -_FARTHEST < v < _FARTHEST:
@@ -249,6 +255,9 @@ class TravelGrid:
 
     def _nearest(self, point: ArrayLike, values: Array, reach: float) -> Array | None:
         u, v = self._place(point)
+        reach = plain_number(reach, "reach")
+        if not reach >= 0.0:
+            raise InputError(f"expected a distance in m, got {reach:g}", key="reach")
         rings = int(min(reach / self.cell, self.rows + self.cols)) + 1
         found = _descent.nearest_reached(u, v, values, self.rows, self.cols, rings)
         if found < 0:
@@ -291,7 +300,10 @@ class ArrivalField:
     def reaches(self, cells: Sequence[tuple[int, int]]) -> bool:
         """Whether the march came to all of these [row, col] cells of the grid."""
         stride = self.grid._stride
-        return all(self._times[(r + 1) * stride + c + 1] < np.inf for r, c in cells)
+        try:
+            return all(self._times[(r + 1) * stride + c + 1] < np.inf for r, c in cells)
+        except (TypeError, ValueError, IndexError, OverflowError):
+            raise InputError("expected [row, col] cells of the grid", key="cells") from None
 
     def nearest_reached(self, point: ArrayLike, reach: float = np.inf) -> Array | None:
         """The centre of the nearest reached cell `(2,)`, or None if none lies within `reach` m."""

@@ -76,6 +76,8 @@ class Imperfections:
 
     def error(self, period: float, reach: float) -> float:
         """How far a point of a robot, `reach` from its centre, may be from where it is taken, m."""
+        number_in(period, "period", 1e-3, 10.0, "s")
+        number_in(reach, "reach", 0.0)
         place = self.position * math.sqrt(_gain(self.position, period))
         turn = self.heading * math.sqrt(_gain(self.heading, period))
         return _SIGMAS * math.hypot(place, reach * turn) + self.tracking_error
@@ -86,6 +88,7 @@ class Imperfections:
         As many messages in a row as are lost once in a thousand times, and two standard
         deviations of the jitter.
         """
+        number_in(period, "period", 1e-3, 10.0, "s")
         lost = 0 if self.drop == 0.0 else math.ceil(math.log(1e-3) / math.log(min(self.drop, 0.5)))
         # The last of them costs at most the difference of two successive commands.
         return max(1, lost) + math.ceil(2.0 * self.jitter / period)

@@ -173,6 +173,9 @@ class SafetyFilter:
 
     def in_body(self, poses: Array, wanted: Array) -> Array:
         """Wanted velocities `(N, 3)` as body-frame commands, unfiltered but within the limits."""
+        poses = number_array(poses, "poses", (None, 3), "(N, 3) poses", _LARGEST)
+        shape = (len(poses), 3)
+        wanted = number_array(wanted, "wanted", shape, f"{shape} velocities", _LARGEST)
         return to_body(wanted, poses[:, 2], self.parameters.horizon.limits)
 
     def apply(self, inputs: SafetyInputs) -> tuple[Array, NDArray[np.int64]]:

@@ -167,7 +167,7 @@ def check_model(model: RobotModel) -> None:
         value = plain_number(getattr(model, key), key)
         if not least <= value <= most:
             raise InputError(f"expected {least:g} to {most:g}, got {value:g}", key=key)
-    if model.drive not in get_args(Drive):
+    if not isinstance(model.drive, str) or model.drive not in get_args(Drive):
         raise InputError("unknown drive", key="drive", choices=get_args(Drive))
     instance_of(model.source, str, "source", "text")
     instance_of(model.round, bool, "round", "True or False")

@@ -12,11 +12,11 @@ from dataclasses import MISSING, dataclass, fields, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array, inverse_transform_points, polygons, rectangle_corners
-from cavalcade.values import plain_number
+from cavalcade.values import number_array, plain_number, points_of
 
 MAX_COORDINATE = 1e6
 """Largest coordinate or length of a shape, m; beyond it arithmetic loses the millimetres."""
@@ -228,26 +228,23 @@ def _number(value: object, key: str) -> float:
     return number
 
 
-def _pair(value: object, key: str) -> tuple[float, float]:
+def _pair(value: Any, key: str) -> tuple[float, float]:
     """`value` as a pair of finite floats."""
-    if not isinstance(value, (Sequence, np.ndarray)) or isinstance(value, str) or len(value) != 2:
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 2:
         raise InputError("expected two numbers", key=key)
     return _number(value[0], key), _number(value[1], key)
 
 
 def _displaced(point: tuple[float, float], offset: ArrayLike) -> tuple[float, float]:
-    dx, dy = np.asarray(offset, dtype=float)
-    return point[0] + float(dx), point[1] + float(dy)
+    dx, dy = number_array(offset, "offset", (2,), "(2,) m").tolist()
+    return point[0] + dx, point[1] + dy
 
 
 def _points(points: ArrayLike) -> Array:
     """Points as a finite float array `(N, 2)`."""
-    array: NDArray[np.float64] = np.asarray(points, dtype=float)
-    if array.ndim != 2 or array.shape[1] != 2:
-        raise InputError(f"expected points of shape (N, 2), not {array.shape}", key="points")
-    if not np.isfinite(array).all():
-        raise InputError("points must be finite", key="points")
-    return array
+    return points_of(points, 1e150)
 
 
 def _bounds_of(points: Array) -> Bounds:

@@ -13,6 +13,7 @@ from typing import Any, Literal
 
 from cavalcade.errors import MapError
 from cavalcade.files import read_head
+from cavalcade.values import path_of
 from cavalcade.world._descriptions import as_float, choice, load_mapping, numbers
 from cavalcade.world._images import PNG_SIGNATURE
 from cavalcade.world.occupancy import checked_origin, checked_resolution
@@ -46,7 +47,7 @@ def load_terrain(path: str | Path, resolution: float = RESOLUTION) -> Terrain:
     Raises:
         MapError: The file cannot be used; the message is one line that says which and why.
     """
-    path = Path(path)
+    path = path_of(path, kind=MapError)
     cell = checked_cell(resolution)
     try:
         if path.is_dir():
