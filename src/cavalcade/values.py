@@ -16,6 +16,8 @@ from cavalcade.errors import InputError
 MAX_VALUE = 1e6
 """Largest coordinate, length or speed, in SI units; beyond it arithmetic loses the millimetres."""
 
+_ENDLESS = 2**63 - 1
+
 _T = TypeVar("_T")
 
 
@@ -48,7 +50,7 @@ def number_in(
     return number
 
 
-def whole_number(value: object, key: str, least: int = -(10**18), most: int = 10**18) -> int:
+def whole_number(value: object, key: str, least: int = -_ENDLESS, most: int = _ENDLESS) -> int:
     """`value` as an int from `least` to `most`.
 
     Raises:
@@ -57,7 +59,8 @@ def whole_number(value: object, key: str, least: int = -(10**18), most: int = 10
     if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
         raise InputError(f"expected a whole number, got {described(value)}", key=key)
     if not least <= value <= most:
-        raise InputError(f"expected {least} to {most}, got {described(int(value))}", key=key)
+        bounds = f"{least} or more" if most >= _ENDLESS else f"{least} to {most}"
+        raise InputError(f"expected {bounds}, got {described(int(value))}", key=key)
     return int(value)
 
 
@@ -106,6 +109,23 @@ def number_array(
     return result
 
 
+def real_array(
+    values: Any, key: str, what: str, kind: type[InputError] = InputError
+) -> NDArray[np.float64]:
+    """Numbers or truth values as a float array of any shape, nan too; it may be the one given.
+
+    Raises:
+        InputError: They are something else; of that `kind`.
+    """
+    try:
+        array = np.asarray(values)
+        if array.dtype.kind not in "biuf" and array.size:
+            raise kind(f"expected {what}, got {described(values)}", key=key)
+        return np.asarray(array, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        raise kind(f"expected {what}, got {described(values)}", key=key) from None
+
+
 def points_of(
     values: object, most: float = MAX_VALUE, kind: type[InputError] = InputError
 ) -> NDArray[np.float64]:
@@ -123,7 +143,10 @@ def pose_of(value: object, key: str) -> tuple[float, float, float]:
     Raises:
         InputError: It is something else.
     """
-    x, y, yaw = number_array(value, key, (3,), "three finite numbers: x, y, yaw").tolist()
+    pose = number_array(value, key, (3,), "three numbers: x, y, yaw", math.nan)
+    if not (np.abs(pose) <= MAX_VALUE).all():
+        raise InputError(f"expected finite x, y, yaw within ±{MAX_VALUE:g}", key=key)
+    x, y, yaw = pose.tolist()
     return x, y, yaw
 
 

@@ -12,6 +12,7 @@ import os
 import tempfile
 import warnings
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from datetime import datetime
 from fractions import Fraction
 from functools import cache
@@ -30,8 +31,10 @@ from cavalcade.robots import MODELS, LegModel
 
 CASES = int(os.environ.get("CAVALCADE_FUZZ", "12"))
 
-NUMBERS = [0, 1, -1, 3, 0.3, -0.0, 1e-320, 1e-9, 1e6, -1e9, 1e300, 10**400, 2**63, np.nan, np.inf,
-           -np.inf, True, np.float32(0.7), np.int8(2), np.float64(np.nan), np.float16(1.5)]  # fmt: skip
+NUMBERS = [
+    0, 1, -1, 3, 0.3, -0.0, 1e-320, 1e-9, 1e6, -1e9, 1e300, 10**400, 2**63, np.nan, np.inf,
+    -np.inf, True, np.float32(0.7), np.int8(2), np.float64(np.nan), np.float16(1.5),
+]  # fmt: skip
 OTHERS = [
     None, "", "kitchen", "1.0", b"go1", "\0", "a" * 5000, [], (), {}, {"x": 1}, {1, 2}, 1 + 2j,
     Fraction(1, 3), datetime(2026, 1, 1), Path("nowhere"), object, object(), len, range(3),
@@ -150,6 +153,12 @@ def _scenario() -> cv.Scenario:
 
 
 @cache
+def _own_goals() -> cv.Scenario:
+    robots = [{"model": "go1", "start": [1.0, 1.0, 0.0], "goal": [2.0, 2.0, 0.0]}]
+    return cv.parse_scenario({**TINY, "robots": robots, "task": {"goals": "individual"}})
+
+
+@cache
 def _terrain() -> cv.Terrain:
     return cv.Terrain.from_heights(HEIGHTS, 0.1)
 
@@ -217,6 +226,18 @@ def legs() -> cv.LegControl:
     return made
 
 
+def posed(name: str) -> Callable[..., Any]:
+    """A posture, taken up by a robot that lies or stands."""
+
+    def call(**values: Any) -> Any:
+        made = cv.LegControl([GO1])
+        made.begin(0.0, QPOS, standing=name == "lie_down")
+        made.step(0.002, QPOS, np.zeros((1, 18)), np.full((1, 4), 30.0))
+        return getattr(made, name)(**values)
+
+    return call
+
+
 def with_legs(name: str) -> Callable[..., Any]:
     return lambda **values: getattr(legs(), name)(**values)
 
@@ -275,8 +296,10 @@ CALLS: dict[str, Call] = {
     **{
         f"OccupancyMap.{name}": Call(getattr(MAP, name), {key: value})
         for name, key, value in (
-            ("cell_of", "points", POINTS), ("to_local", "points", POINTS),
-            ("to_map", "points", POINTS), ("contains", "points", POINTS),
+            ("cell_of", "points", POINTS),
+            ("to_local", "points", POINTS),
+            ("to_map", "points", POINTS),
+            ("contains", "points", POINTS),
             ("centers", "cells", np.array([[1, 2], [3, 4]])),
             ("with_shapes", "shapes", [cv.Circle((1.0, 1.0), 0.3)]),
         )
@@ -287,7 +310,8 @@ CALLS: dict[str, Call] = {
     **{
         f"{type(shape).__name__}.{name}": Call(getattr(shape, name), {key: value})
         for shape in (
-            cv.Box((1.0, 1.0), (0.3, 0.2)), cv.Circle((1.0, 1.0), 0.3),
+            cv.Box((1.0, 1.0), (0.3, 0.2)),
+            cv.Circle((1.0, 1.0), 0.3),
             cv.Polygon(((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))),
         )
         for name, key, value in (("moved", "offset", (0.1, 0.2)), ("distance", "points", POINTS))
@@ -306,7 +330,8 @@ CALLS: dict[str, Call] = {
     **{
         f"TravelGrid.{name}": Call(lambda name=name, **v: getattr(_travel(), name)(**v), arguments)
         for name, arguments in (
-            ("cell_of", {"point": (0.5, 0.5)}), ("is_free", {"point": (0.5, 0.5)}),
+            ("cell_of", {"point": (0.5, 0.5)}),
+            ("is_free", {"point": (0.5, 0.5)}),
             ("nearest_free", {"point": (0.5, 0.5), "reach": 1.0}),
             ("local_path", {"start": (0.2, 0.2), "goal": (1.0, 0.9), "guess": 2.0}),
         )
@@ -316,7 +341,8 @@ CALLS: dict[str, Call] = {
             lambda name=name, **v: getattr(_travel().field([(0.5, 0.5)]), name)(**v), arguments
         )
         for name, arguments in (
-            ("eta", {"point": (0.5, 0.5)}), ("path", {"start": (0.9, 0.5)}),
+            ("eta", {"point": (0.5, 0.5)}),
+            ("path", {"start": (0.9, 0.5)}),
             ("reaches", {"cells": [(1, 1)]}),
             ("nearest_reached", {"point": (0.5, 0.5), "reach": 1.0}),
         )
@@ -332,8 +358,12 @@ CALLS: dict[str, Call] = {
     "Terrain": Call(
         cv.Terrain,
         {
-            "height": HEIGHTS, "smooth": HEIGHTS, "normals": np.dstack([0 * HEIGHTS] * 2 + [HEIGHTS + 1]),
-            "traversability": HEIGHTS + 0.5, "resolution": 0.1, "origin": (0.0, 0.0, 0.0),
+            "height": HEIGHTS,
+            "smooth": HEIGHTS,
+            "normals": np.dstack([0 * HEIGHTS] * 2 + [HEIGHTS + 1]),
+            "traversability": HEIGHTS + 0.5,
+            "resolution": 0.1,
+            "origin": (0.0, 0.0, 0.0),
         },
     ),
     "Terrain.from_map": Call(cv.Terrain.from_map, {"map": MAP}),
@@ -350,7 +380,8 @@ CALLS: dict[str, Call] = {
     "Formation": Call(
         cv.Formation,
         {
-            "name": "custom", "slots": SQUARE.slots,
+            "name": "custom",
+            "slots": SQUARE.slots,
             "connections": (cv.Connection(0, 1, 1.0, LAW),),
         },
     ),
@@ -359,16 +390,17 @@ CALLS: dict[str, Call] = {
     **{
         f"Formation.{name}": Call(getattr(cv.Formation, name), {"robots": 5, key: 1.0})
         for name, key in (
-            ("line", "spacing"), ("column", "spacing"), ("wedge", "spacing"), ("circle", "radius"),
+            ("line", "spacing"),
+            ("column", "spacing"),
+            ("wedge", "spacing"),
+            ("circle", "radius"),
         )
     },
     "Formation.custom": Call(
         cv.Formation.custom,
         {"slots": SQUARE.slots, "connections": [cv.Connection(0, 1, 1.0, LAW)]},
     ),
-    "Formation.connected": Call(
-        SQUARE.connected, {"connections": [cv.Connection(0, 1, 1.0, LAW)]}
-    ),
+    "Formation.connected": Call(SQUARE.connected, {"connections": [cv.Connection(0, 1, 1.0, LAW)]}),
     "Formation.placed": Call(SQUARE.placed, {"pose": (1.0, 2.0, 0.3)}),
     "Formation.smaller": Call(SQUARE.smaller, {"robots": 3}),
     "FormationSettings": Call(cv.FormationSettings, dataclasses.asdict(cv.FormationSettings())),
@@ -388,8 +420,15 @@ CALLS: dict[str, Call] = {
     "FormationPlanner": Call(
         planned,
         {
-            "map": MAP, "formation": SQUARE, "robots": 4, "model": "go1", "settings": None,
-            "variant": "cavalcade", "rate": 20.0, "seed": 0, "lookahead": 2.0,
+            "map": MAP,
+            "formation": SQUARE,
+            "robots": 4,
+            "model": "go1",
+            "settings": None,
+            "variant": "cavalcade",
+            "rate": 20.0,
+            "seed": 0,
+            "lookahead": 2.0,
             "expected": EXPECTED,
         },
     ),
@@ -409,9 +448,15 @@ CALLS: dict[str, Call] = {
     "SafetyInputs.of": Call(
         cv.SafetyInputs.of,
         {
-            "map": MAP, "poses": POSES, "velocities": 0.0 * POSES, "commands": 0.0 * POSES,
-            "obstacles": [VISITOR], "clearance": 0.0, "rank": np.arange(4),
-            "frozen": np.zeros(4, bool), "distances": None,
+            "map": MAP,
+            "poses": POSES,
+            "velocities": 0.0 * POSES,
+            "commands": 0.0 * POSES,
+            "obstacles": [VISITOR],
+            "clearance": 0.0,
+            "rank": np.arange(4),
+            "frozen": np.zeros(4, bool),
+            "distances": None,
         },
     ),
     "SafetyFilter": Call(filtered, {"model": "go1", "period": 0.05, "expected": EXPECTED}),
@@ -423,8 +468,11 @@ CALLS: dict[str, Call] = {
     "TeamProblem": Call(
         lambda **v: cv.plan_team(cv.TeamProblem(**v), settings=SOON),
         {
-            "ground": cv.make_ground(MAP), "models": (cv.robot_model("single-integrator"),),
-            "starts": ((0.5, 0.5, 0.0),), "goals": ((1.0, 0.5, 0.0),), "origin": (0.0, 0.0, 0.0),
+            "ground": cv.make_ground(MAP),
+            "models": (cv.robot_model("single-integrator"),),
+            "starts": ((0.5, 0.5, 0.0),),
+            "goals": ((1.0, 0.5, 0.0),),
+            "origin": (0.0, 0.0, 0.0),
         },
         4,
     ),
@@ -445,8 +493,12 @@ CALLS: dict[str, Call] = {
     "plan_body": Call(
         cv.plan_body,
         {
-            "ground": cv.make_ground(MAP), "model": GO1, "start": (0.6, 0.6, 0.0),
-            "goal": (1.2, 0.6, 0.0), "settings": cv.BodySettings(iterations=200), "seed": 1,
+            "ground": cv.make_ground(MAP),
+            "model": GO1,
+            "start": (0.6, 0.6, 0.0),
+            "goal": (1.2, 0.6, 0.0),
+            "settings": cv.BodySettings(iterations=200),
+            "seed": 1,
         },
         4,
     ),
@@ -458,8 +510,8 @@ CALLS: dict[str, Call] = {
     "LegControl.command": Call(
         with_legs("command"), {"velocities": np.array([[0.2, 0.0, 0.0]]), "time": 0.0}
     ),
-    "LegControl.lie_down": Call(with_legs("lie_down"), {"robot": 0, "qpos": QPOS}),
-    "LegControl.rise": Call(with_legs("rise"), {"robot": 0, "qpos": QPOS}),
+    "LegControl.lie_down": Call(posed("lie_down"), {"robot": 0, "qpos": QPOS}),
+    "LegControl.rise": Call(posed("rise"), {"robot": 0, "qpos": QPOS}),
     "LegControl.step": Call(
         with_legs("step"),
         {"time": 0.002, "qpos": QPOS, "qvel": np.zeros((1, 18)), "feet": np.zeros((1, 4))},
@@ -472,7 +524,10 @@ CALLS: dict[str, Call] = {
     "check_motion": Call(
         cv.check_motion,
         {
-            "time": TIMES, "poses": TRACK, "models": [GO1, GO1], "size": EXTENT,
+            "time": TIMES,
+            "poses": TRACK,
+            "models": [GO1, GO1],
+            "size": EXTENT,
             "obstacles": [{"circle": {"center": [3.0, 1.0], "radius": 0.2}}],
         },
     ),
@@ -481,13 +536,19 @@ CALLS: dict[str, Call] = {
     "generate": Call(
         cv.generate,
         {
-            "kind": "clutter", "size": EXTENT, "seed": 3, "resolution": 0.1, "radius": 0.3,
-            "require_feasible": True, "attempts": 3, "obstacles": 2,
+            "kind": "clutter",
+            "size": (12.0, 4.0),
+            "seed": 3,
+            "resolution": 0.1,
+            "radius": 0.3,
+            "require_feasible": True,
+            "attempts": 3,
+            "obstacles": 2,
         },
         2,
     ),
     "generate_terrain": Call(
-        cv.generate_terrain, {"kind": "waves", "size": EXTENT, "seed": 3, "resolution": 0.1}, 2
+        cv.generate_terrain, {"kind": "slope", "size": (6.0, 4.0), "seed": 3, "resolution": 0.1}, 2
     ),
     "load_map": Call(cv.load_map, {"path": IN / "map.yaml", "unknown": "free"}),
     "load_terrain": Call(cv.load_terrain, {"path": IN / "hills.yaml", "resolution": 0.1}),
@@ -504,13 +565,19 @@ CALLS: dict[str, Call] = {
     "read_recording": Call(cv.read_recording, {"path": IN / "recording.mcap"}),
     "run": Call(
         cv.run,
-        {"scenario": _scenario(), "out": None, "seed": 1, "overrides": (), "backend": "ideal",
-         "sinks": ()},
+        {
+            "scenario": _scenario(),
+            "out": None,
+            "seed": 1,
+            "overrides": (),
+            "backend": "ideal",
+            "sinks": (),
+        },
         6,
     ),
     "plan": Call(
         cv.plan,
-        {"scenario": _scenario(), "out": None, "method": "auto", "seed": 1, "overrides": ()},
+        {"scenario": _own_goals(), "out": None, "method": "auto", "seed": 1, "overrides": ()},
         6,
     ),
 }
@@ -623,16 +690,10 @@ def test_a_planner_survives_what_it_refuses(calls: list[tuple[str, int, tuple]])
             continue
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)
-            try:
+            with suppress(cv.CavalcadeError):
                 getattr(made, name.partition(".")[2])(**{**arguments, key: odd})
-            except cv.CavalcadeError:
-                pass
         time += 0.05
-        try:
-            commands = made.step(POSES, time)
-        except cv.InputError as error:
-            assert error.key == "time"  # it was told of another time before
-            continue
+        commands = made.step(POSES, time)
         assert np.isfinite(commands).all()
         assert np.abs(commands).max() <= 1.2
         assert_no_nan(made.status)

@@ -19,6 +19,7 @@ from cavalcade.values import (
     instances_of,
     number_array,
     number_in,
+    plain_number,
     pose_of,
     whole_number,
 )
@@ -87,7 +88,8 @@ class PlanSettings:
                 )
         whole_number(self.improve, "planner.improve", 0)
         whole_number(self.iterations, "planner.iterations", 0)
-        number_in(self.margin, "planner.margin", 0.0, 1.0, "m")
+        if not 0.0 <= plain_number(self.margin, "planner.margin") <= 1.0:
+            raise InputError("expected 0 to 1 m", key="planner.margin")
         instance_of(self.leaps, bool, "planner.leaps", "True or False")
         if self.seconds is not None:
             number_in(self.seconds, "planner.seconds", 0.0, unit="s")

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from cavalcade.eikonal import _descent, _march
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array
-from cavalcade.values import instance_of, plain_number
+from cavalcade.values import described, instance_of, plain_number, real_array
 
 _ALL: NDArray[np.int64] = np.empty(0, np.int64)
 _FARTHEST = 1e12  # cells
@@ -36,18 +36,16 @@ class TravelGrid:
     """
 
     def __init__(self, speed: ArrayLike, cell: float, beside: TravelGrid | None = None) -> None:
-        try:
-            speed = np.asarray(speed, dtype=float)
-        except (TypeError, ValueError, OverflowError):
-            raise InputError("expected (rows, cols) numbers", key="speed") from None
+        speed = real_array(speed, "speed", "(rows, cols) numbers")
         if speed.ndim != 2 or speed.size == 0:
             raise InputError(f"expected (rows, cols) speeds, got shape {speed.shape}", key="speed")
         try:
             self.cell = float(cell)
         except (TypeError, ValueError, OverflowError):
-            raise InputError(f"expected a cell size in m, got {cell!r}", key="cell") from None
+            self.cell = math.nan
         if not 0.0 < self.cell < np.inf:
-            raise InputError(f"expected a positive cell size in m, got {cell!r}", key="cell")
+            what = "a positive cell size in m"
+            raise InputError(f"expected {what}, got {described(cell)}", key="cell")
         if beside is not None:
             instance_of(beside, TravelGrid, "beside")
         self.rows, self.cols = speed.shape
@@ -100,10 +98,7 @@ class TravelGrid:
             targets: [row, col] cells at which the march may stop once all are settled; None
                 settles every cell that can be reached.
         """
-        try:
-            points = np.atleast_2d(np.asarray(sources, dtype=float))
-        except (TypeError, ValueError, OverflowError):
-            raise InputError("expected points (N, 2) in m", key="point") from None
+        points = np.atleast_2d(real_array(sources, "point", "points (N, 2) in m"))
         if points.ndim != 2 or points.shape[1] != 2:
             raise InputError(f"expected points (N, 2) in m, got shape {points.shape}", key="point")
         places = [self._place(point) for point in points]
@@ -161,6 +156,8 @@ class TravelGrid:
         """[row, col] cells as an array `(N, 2)`."""
         try:
             places = np.asarray(cells)
+            if places.dtype.kind == "c":
+                raise TypeError
             with np.errstate(invalid="ignore"):
                 whole = places.astype(np.int64)
             same = bool((whole == places).all())

@@ -48,7 +48,7 @@ class Trajectory:
     phase: NDArray[np.int8]
 
     def __post_init__(self) -> None:
-        count = np.size(self.time)
+        count = len(number_array(self.time, "time", (None,), "times (T,) in s", _MOST))
         shapes = {"time": (count,), "position": (count, 3), "velocity": (count, 3), "yaw": (count,)}
         for name, shape in shapes.items():
             # Plans have thousands of samples: what is an array of floats is not copied.

@@ -76,7 +76,10 @@ class LegControl:
             self._robots[number] = robot_parameters(model.description)
             height = model.description.stand_height
             self._gaits[number] = settings.row(model.description.mass, height)
-        origin = pose_of(origin, "origin")
+        try:
+            origin = pose_of(origin, "origin")
+        except InputError:
+            raise InputError("expected finite x, y, yaw", key="origin") from None
         if ground is None:
             ground = make_ground(OccupancyMap(np.zeros((1, 1), dtype=bool), 1.0))
         check_ground(ground)

@@ -90,6 +90,8 @@ def solve_mpc(problem: MpcProblem, changes: int = CHANGES) -> MpcSolution:
     changes = whole_number(changes, "changes", 0, 1_000_000)
     plan = np.empty((len(checked.dts), 4, 3))
     done = solve(checked, plan, changes)
+    if not np.isfinite(plan).all():
+        raise InputError("the numbers are too far apart for a solution", key="problem")
     standing = int(np.count_nonzero(checked.contacts))
     return MpcSolution(plan, done, not standing or done < changes * standing)
 

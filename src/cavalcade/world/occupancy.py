@@ -102,7 +102,7 @@ class OccupancyMap(PlacedGrid):
         object.__setattr__(self, "grid", _checked_grid(self.grid))
         object.__setattr__(self, "resolution", checked_resolution(self.resolution))
         object.__setattr__(self, "origin", checked_origin(self.origin))
-        if self.unknown not in ("occupied", "free"):
+        if not isinstance(self.unknown, str) or self.unknown not in ("occupied", "free"):
             raise MapError("expected another value", key="unknown", choices=("occupied", "free"))
         if max(self.grid.shape) * self.resolution > MAX_EXTENT:
             raise MapError(f"the map is longer than {MAX_EXTENT:g} m", key="resolution")

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.errors import MapError
 from cavalcade.geometry import Array
-from cavalcade.values import instance_of, plain_number
+from cavalcade.values import instance_of, plain_number, real_array
 from cavalcade.world.occupancy import MAX_EXTENT, OccupancyMap, PlacedGrid, checked_origin
 from cavalcade.world.terrain.filters import make_layers
 
@@ -195,10 +195,7 @@ def _layer(value: object, name: str, dimensions: int) -> Array:
 
 
 def _numbers(value: object, key: str) -> Array:
-    try:
-        return np.array(value, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError):
-        raise MapError("expected a grid of numbers", key=key) from None
+    return np.array(real_array(value, key, "a grid of numbers", MapError))
 
 
 @njit(cache=True)
