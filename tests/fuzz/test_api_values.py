@@ -464,7 +464,11 @@ CALLS: dict[str, Call] = {
     "SafetyFilter.in_body": Call(
         lambda **v: _filter().in_body(**v), {"poses": POSES, "wanted": 0.0 * POSES}
     ),
-    "PlanSettings": Call(cv.PlanSettings, dataclasses.asdict(cv.PlanSettings())),
+    "PlanSettings": Call(
+        lambda **v: cv.plan_team(_problem(), settings=cv.PlanSettings(**v)),
+        {**dataclasses.asdict(cv.PlanSettings()), "iterations": 2000},
+        4,
+    ),
     "TeamProblem": Call(
         lambda **v: cv.plan_team(cv.TeamProblem(**v), settings=SOON),
         {
@@ -500,7 +504,7 @@ CALLS: dict[str, Call] = {
             "settings": cv.BodySettings(iterations=200),
             "seed": 1,
         },
-        4,
+        12,
     ),
     "LegControl": Call(
         cv.LegControl,

@@ -87,12 +87,12 @@ class PlanSettings:
                     f"unknown value {described(value)}", key=f"planner.{name}", choices=choices
                 )
         whole_number(self.improve, "planner.improve", 0)
-        whole_number(self.iterations, "planner.iterations", 0)
+        whole_number(self.iterations, "planner.budget.iterations")
         if not 0.0 <= plain_number(self.margin, "planner.margin") <= 1.0:
             raise InputError("expected 0 to 1 m", key="planner.margin")
         instance_of(self.leaps, bool, "planner.leaps", "True or False")
         if self.seconds is not None:
-            number_in(self.seconds, "planner.seconds", 0.0, unit="s")
+            plain_number(self.seconds, "planner.budget.seconds")  # its bounds: in `plan_team`
         if self.distance is not None:
             number_in(self.distance, "distance", 0.0, unit="m")
         if self.distance is not None and self.variant != "published":

@@ -100,13 +100,12 @@ def plan_body(
         InputError: A robot without legs, or poses that are not three finite numbers.
     """
     settings = BodySettings() if settings is None else settings
+    begin, end = pose_of(start, "start"), pose_of(goal, "goal")
     instance_of(settings, BodySettings, "settings")
     check_ground(ground)
     instance_of(model, RobotModel, "model")
     seed = whole_number(seed, "seed", 0, 2**64 - 1)
-    problem = _Problem(
-        ground, model, pose_of(start, "start"), pose_of(goal, "goal"), settings, seed
-    )
+    problem = _Problem(ground, model, begin, end, settings, seed)
     return problem.solve()
 
 

@@ -13,7 +13,7 @@ from cavalcade.errors import InputError
 from cavalcade.geometry import Array
 from cavalcade.locomotion._mpc import solve
 from cavalcade.locomotion.records import CHANGES
-from cavalcade.values import instance_of, number_array, plain_number, whole_number
+from cavalcade.values import instance_of, number_array, plain_number, real_array, whole_number
 
 
 class MpcProblem(NamedTuple):
@@ -99,7 +99,7 @@ def solve_mpc(problem: MpcProblem, changes: int = CHANGES) -> MpcSolution:
 def _checked(problem: MpcProblem) -> MpcProblem:
     """The problem with fields of the types that the kernel is compiled for."""
     instance_of(problem, MpcProblem, "problem")
-    steps = np.size(problem.dts)
+    steps = len(number_array(problem.dts, "dts", (None,), "(H,) finite numbers"))
     shapes = {
         "state": (12,), "reference": (steps, 12), "contacts": (steps, 4), "levers": (steps, 4, 3),
         "yaws": (steps,), "dts": (steps,), "inertia": (3, 3), "weights": (12,),
@@ -107,8 +107,8 @@ def _checked(problem: MpcProblem) -> MpcProblem:
     fields: dict[str, Any] = {}
     for name, shape in shapes.items():
         value = getattr(problem, name)
-        if name == "contacts" and np.asarray(value).dtype == bool:
-            value = np.asarray(value).astype(np.int64)
+        if name == "contacts":  # truth values, too
+            value = real_array(value, name, f"numbers of shape {shape}")
         fields[name] = number_array(value, name, shape, f"finite numbers of shape {shape}")
     fields["contacts"] = (fields["contacts"] != 0.0).astype(np.int64)
     for name in ("mass", "force_weight", "mu", "max_force"):

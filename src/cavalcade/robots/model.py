@@ -99,7 +99,7 @@ class RobotModel:
         description: Its mechanism, for physics; None where there is none.
 
     Raises:
-        InputError: A value that no robot can be planned for with; the key is the attribute.
+        InputError: A value of another kind or out of range; the key is the attribute.
     """
 
     name: str
@@ -119,7 +119,7 @@ class RobotModel:
     description: QuadrupedDescription | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
-        check_model(self)
+        _check_values(self)
 
     def with_limits(self, **values: Any) -> Self:
         """A copy with other limits or another outline, which need not be those of any robot.
@@ -154,13 +154,27 @@ _RANGES: dict[str, tuple[float, float]] = {
 
 
 def check_model(model: RobotModel) -> None:
-    """Refuse a model that nothing can plan for.
+    """Refuse a model whose values do not fit together: nothing can plan for it.
 
-    Models check themselves when they are made; a copy `with_limits` may not pass.
+    Each value by itself is checked when a model is made.
 
     Raises:
         InputError: One line with the attribute and what was expected.
     """
+    _check_values(model)
+    if model.round and model.length != model.width:
+        raise InputError("expected the same length and width of a round robot", key="round")
+    if model.drive in ("legged", "integrator", "integrator-2") and model.max_speed_y == 0.0:
+        raise InputError(f"a robot with drive {model.drive} moves sideways, too", key="max_speed_y")
+    # Otherwise turning at full speed alone would break the acceleration limit.
+    turning = model.max_speed_x * model.max_yaw_rate
+    if turning > model.max_acceleration:
+        raise InputError(
+            f"expected at least max_speed_x * max_yaw_rate, {turning:g}", key="max_acceleration"
+        )
+
+
+def _check_values(model: RobotModel) -> None:
     if not isinstance(model.name, str) or not _NAME.fullmatch(model.name):
         raise InputError("expected a name of letters, digits, - and _", key="name")
     for key, (least, most) in _RANGES.items():
@@ -175,13 +189,3 @@ def check_model(model: RobotModel) -> None:
         instance_of(model.legs, LegModel, "legs")
     if model.description is not None:
         instance_of(model.description, QuadrupedDescription, "description")
-    if model.round and model.length != model.width:
-        raise InputError("expected the same length and width of a round robot", key="round")
-    if model.drive in ("legged", "integrator", "integrator-2") and model.max_speed_y == 0.0:
-        raise InputError(f"a robot with drive {model.drive} moves sideways, too", key="max_speed_y")
-    # Otherwise turning at full speed alone would break the acceleration limit.
-    turning = model.max_speed_x * model.max_yaw_rate
-    if turning > model.max_acceleration:
-        raise InputError(
-            f"expected at least max_speed_x * max_yaw_rate, {turning:g}", key="max_acceleration"
-        )

@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 
 from cavalcade.errors import InputError
-from cavalcade.robots.model import RobotModel
+from cavalcade.robots.model import RobotModel, check_model
 
 
 class MotionLimits(NamedTuple):
@@ -35,8 +35,10 @@ def check_holonomic(model: RobotModel) -> None:
     """Refuse a model that does not move as `advance` says.
 
     Raises:
-        InputError: It does not move sideways, or its accelerations have no limit.
+        InputError: It does not move sideways, its accelerations have no limit, or its values do
+            not fit together.
     """
+    check_model(model)
     if model.drive.startswith("unicycle"):
         raise InputError(
             f"robots in formation move sideways, too; {model.name} is a {model.drive}", key="model"

@@ -151,7 +151,10 @@ class Terrain(PlacedGrid):
 
 def checked_cell(value: object) -> float:
     """`value` as the side of a terrain's cells, m."""
-    cell = plain_number(value, "resolution", MapError)
+    try:
+        cell = plain_number(value, "resolution", MapError)
+    except MapError:
+        cell = np.nan
     if not FINEST <= cell <= COARSEST:
         raise MapError(
             f"expected cells of {FINEST:g} to {COARSEST:g} m for terrain", key="resolution"
