@@ -10,9 +10,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from cavalcade.errors import InputError
+from cavalcade.kernels import kernel, subroutine
 from cavalcade.robots.model import RobotModel, check_model
 
 
@@ -51,14 +51,14 @@ def check_holonomic(model: RobotModel) -> None:
             )
 
 
-@njit(cache=True)
+@subroutine
 def ellipse_scale(vx, vy, max_x, max_y):
     """Factor in (0, 1] that shrinks the body velocity onto the velocity ellipse (eq. 8)."""
     radius = math.sqrt((vx / max_x) ** 2 + (vy / max_y) ** 2)
     return 1.0 if radius <= 1.0 else 1.0 / radius
 
 
-@njit(cache=True)
+@subroutine
 def advance(state, command, dt, limits):
     """One time step of one robot under a held command.
 
@@ -122,7 +122,7 @@ def advance(state, command, dt, limits):
     )
 
 
-@njit(cache=True)
+@kernel
 def predict_team(poses, velocities, commands, dt, steps, limits):
     """States `(N, 6)` of a team, see `advance`, after commands held for `steps` of `dt` s.
 
