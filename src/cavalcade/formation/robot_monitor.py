@@ -13,6 +13,7 @@ from cavalcade.geometry import Array, wrap_angle
 from cavalcade.robots import RobotModel
 
 _WINDOW = 1.2  # s over which motion is compared with commands
+_EVERY = 0.15  # s: it need not be in every cycle
 _PATIENCE = 1.0  # s for which a robot may seem not to follow
 _FAR = np.array([0.10, 0.30])  # m and rad of commanded motion that can be judged,
 _SIGMAS = 5.0  # if they are also so many standard deviations of the reports
@@ -68,7 +69,7 @@ class FollowingMonitor:
         self._commands = np.zeros((robots, 3))
         self._coming: deque[tuple[float, Array]] = deque()
         self._poses: Array = np.empty((0, 3))
-        self._time = 0.0
+        self._time = self._now = 0.0
         # Since the beginning: motion that was commanded, and that was seen.
         self._totals = np.zeros((2, robots, 3))
         self._past: deque[tuple[float, Array]] = deque()
@@ -77,13 +78,18 @@ class FollowingMonitor:
 
     def update(self, poses: Array, now: float) -> None:
         """Judge the poses `(N, 3)` reported at a time in s."""
-        if now - self._time > self._longest:
+        if now - self._now > self._longest:
             self.forget()
+        self._now = now
         if len(self._poses) == 0:
             self._poses, self._time = poses, now
         elapsed = now - self._time
+        if 0.0 < elapsed < _EVERY:
+            return
+        held = []
         while self._coming and self._coming[0][0] <= now:
-            self._commands = self._coming.popleft()[1]
+            held.append(self._coming.popleft()[1])
+        self._commands = np.mean(held, axis=0) if held else self._commands
         change = self._commands - self._velocities
         size = np.hypot(change[:, 0], change[:, 1])
         share = np.minimum(self._gain[0] * elapsed / np.maximum(size, 1e-9), 1.0)
@@ -106,7 +112,7 @@ class FollowingMonitor:
 
     def commanded(self, commands: Array) -> None:
         """Body-frame commands `(N, 3)` that are sent now."""
-        self._coming.append((self._time + self._delay, commands))
+        self._coming.append((self._now + self._delay, commands))
 
     def forget(self) -> None:
         """Poses and commands before now say nothing of those that come."""
