@@ -114,9 +114,15 @@ class Navigator:
 
     def go_on(self) -> None:
         """Time has passed without cycles."""
-        self._shaper.forget_springs()
-        self._recovery.go_on()
+        self.rest()
         self.refresh()
+
+    def rest(self) -> None:
+        """The team is to stand, whatever it was doing; the time counts for nobody's patience."""
+        self._evading = []
+        self._shaper.forget_springs()
+        self._deadlock.refresh()
+        self._recovery.go_on()
 
     def rank(self) -> NDArray[np.int64]:
         """Precedence `(N,)` of the robots, 0 first: those that evade before all others."""

@@ -6,11 +6,11 @@ experiments (section 3).
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from cavalcade.errors import InputError
+from cavalcade.values import described, instance_of, number_in
 
 
 @dataclass(frozen=True)
@@ -29,6 +29,10 @@ class SpringLaw:
     b_att: float
     b_rep: float
 
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            number_in(getattr(self, field.name), field.name, 0.0)
+
 
 @dataclass(frozen=True)
 class Springs:
@@ -36,6 +40,10 @@ class Springs:
 
     sides: SpringLaw
     diagonals: SpringLaw
+
+    def __post_init__(self) -> None:
+        instance_of(self.sides, SpringLaw, "springs.sides")
+        instance_of(self.diagonals, SpringLaw, "springs.diagonals")
 
 
 SIMULATION_SPRINGS = Springs(
@@ -81,11 +89,8 @@ class FormationSettings:
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            value = getattr(self, field.name)
-            if not (isinstance(value, int | float) and math.isfinite(value) and value >= 0.0):
-                raise InputError(f"expected a number of at least 0, got {value!r}", key=field.name)
-        for field in fields(self):
-            if getattr(self, field.name) == 0.0 and field.name not in _MAY_BE_ZERO:
+            value = number_in(getattr(self, field.name), field.name, 0.0)
+            if value == 0.0 and field.name not in _MAY_BE_ZERO:
                 raise InputError("expected a number above 0", key=field.name)
         if self.w_min_avoid >= 1.0:
             raise InputError("expected a number below 1", key="w_min_avoid")
@@ -169,6 +174,8 @@ def variant_named(name: str) -> Variant:
     Raises:
         InputError: There is none; the message lists those there are.
     """
-    if name not in VARIANTS:
-        raise InputError(f"unknown variant {name!r}", key="planner.variant", choices=VARIANTS)
+    if not isinstance(name, str) or name not in VARIANTS:
+        raise InputError(
+            f"unknown variant {described(name)}", key="planner.variant", choices=VARIANTS
+        )
     return VARIANTS[name]

@@ -2,33 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from cavalcade.errors import InputError
 
 Array = NDArray[np.float64]
 
 GRAVITY = 9.81
 """Acceleration of free fall, m/s²."""
-
-
-def as_floats(values: object, key: str) -> Array:
-    """An own array of numbers; what is masked in the values is nan, as nobody knows it.
-
-    Raises:
-        InputError: They are no numbers, texts of numbers among them, or rows differ in length; it
-            names `key`.
-    """
-    try:
-        array: Any = np.ma.asarray(values)
-    except (TypeError, ValueError):  # rows that differ in length
-        raise InputError("expected numbers, as many in each row", key=key) from None
-    if array.dtype.kind not in "biuf":
-        raise InputError("expected numbers", key=key)
-    return np.array(array.astype(np.float64).filled(np.nan))
 
 
 def beyond_a_turn(yaw: float) -> bool:

@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.eikonal import surface_distance
+from cavalcade.errors import InputError
 from cavalcade.geometry import Array
+from cavalcade.values import instance_of, number_in
 from cavalcade.world import OccupancyMap, Terrain
 
 
@@ -42,12 +44,19 @@ class Ground(NamedTuple):
 
 def make_ground(map: OccupancyMap, terrain: Terrain | None = None) -> Ground:
     """The ground of a world: what is solid, and heights on the same grid unless it is flat."""
+    instance_of(map, OccupancyMap, "map")
     solid = np.ascontiguousarray(map.occupied)
     clearance = np.ascontiguousarray(surface_distance(solid, map.resolution))
     if terrain is None:
         none = np.zeros((1, 1))
         one = np.ones((1, 1))
         return Ground(map.resolution, solid, clearance, True, none, none, none, none, one)
+    instance_of(terrain, Terrain, "terrain")
+    if terrain.height.shape != solid.shape:
+        raise InputError(
+            f"expected {solid.shape} cells as the map has, got {terrain.height.shape}",
+            key="terrain",
+        )
     normal_z = np.maximum(terrain.normals[..., 2], 1e-6)
     return Ground(
         map.resolution,
@@ -60,6 +69,29 @@ def make_ground(map: OccupancyMap, terrain: Terrain | None = None) -> Ground:
         np.ascontiguousarray(-terrain.normals[..., 1] / normal_z),
         np.ascontiguousarray(terrain.traversability),
     )
+
+
+def check_ground(ground: Ground) -> None:
+    """Refuse what kernels cannot take; what `make_ground` makes passes.
+
+    Raises:
+        InputError: One line with the name of the part.
+    """
+    instance_of(ground, Ground, "ground", "a Ground, see make_ground")
+    number_in(ground.cell, "ground.cell", 1e-4, 1e4, "m")
+    instance_of(ground.flat, bool, "ground.flat", "True or False")
+    shape = np.shape(ground.solid)
+    value: Any
+    for name, value in zip(ground._fields, ground, strict=True):
+        if name in ("cell", "flat"):
+            continue
+        wanted = shape if name in ("solid", "clearance") or not ground.flat else (1, 1)
+        kind = np.bool_ if name == "solid" else np.float64
+        right = type(value) is np.ndarray and value.dtype == kind and value.flags.c_contiguous
+        if not right or value.ndim != 2 or value.shape != wanted or not value.size:
+            raise InputError(f"expected an array {wanted} of {kind.__name__}", key=f"ground.{name}")
+        if np.isnan(value).any():
+            raise InputError("expected numbers, not nan", key=f"ground.{name}")
 
 
 def read_only(ground: Ground) -> Ground:

@@ -14,6 +14,7 @@ from cavalcade.robots import RobotModel
 from cavalcade.scenario.ground import EmptySource, GenerateSource, Obstacle
 from cavalcade.scenario.model import ResolvedScenario, Scenario
 from cavalcade.scenario.timeline import ObstacleSpan, obstacle_spans
+from cavalcade.values import instance_of
 from cavalcade.world import (
     Box,
     Circle,
@@ -138,7 +139,7 @@ def resolve_scenario(scenario: Scenario) -> ResolvedScenario:
     """
     if isinstance(scenario, ResolvedScenario):
         return scenario
-    world = scenario.world
+    world = instance_of(scenario, Scenario, "scenario").world
     if world.generate is not None and world.generate.is_terrain:
         from cavalcade.world import terrain_options
 
