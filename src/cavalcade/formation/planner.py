@@ -95,7 +95,7 @@ class FormationPlanner:
         self.variant = variant_named(variant)
         self.rate = float(rate)
         self._map = map
-        self._maps = PlanningMaps(map.occupied, map.resolution, self.settings)
+        self._maps = self._maps_of(map)
         self._team = Team(robots, formation)
         period = 1.0 / self.rate
         self._expected = expected or Imperfections()
@@ -177,7 +177,7 @@ class FormationPlanner:
         else:
             goals = self._mode.goals
             old, new = np.asarray(self._map.origin), np.asarray(map.origin)
-            self._maps = PlanningMaps(map.occupied, map.resolution, self.settings)
+            self._maps = self._maps_of(map)
             if len(goals):
                 there = np.column_stack([transform_points(old, goals[:, :2]), goals[:, 2] + old[2]])
                 self._mode.set_goals(_into_grid(there, new), keep=True)
@@ -230,6 +230,10 @@ class FormationPlanner:
         self._tracker.commanded(commands)
         self._status = self._make_status(poses)
         return commands
+
+    def _maps_of(self, map: OccupancyMap) -> PlanningMaps:
+        half = self.model.width / 2.0
+        return PlanningMaps(map.occupied, map.resolution, self.settings, half_width=half)
 
     def _routes(self, local: Array) -> PlanningMaps:
         """The maps to find paths on: lost robots are obstacles there."""
