@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from cavalcade.geometry import Array
 from cavalcade.geometry.boxes import footprint_at, footprint_radius, footprints_meet
+from cavalcade.kernels import kernel
 from cavalcade.lattice.collision import place_free, pose_at
 from cavalcade.lattice.motion_limits import footprint
 from cavalcade.lattice.planner import TRACK_STEP, stacked
@@ -58,7 +58,7 @@ def conflicts_of(
     return sorted(found, key=lambda conflict: (conflict.begin, conflict.i, conflict.j))
 
 
-@njit(cache=True)
+@kernel
 def find_conflicts(tracks, dt, shapes, margin, speed, step, most):
     """The times at which two bodies are nearer than `margin`, after which all stand.
 
@@ -108,7 +108,7 @@ def find_conflicts(tracks, dt, shapes, margin, speed, step, most):
     return found[:count]
 
 
-@njit(cache=True)
+@kernel
 def first_conflict(others, footprint, track, delay, margin, step):
     """The first time at which a robot on a track is nearer than `margin` to others; -1 if never.
 

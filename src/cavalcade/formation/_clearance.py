@@ -9,7 +9,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from cavalcade.kernels import subroutine
 
 _NEAR = 3.0
 """Cells: nearer to an obstacle than this, distances are exact."""
@@ -123,7 +124,7 @@ class Gap(NamedTuple):
     by: float
 
 
-@njit(cache=True)
+@subroutine
 def nearest_square(map, x, y, bound):
     """The occupied cell nearest to a point, as a square.
 
@@ -159,7 +160,7 @@ def nearest_square(map, x, y, bound):
     return best, qx, qy
 
 
-@njit(cache=True)
+@subroutine
 def distance_at(map, x, y):
     """Distance to the nearest obstacle at a point, m, and which way it grows: `(2,)`.
 
@@ -196,13 +197,13 @@ def distance_at(map, x, y):
     return value, gx, gy
 
 
-@njit(cache=True)
+@subroutine
 def rectangle(pose, half):
     """The `Rectangle` at a pose `(3,)` with half length and half width `(2,)`, m."""
     return Rectangle(pose[0], pose[1], math.cos(pose[2]), math.sin(pose[2]), half[0], half[1])
 
 
-@njit(cache=True)
+@subroutine
 def corner(box, k):
     """Corner k of 0..3 of a rectangle, m."""
     i, j = (1.0 if k < 2 else -1.0), (1.0 if k % 2 == 0 else -1.0)
@@ -212,7 +213,7 @@ def corner(box, k):
     )
 
 
-@njit(cache=True)
+@subroutine
 def point_rectangle(px, py, box):
     """Distance from a point to a rectangle, m, and the nearest point of it; 0 inside."""
     c, s = box.cos, box.sin
@@ -223,7 +224,7 @@ def point_rectangle(px, py, box):
     return math.hypot(bx - qx, by - qy), box.x + c * qx - s * qy, box.y + s * qx + c * qy
 
 
-@njit(cache=True)
+@subroutine
 def rectangle_gap(a, b):
     """The signed `Gap` between two rectangles; where they overlap, its points are the middle."""
     dx, dy = a.x - b.x, a.y - b.y
@@ -263,7 +264,7 @@ def rectangle_gap(a, b):
     return Gap(best, nx, ny, px, py, qx, qy)
 
 
-@njit(cache=True)
+@subroutine
 def contact_centres(a, b, gap, slop):
     """Centres of the parts of two rectangles that lie within `slop` m of their `gap`.
 

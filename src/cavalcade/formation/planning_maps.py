@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from cavalcade.eikonal import TravelGrid, surface_distance, velocity_map
-from cavalcade.formation._clearance import DistanceMap, distance_at
+from cavalcade.formation._clearance import DistanceMap
 from cavalcade.formation._placement import FreeSpace, fitting_shift, values_at
 from cavalcade.formation.settings import FormationSettings
 from cavalcade.geometry import Array
@@ -131,8 +131,16 @@ class PlanningMaps:
         return values_at(self.speed_b, np.ascontiguousarray(points), self.cell)
 
     def distance_at(self, point: Array) -> float:
-        """Distance from a point `(2,)` to the nearest obstacle, never too large, m."""
-        return float(distance_at(DistanceMap(self.distance, self.cell), *point)[0])
+        """Distance from a point `(2,)` to the nearest obstacle's surface, m; 0 off the map."""
+        (row,), (col,) = self._cells(point[None])
+        # What is nearest to the point is hardly farther off than what is nearest to its cell.
+        reach = int(self.distance[row, col] / self.cell) + 2
+        top, left = max(row - reach, 0), max(col - reach, 0)
+        near = self.occupied[top : row + reach + 1, left : col + reach + 1]
+        low = (np.argwhere(near)[:, ::-1] + (left, top)) * self.cell
+        away = np.maximum(np.maximum(low - point, point - low - self.cell), 0.0)
+        border = min(*point, *(self.size - point), self.distance[row, col] + self.cell)
+        return max(float(np.hypot(*away.T).min(initial=border)), 0.0)
 
     def component(self, point: Array) -> int:
         """Number of the connected free region a point stands in or next to; 0 if in none."""
