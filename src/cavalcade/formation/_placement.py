@@ -7,9 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cavalcade.kernels import kernel
-
 from cavalcade.formation._clearance import DistanceMap, distance_at
+from cavalcade.kernels import kernel
 
 _STAND_OFF = 0.05  # m by which robots may be kept from a place and still arrive there
 
