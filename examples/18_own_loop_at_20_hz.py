@@ -13,11 +13,10 @@ from cavalcade.fleet import CommandDelay, IdealFleet, LocalisationNoise
 world = cv.OccupancyMap.empty((6.0, 4.0)).with_shapes([cv.Circle((2.6, 0.6), 0.3)])
 shape = cv.Formation.triangle(1.15)
 expected = cv.Imperfections(position=0.01, heading=0.01, delay=0.15, drop=0.02, max_age=0.5)
-planner, spare = (cv.FormationPlanner(world, shape, rate=20.0, expected=expected) for _ in "ab")
+planner = cv.FormationPlanner(world, shape, rate=20.0, expected=expected)
 starts = np.column_stack([shape.placed((1.5, 2.0, 0.0)), np.zeros(3)])
-for each in (spare, planner):
-    each.set_goal((3.6, 2.0, 0.0))
-spare.step(starts, 0.0, np.zeros(3))  # warm-up: the first cycle compiles, before robots listen
+planner.set_goal((3.6, 2.0, 0.0))
+cv.warm_up(planner)  # or the first cycle would compile; before robots listen
 # In the place of robots: they are located with noise and hear commands 0.15 s late.
 errors = {"noise": LocalisationNoise(0.01, 0.01), "delay": CommandDelay(0.15, 0.0, 0.02)}
 robots = IdealFleet([planner.model] * 3, starts, **errors)

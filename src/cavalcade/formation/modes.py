@@ -175,7 +175,8 @@ class Navigator:
         if len(plan.cut_off) > 0:
             self._state = "infeasible"
             involved = tuple(int(active[k]) for k in plan.cut_off)
-            message = f"no path to the goal for {named(involved)}"
+            why = f": {plan.problem}" if plan.problem else ""
+            message = f"no path to the goal for {named(involved)}{why}"
         elif self._state == "stuck":
             message, involved = self.status.message, self.status.involved
             cycle.roles = self._roles if len(self._roles) else cycle.roles

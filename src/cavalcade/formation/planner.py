@@ -105,7 +105,7 @@ class FormationPlanner:
         self.rate = number_in(rate, "rate", 0.1, 1000.0, "Hz")
         whole_number(seed, "seed", 0)
         self._map = map
-        self._maps = PlanningMaps(map.occupied, map.resolution, self.settings)
+        self._maps = self._maps_of(map)
         self._team = Team(robots, formation)
         period = 1.0 / self.rate
         self._expected = Imperfections() if expected is None else expected
@@ -194,7 +194,7 @@ class FormationPlanner:
         else:
             goals = self._mode.goals
             old, new = np.asarray(self._map.origin), np.asarray(map.origin)
-            self._maps = PlanningMaps(map.occupied, map.resolution, self.settings)
+            self._maps = self._maps_of(map)
             if len(goals):
                 there = np.column_stack([transform_points(old, goals[:, :2]), goals[:, 2] + old[2]])
                 self._mode.set_goals(_into_grid(there, new), keep=True)
@@ -257,6 +257,10 @@ class FormationPlanner:
         self._following.commanded(commands.copy())
         self._status = self._make_status(poses)
         return commands
+
+    def _maps_of(self, map: OccupancyMap) -> PlanningMaps:
+        half = self.model.width / 2.0
+        return PlanningMaps(map.occupied, map.resolution, self.settings, half_width=half)
 
     def _routes(self, local: Array) -> PlanningMaps:
         """The maps to find paths on: lost robots are obstacles there."""

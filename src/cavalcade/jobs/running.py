@@ -74,6 +74,12 @@ class JobResult:
         return self.summary.reason
 
     @property
+    def goals_on_map(self) -> bool:
+        """Whether the centres of all goals that the formation began with lie on the map."""
+        centres = [goal[:2] for goal in self.scenario.task.goals]
+        return not centres or bool(self.world.map.contains(centres).all())
+
+    @property
     def plan(self) -> TeamPlan | None:
         """The coordinator's answer."""
         return None if self.planned is None else self.planned.plan

@@ -19,6 +19,7 @@ from cavalcade.world import (
     Box,
     Circle,
     OccupancyMap,
+    Polygon,
     Shape,
     generate,
     load_barn,
@@ -240,18 +241,36 @@ def _problem(
     body: Body, base: OccupancyMap, shapes: Sequence[Shape], bodies: Sequence[Body]
 ) -> str | None:
     if not base.contains(_extremes(body, base)).all():
-        return "reaches beyond the map"
+        return f"reaches beyond the map, {_extent(base)}"
     for other, standing in enumerate(bodies):
         if _overlap(body, standing):
-            return f"overlaps robot {other}"
+            return f"overlaps robot {other} at {_place(standing.center)}"
     for k, shape in enumerate(shapes):
         if _overlap(body, shape):
-            return f"stands in world.obstacles[{k}]"
+            middle = shape.vertices.mean(axis=0) if isinstance(shape, Polygon) else shape.center
+            return f"stands in world.obstacles[{k}] at {_place(middle)}"
     if base.occupied.any():
         cells = rasterise([body], base.rows, base.cols, base.resolution, base.origin)
-        if (cells & base.occupied).any():
-            return "stands in an obstacle of the map"
+        inside = base.centers(np.argwhere(cells & base.occupied))
+        if len(inside):
+            nearest = inside[np.argmin(np.hypot(*(inside - body.center).T))]
+            count = "one cell" if len(inside) == 1 else f"{len(inside)} cells"
+            where = f"{_place(nearest)} ({count} of {base.resolution:g} m)"
+            return f"stands in an obstacle of the map at {where}"
     return None
+
+
+def _place(point: Sequence[float] | Array) -> str:
+    x, y = point
+    return f"({x:.3f}, {y:.3f})"
+
+
+def _extent(base: OccupancyMap) -> str:
+    """Where a map lies, in words."""
+    (x0, y0), (x1, y1) = base.to_map([(0.0, 0.0), base.size])
+    if base.origin[2] == 0.0:
+        return f"which spans x from {x0:g} to {x1:g} m and y from {y0:g} to {y1:g} m"
+    return f"which lies between its corners {_place((x0, y0))} and {_place((x1, y1))}"
 
 
 def _extremes(body: Body, base: OccupancyMap) -> Array:
