@@ -6,6 +6,7 @@ experiments (section 3).
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
