@@ -269,7 +269,8 @@ def local_path(start, goal, guess, grid, times, work, points, stamps):
     slack = 4.0 * grid.delay[first]
     sure = 1.1 * straight + slack
     bound = min(sure, guess + slack)
-    targets = np.array([first])
+    targets = np.empty(1, np.int64)
+    targets[0] = first
     while True:
         count = seed_point(goal_u, goal_v, 3.0, grid, times, work.visited, none)
         stop = Stop(targets, bound, start_v + 1.0, start_u + 1.0)

@@ -24,7 +24,8 @@ def square_distance(occupied, cell):
         `(rows, cols)` m; inf everywhere if nothing is occupied.
     """
     rows, cols = occupied.shape
-    out = np.full((rows, cols), np.inf)
+    out = np.empty((rows, cols))
+    out[:] = np.inf
     for c in range(cols):  # first the distance along the column
         last = -np.inf
         for r in range(rows):

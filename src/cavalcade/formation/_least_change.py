@@ -302,7 +302,7 @@ def least_change(team, weights, surroundings, parameters):
 @kernel
 def to_body(velocities, yaw, limits):
     """Map-frame velocities `(N, 3)` as body-frame commands inside the velocity ellipse."""
-    out = np.empty_like(velocities)
+    out = np.empty(velocities.shape)
     most = limits.max_yaw_rate
     for k in range(velocities.shape[0]):
         c, s = math.cos(yaw[k]), math.sin(yaw[k])

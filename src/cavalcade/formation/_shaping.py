@@ -30,7 +30,8 @@ def add_springs(velocity, points, pairs, springs, previous, period):
         `(C,)` lengths now, m.
     """
     count = pairs.shape[0]
-    length = np.full(count, np.nan)
+    length = np.empty(count)
+    length[:] = np.nan
     for k in range(count):
         a, b = pairs[k, 0], pairs[k, 1]
         if a < 0 or b < 0:

@@ -9,11 +9,12 @@ library of code without machine code, a compiler class with one more pass, and a
 import functools
 
 import numba
+from numba.core import ir
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
-from numba.core.compiler_machinery import LoweringPass, register_pass
+from numba.core.compiler_machinery import AnalysisPass, LoweringPass, register_pass
 from numba.core.registry import CPUDispatcher
-from numba.core.typed_passes import NativeLowering
+from numba.core.typed_passes import NativeLowering, NopythonRewrites
 
 from cavalcade.kernels.cache import KernelCache, options_of
 
@@ -46,6 +47,50 @@ class _NameForCallers(LoweringPass):
         return True
 
 
+@register_pass(mutates_CFG=False, analysis_only=True)
+class _WithoutReferences(AnalysisPass):
+    """Spares the counting of references to arrays where they are all the caller's.
+
+    A function that neither makes nor gives back arrays borrows those that it is called with; the
+    counts would only be optimised away again.
+    """
+
+    _name = "cavalcade_without_references"
+
+    def __init__(self):
+        AnalysisPass.__init__(self)
+
+    def run_pass(self, state):
+        borrowed = {
+            "getattr",
+            "getitem",
+            "static_getitem",
+            "cast",
+            "phi",
+            "build_tuple",
+            "exhaust_iter",
+            "iternext",
+            "pair_first",
+            "pair_second",
+            "getiter",
+        }
+
+        def counted(type):
+            return state.targetctx.data_model_manager[type].contains_nrt_meminfo()
+
+        if counted(state.return_type):
+            return False
+        for block in state.func_ir.blocks.values():
+            for statement in block.find_insts(ir.Assign):
+                if not counted(state.typemap[statement.target.name]):
+                    continue
+                value = statement.value
+                if isinstance(value, ir.Expr) and value.op not in borrowed:
+                    return False
+        state.targetctx.enable_nrt = False
+        return False
+
+
 class _SubroutineCompiler(CompilerBase):
     """The usual pipeline that ends with lowered code."""
 
@@ -58,6 +103,7 @@ class _SubroutineCompiler(CompilerBase):
             self.state.targetctx.codegen(), self.state.func_id.func_qualname
         )
         passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        passes.add_pass_after(_WithoutReferences, NopythonRewrites)
         passes.add_pass_after(_NameForCallers, NativeLowering)
         passes.finalize()
         return [passes]

@@ -119,7 +119,8 @@ def _later_start(scene, start, goal, taken, words, out):
     are their number, 0 if there is no such wait, and their cost.
     """
     number = connect(start, 0.0, goal, 0.0, scene.limits, scene.metre_cost, words)
-    chosen = np.full(_WORDS_TRIED, -1)
+    chosen = np.empty(_WORDS_TRIED, np.int64)
+    chosen[:] = -1
     sizes = np.zeros(_WORDS_TRIED, dtype=np.int64)
     for rank in range(_WORDS_TRIED):
         chosen[rank], sizes[rank] = take_cheapest(words, number)
@@ -232,7 +233,8 @@ def search(scene, start, goal, primitives, to_go, settings):
         # Lazily: a node's bin and the move to it are looked at when its turn comes.
         if node > 0:
             if table.shape[0] == 0:
-                table = np.full(size, -1, dtype=np.int64)
+                table = np.empty(size, np.int64)
+                table[:] = -1
             key = _bin(x, y, yaw, np.int64(moving), min(t, still), settings)
             slot = slot_of(table, key)
             if table[slot] == key:
