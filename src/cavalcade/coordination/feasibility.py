@@ -9,6 +9,7 @@ import numpy as np
 from cavalcade.coordination.problem import TeamProblem
 from cavalcade.geometry.boxes import footprints_meet
 from cavalcade.lattice.collision import pose_free
+from cavalcade.lattice.deadline import Deadline
 from cavalcade.lattice.motion_limits import footprint
 from cavalcade.lattice.planner import SpaceTimePlanner
 
@@ -17,7 +18,7 @@ _TOUCH = -1e-6
 
 
 def infeasible(
-    problem: TeamProblem, lattice: SpaceTimePlanner
+    problem: TeamProblem, lattice: SpaceTimePlanner, deadline: Deadline
 ) -> tuple[str, tuple[int, ...]] | None:
     """Why there can be no plan, in one line, and the robots that it is about; None without a proof.
 
@@ -32,6 +33,8 @@ def infeasible(
             if footprints_meet(footprints[i], poses[i], footprints[j], poses[j], _TOUCH):
                 return f"the {name}s of robots {i} and {j} overlap", (i, j)
     for k, (start, goal) in enumerate(zip(problem.starts, problem.goals, strict=True)):
+        if deadline.late:
+            break
         if not lattice.reachable(problem.models[k], np.array(start), np.array(goal)):
             return f"no way leads robot {k} to its goal, not even alone", (k,)
     return None

@@ -12,9 +12,11 @@ import numpy as np
 
 from cavalcade.coordination._joint import (
     FOUND,
+    SPENT,
     TeamScene,
+    edge_free,
+    plant,
     search_joint,
-    shorten_joint,
     word_between,
 )
 from cavalcade.coordination.budget import Budget
@@ -23,6 +25,7 @@ from cavalcade.coordination.robot_planner import Span, TeamSearch, others_among,
 from cavalcade.coordination.solution import Paths, RobotPath, total_cost
 from cavalcade.geometry import Array
 from cavalcade.lattice.collision import Margins
+from cavalcade.lattice.deadline import Deadline
 from cavalcade.lattice.motion_limits import metre_cost, motion_limits, team_limits
 from cavalcade.lattice.planner import MARGINS, NOBODY, SpaceTimePlanner, TimedPath
 from cavalcade.lattice.primitives import DURATION
@@ -64,13 +67,17 @@ def solve_joint(
         """What one pair of trees finds within so many extensions."""
         team = TeamScene(lattice.grid, NOBODY, team_limits(limits), margins, metre_cost(mean_speed))
         most = max(1, budget.most(attempt * share) // share)
-        status, nodes, used = search_joint(team, starts, goals, state, most)
+        trees, status, used = plant(starts, goals, most), SPENT, 0
+        for end in budget.deadline.slices(0, most):
+            status, nodes, used = search_joint(team, trees, state, used, end)
+            if status == FOUND:
+                break
         budget.spend(used * share)
         if status != FOUND:
             return None
-        paths = _paths_through(problem, team, shorten_joint(team, nodes))
+        paths = _paths_through(problem, team, _shortened(team, nodes, budget.deadline))
         if polish:
-            paths = _polished(problem, lattice, paths, margins)
+            paths = _polished(problem, lattice, paths, margins, budget.deadline)
         return tuple(RobotPath(path, path.cost) for path in paths)
 
     attempt = _ATTEMPT
@@ -94,6 +101,23 @@ def solve_joint(
     return best
 
 
+def _shortened(team: TeamScene, nodes: Array, deadline: Deadline) -> Array:
+    """The nodes `(M, N, 3)` without those that edges lead past, greedily from the start."""
+    kept, here, last = [0], 0, len(nodes) - 1
+    while here < last:
+        there = last
+        while there > here + 1:
+            if deadline.late:
+                there = here + 1
+            elif edge_free(team, nodes[here], nodes[there]):
+                break
+            else:
+                there -= 1
+        kept.append(there)
+        here = there
+    return nodes[kept]
+
+
 def _paths_through(problem: TeamProblem, team: TeamScene, nodes: Array) -> list[TimedPath]:
     """Each robot's moves along the nodes `(M, N, 3)`; who is there first waits for the others."""
     robots = range(len(problem.models))
@@ -114,14 +138,18 @@ def _paths_through(problem: TeamProblem, team: TeamScene, nodes: Array) -> list[
 
 
 def _polished(
-    problem: TeamProblem, lattice: SpaceTimePlanner, paths: list[TimedPath], margins: Margins
+    problem: TeamProblem,
+    lattice: SpaceTimePlanner,
+    paths: list[TimedPath],
+    margins: Margins,
+    deadline: Deadline,
 ) -> list[TimedPath]:
     """The same, each path shortened among the others' for as long as that helps."""
     for _ in range(_ROUNDS):
         before = sum(path.cost for path in paths)
         for k, path in enumerate(paths):
             rest = [Span(j, other.track()) for j, other in enumerate(paths) if j != k]
-            paths[k] = lattice.shortened(path, others_among(problem, rest), margins)
+            paths[k] = lattice.shortened(path, others_among(problem, rest), margins, deadline)
         if sum(path.cost for path in paths) > before - 1e-6:
             break
     return paths

@@ -147,6 +147,7 @@ class FlatPlanner(RobotPlanner):
             others,
             budget.most(effort),
             margins,
+            budget.deadline,
         )
         budget.spend(expansions)
         return path

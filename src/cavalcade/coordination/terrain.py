@@ -122,7 +122,7 @@ class TerrainPlanner(RobotPlanner):
                 settings = BodySettings(
                     iterations=budget.most(_LATER if number else BodySettings.iterations),
                     leaps=self.settings.leaps,
-                    seconds=budget.left,
+                    seconds=budget.deadline.left,
                     discs=self._keep_off(robot, spans, met) if number else np.zeros((0, 3)),
                 )
                 seed = (self.seed * 1_000_003 + robot) * 1_000 + number
