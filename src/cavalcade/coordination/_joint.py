@@ -124,7 +124,7 @@ def edge_free(team, a, b):
 @njit(cache=True)
 def _sample(team, rng, out):
     """One point of the joint space: free places, each later one away from the earlier ones."""
-    cell, solid, _ = team.grid
+    cell, solid = team.grid.cell, team.grid.solid
     height, width = solid.shape[0] * cell, solid.shape[1] * cell
     for k in range(len(team.team)):
         footprint = footprint_of(member(team.team, k))

@@ -13,7 +13,7 @@ from cavalcade.geometry import inverse_transform_points, rotation, transform_poi
 from cavalcade.geometry.trajectory import Trajectory
 from cavalcade.lattice.ground import Ground, make_ground
 from cavalcade.robots import RobotModel, robot_model
-from cavalcade.world import OccupancyMap, Terrain
+from cavalcade.world import OccupancyMap, Shape, Terrain
 
 if TYPE_CHECKING:
     from cavalcade.scenario import Scenario, World
@@ -114,6 +114,7 @@ class TeamProblem:
         starts: Sequence[Pose],
         goals: Sequence[Pose],
         terrain: Terrain | None = None,
+        shapes: Sequence[Shape] = (),
     ) -> TeamProblem:
         """The problem of a team on a map, all in the map's frame.
 
@@ -122,6 +123,7 @@ class TeamProblem:
             models: Of each robot, or their names.
             starts, goals: Poses (x m, y m, yaw rad) of each robot.
             terrain: Heights on the map's grid; None for flat ground.
+            shapes: Obstacles besides, which are tested as what they are, not as cells.
 
         Raises:
             InputError: An unknown model, or not a start and a goal for each robot.
@@ -134,7 +136,8 @@ class TeamProblem:
             table[:, 2] -= map.origin[2]
             return tuple((x, y, yaw) for x, y, yaw in table.tolist())
 
-        return cls(make_ground(map, terrain), team, local(starts), local(goals), map.origin)
+        ground = make_ground(map, terrain, shapes)
+        return cls(ground, team, local(starts), local(goals), map.origin)
 
     def part(self, robots: Sequence[int]) -> TeamProblem:
         """The problem of these robots alone."""
@@ -158,6 +161,5 @@ class TeamProblem:
 
 def problem_of(scenario: Scenario, world: World) -> TeamProblem:
     """The problem that a scenario with a goal for each robot poses in its world."""
-    return TeamProblem.on_map(
-        world.map, scenario.models, scenario.starts, scenario.goals, world.terrain
-    )
+    models, starts, goals = scenario.models, scenario.starts, scenario.goals
+    return TeamProblem.on_map(world.base, models, starts, goals, world.terrain, world.shapes)

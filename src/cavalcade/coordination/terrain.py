@@ -182,7 +182,11 @@ def walkable(ground: Ground, model: RobotModel) -> Ground:
     bad |= above > legs.h_max - 0.01
     bad |= above < legs.h_min + legs.trunk_height / 2.0 + 0.02
     solid = np.ascontiguousarray(ground.solid | bad)
-    return ground._replace(solid=solid, clearance=surface_distance(solid, ground.cell))
+    clearance = np.minimum(ground.clearance, surface_distance(bad, ground.cell, border=False))
+    outlines = ground.outlines
+    if outlines.part.size:
+        outlines = outlines._replace(part=np.where(bad, np.int32(-1), outlines.part))
+    return ground._replace(solid=solid, clearance=clearance, outlines=outlines)
 
 
 def delayed(trajectory: Trajectory, delay: float) -> Trajectory:

@@ -5,6 +5,7 @@ Everything is in the grid's own frame: x, y in m from the lower-left corner of c
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,7 +13,8 @@ from numpy.typing import NDArray
 
 from cavalcade.eikonal import surface_distance
 from cavalcade.geometry import Array
-from cavalcade.world import OccupancyMap, Terrain
+from cavalcade.lattice.outlines import NO_OUTLINES, Outlines, outlines_of
+from cavalcade.world import OccupancyMap, Shape, Terrain
 
 
 class Ground(NamedTuple):
@@ -27,6 +29,7 @@ class Ground(NamedTuple):
         smooth: `(rows, cols)` smoothed height, which the body follows, m.
         slope_x, slope_y: `(rows, cols)` derivatives of `smooth`.
         traversability: `(rows, cols)` 0 (no foot may stand) to 1.
+        outlines: Where the obstacles in `solid` cells really end, as far as that is known.
     """
 
     cell: float
@@ -38,16 +41,26 @@ class Ground(NamedTuple):
     slope_x: Array
     slope_y: Array
     traversability: Array
+    outlines: Outlines = NO_OUTLINES
 
 
-def make_ground(map: OccupancyMap, terrain: Terrain | None = None) -> Ground:
-    """The ground of a world: what is solid, and heights on the same grid unless it is flat."""
-    solid = np.ascontiguousarray(map.occupied)
-    clearance = np.ascontiguousarray(surface_distance(solid, map.resolution))
+def make_ground(
+    map: OccupancyMap, terrain: Terrain | None = None, shapes: Sequence[Shape] = ()
+) -> Ground:
+    """The ground of a world: what is solid, and heights on the same grid unless it is flat.
+
+    Obstacles among the map's cells are known as squares, `shapes` (map frame) as what they are.
+    """
+    solid = np.ascontiguousarray(map.with_shapes(shapes).occupied)
+    outlines = NO_OUTLINES
+    if shapes:
+        outlines, clearance = outlines_of(shapes, map.origin, map.resolution, solid, map.occupied)
+    else:
+        clearance = np.ascontiguousarray(surface_distance(solid, map.resolution))
     if terrain is None:
         none = np.zeros((1, 1))
         one = np.ones((1, 1))
-        return Ground(map.resolution, solid, clearance, True, none, none, none, none, one)
+        return Ground(map.resolution, solid, clearance, True, none, none, none, none, one, outlines)
     normal_z = np.maximum(terrain.normals[..., 2], 1e-6)
     return Ground(
         map.resolution,
@@ -59,14 +72,20 @@ def make_ground(map: OccupancyMap, terrain: Terrain | None = None) -> Ground:
         np.ascontiguousarray(-terrain.normals[..., 0] / normal_z),
         np.ascontiguousarray(-terrain.normals[..., 1] / normal_z),
         np.ascontiguousarray(terrain.traversability),
+        outlines,
     )
 
 
 def read_only(ground: Ground) -> Ground:
     """The same ground; its arrays are of one type for all grounds, so kernels compile once."""
+    return ground._replace(**_views(ground), outlines=Outlines(**_views(ground.outlines)))
+
+
+def _views(record: Ground | Outlines) -> dict[str, Any]:
+    """Read-only views of a record's arrays, by name."""
     arrays: dict[str, Any] = {}
-    for name, value in zip(ground._fields, ground, strict=True):
+    for name, value in zip(record._fields, record, strict=True):
         if isinstance(value, np.ndarray):
             arrays[name] = value.view()
             arrays[name].setflags(write=False)
-    return ground._replace(**arrays)
+    return arrays
