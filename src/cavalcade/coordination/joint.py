@@ -7,6 +7,7 @@ each robot's path is shortened in space and time among those of the others.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import combinations
 
 import numpy as np
 
@@ -24,9 +25,10 @@ from cavalcade.coordination.problem import TeamProblem
 from cavalcade.coordination.robot_planner import Span, TeamSearch, others_among, spans_of
 from cavalcade.coordination.solution import Paths, RobotPath, total_cost
 from cavalcade.geometry import Array
-from cavalcade.lattice.collision import Margins
+from cavalcade.geometry.boxes import footprints_meet
+from cavalcade.lattice.collision import Margins, pose_free
 from cavalcade.lattice.deadline import Deadline
-from cavalcade.lattice.motion_limits import metre_cost, motion_limits, team_limits
+from cavalcade.lattice.motion_limits import footprint, metre_cost, motion_limits, team_limits
 from cavalcade.lattice.planner import MARGINS, NOBODY, SpaceTimePlanner, TimedPath
 from cavalcade.lattice.primitives import DURATION
 
@@ -62,6 +64,7 @@ def solve_joint(
     mean_speed = float(np.cumsum([robot.speed for robot in limits])[-1] / len(limits))
     starts, goals = np.array(problem.starts), np.array(problem.goals)
     share = _ITERATIONS * len(limits)
+    levels = MARGINS if _crowded(problem, lattice) else MARGINS[:-1]
 
     def searched(margins: Margins, attempt: int) -> Paths | None:
         """What one pair of trees finds within so many extensions."""
@@ -83,7 +86,7 @@ def solve_joint(
     attempt = _ATTEMPT
     best: Paths | None = None
     while best is None and not budget.spent:
-        for margins in MARGINS:
+        for margins in levels:
             best = searched(margins, attempt)
             if best is not None or budget.spent:
                 break
@@ -99,6 +102,21 @@ def solve_joint(
         if other is not None and total_cost(other) < total_cost(best) - 1e-6:
             best = other
     return best
+
+
+def _crowded(problem: TeamProblem, lattice: SpaceTimePlanner) -> bool:
+    """Whether starts or goals ask for the least margins."""
+    margins, bodies = MARGINS[-2], [footprint(model) for model in problem.models]
+    for poses in (problem.starts, problem.goals):
+        if not all(
+            pose_free(lattice.grid, body, *pose, margins.ground)
+            for body, pose in zip(bodies, poses, strict=True)
+        ):
+            return True
+        for i, j in combinations(range(len(bodies)), 2):
+            if footprints_meet(bodies[i], poses[i], bodies[j], poses[j], margins.others):
+                return True
+    return False
 
 
 def _shortened(team: TeamScene, nodes: Array, deadline: Deadline) -> Array:

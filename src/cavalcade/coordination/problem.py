@@ -86,6 +86,7 @@ class TeamProblem:
         models: Of each robot.
         starts, goals: Poses (x m, y m, yaw rad) in the ground's own frame.
         origin: Pose of the ground's frame in the map.
+        shapes: Obstacles of the ground that are known as what they are, in the map frame.
 
     Raises:
         InputError: Not a start and a goal for each robot.
@@ -96,6 +97,7 @@ class TeamProblem:
     starts: tuple[Pose, ...]
     goals: tuple[Pose, ...]
     origin: Pose = (0.0, 0.0, 0.0)
+    shapes: tuple[Shape, ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("starts", "goals"):
@@ -137,7 +139,7 @@ class TeamProblem:
             return tuple((x, y, yaw) for x, y, yaw in table.tolist())
 
         ground = make_ground(map, terrain, shapes)
-        return cls(ground, team, local(starts), local(goals), map.origin)
+        return cls(ground, team, local(starts), local(goals), map.origin, tuple(shapes))
 
     def part(self, robots: Sequence[int]) -> TeamProblem:
         """The problem of these robots alone."""

@@ -10,6 +10,10 @@ Array = NDArray[np.float64]
 GRAVITY = 9.81
 """Acceleration of free fall, m/s²."""
 
+CLEARANCE = 0.001
+"""What bodies keep at starts and goals from obstacles, borders and each other, m; whatever stands
+nearer touches. On their ways they never touch: the checker counts 1 µm as contact."""
+
 
 def wrap_angle(angle: ArrayLike) -> Array:
     """Angles `(...)` mapped to [-pi, pi)."""

@@ -6,7 +6,6 @@ in them is tested against the edges themselves. Everything is in the grid's own 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -31,15 +30,15 @@ class Outlines(NamedTuple):
     Attributes:
         part: `(rows, cols)` number of a cell that is solid in part; -1 of all others. `(0, 0)`
             where nothing is known but cells.
-        first: `(C + 1,)` where the list of each such cell begins in `index`.
-        index: `(P,)` which edges lead through it.
+        first: `(C + 1,)` where the list of each such cell begins in `listed`.
+        listed: `(P,)` which edges lead through it.
         edges: `(E, 6)` both ends x, y, then a radius: an edge of a polygon has none, a disc is one
             point with a radius; and the number of the shape.
     """
 
     part: NDArray[np.int32]
     first: NDArray[np.int64]
-    index: NDArray[np.int64]
+    listed: NDArray[np.int64]
     edges: Array
 
 
@@ -77,9 +76,8 @@ def outlines_of(
     where, index = where[kept], index[kept]
     order = np.argsort(where, kind="stable")
     found, counts = np.unique(where, return_counts=True)
-    part = np.full(solid.size, -1, dtype=np.int32)
-    part[found] = np.arange(len(found))
-    part = part.reshape(solid.shape)
+    part = np.full(solid.shape, -1, dtype=np.int32)
+    part.ravel()[found] = np.arange(len(found))
     first = np.concatenate([[0], np.cumsum(counts)])
     exact = np.minimum(surface_distance(solid & (part < 0), cell), nearest)
     rough = surface_distance(solid, cell)
@@ -166,7 +164,7 @@ def meets_outline(outlines, cell, pose, half, round):
     hl, hw = half
     k = outlines.part[cell[0], cell[1]]
     for at in range(outlines.first[k], outlines.first[k + 1]):
-        edge = outlines.edges[outlines.index[at]]
+        edge = outlines.edges[outlines.listed[at]]
         dx, dy = edge[0] - x, edge[1] - y
         ex, ey = edge[2] - edge[0], edge[3] - edge[1]
         radius = edge[4]

@@ -64,7 +64,9 @@ MARGINS = (
     Margins(0.006, 0.05, 0.04, 0.03, 0.06, 0),
     Margins(0.003, 0.025, 0.03, 0.015, 0.03, 1),
     Margins(0.001, 0.003, 0.02, 0.005, 0.004, 1),
-    Margins(0.0, 0.003, 0.02, 0.001, 0.004, 1),  # where a start or a goal touches something
+    # Where starts or goals keep no more than the `CLEARANCE` that they have to: at corners, where
+    # margins are measured along both sides, that is as far as this.
+    Margins(0.0006, 0.0006, 0.02, 0.001, 0.0008, 1),
 )
 """Wide margins first; where that finds nothing, smaller ones and smaller steps.
 
@@ -131,7 +133,7 @@ class SpaceTimePlanner:
     ) -> tuple[TimedPath | None, bool, int]:
         """The cheapest path that the search finds, from rest to rest, clear of the others for good.
 
-        Start and goal are `(3,)` x, y, yaw. When the deadline has come, the best path so far counts.
+        Start and goal are `(3,)` x, y, yaw. At the deadline the best path so far counts.
 
         Returns:
             The path or None; whether that is because `most` expansions or the time were spent;
