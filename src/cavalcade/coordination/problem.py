@@ -45,8 +45,8 @@ class PlanSettings:
         distance: Between centres, m: what counts as a conflict instead of the bodies; of
             `published`.
         iterations: The budget: expansions of searches and trees.
-        seconds: Limit of wall time, s; None for none. It is looked at between searches, and
-            searches are shorter where there is one; a plan never depends on it otherwise.
+        seconds: Limit of wall time, s; None for none. It ends a search that would have gone on; a
+            plan never depends on it otherwise.
 
     Raises:
         InputError: A value out of range.
