@@ -3,6 +3,7 @@
 # make venv   only the environment
 # make test-fast  what a change needs at once: everything that takes no more than a moment
 # make lint   ruff, mypy, the layers and the structure
+# make docs  the documentation as a site, in site/
 # make bench  timing against peers, and the start (scikit-fmm may need a C++ compiler)
 # make evidence  the paper's scenarios and all campaigns, for hours; the runs so far are kept
 
@@ -22,7 +23,7 @@ export MPLCONFIGDIR ?= $(abspath $(VENV))/matplotlib
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-fast venv lint bench evidence clean
+.PHONY: help demo test test-fast venv lint docs bench evidence clean
 
 help:
 	@sed -n 's/^# make/make/p' Makefile
@@ -66,6 +67,10 @@ lint: $(VENV)/.stamp-lint
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports
 	@$(BIN)/python tools/check_structure.py
+
+docs: $(VENV)/.stamp-docs
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build
+	@echo "Built: site/index.html"
 
 bench: $(VENV)/.stamp-bench
 	@-$(PIP) --only-binary :all: eikonalfm

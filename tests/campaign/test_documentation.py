@@ -1,4 +1,4 @@
-"""`docs/campaigns.md` says what the code does."""
+"""`docs/how-to/campaigns.md` says what the code does."""
 
 from __future__ import annotations
 
@@ -12,7 +12,9 @@ from cavalcade.campaign.samplers import SAMPLERS
 from cavalcade.campaign.suite import load_suite, parse_suite, suite_names
 from cavalcade.campaign.table import COLUMNS
 
-TEXT = (Path(__file__).resolve().parents[2] / "docs" / "campaigns.md").read_text(encoding="utf-8")
+TEXT = (Path(__file__).resolve().parents[2] / "docs" / "how-to" / "campaigns.md").read_text(
+    encoding="utf-8"
+)
 
 
 def section(title: str) -> str:

@@ -1,8 +1,13 @@
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import pytest
 
-from cavalcade.campaign.progress import CampaignReporter, duration
+from cavalcade.campaign.dispatch import in_turns
+from cavalcade.campaign.progress import CampaignReporter
+from cavalcade.jobs.reporter import duration
 
 
 class Clock:
@@ -34,6 +39,30 @@ def test_lines_every_five_percent_when_that_is_sooner(capsys: pytest.CaptureFixt
     lines = capsys.readouterr().out.splitlines()
     assert lines[1] == "3 of 20 trials (15 %), 3 failed, 34 s left"
     assert len(lines) == 7
+
+
+def test_slow_groups_at_the_end_made_the_estimate_too_short(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    clock = Clock()
+    seconds = {"quick": 1.0, "slow": 9.0}
+    trials: list[Any] = [
+        SimpleNamespace(id=f"{group}{seed}", group=group, variant="a", disturbance="none")
+        for group in seconds
+        for seed in range(50)
+    ]
+    left = in_turns(trials)
+    assert [trial.id for trial in left[:4]] == ["quick0", "slow0", "quick1", "slow1"]
+    assert sorted(trial.id for trial in left) == sorted(trial.id for trial in trials)
+    with CampaignReporter("both", 100, now=clock) as reporter:
+        for trial in left:
+            clock.now += seconds[trial.group]
+            reporter.finished({"success": True})
+            if reporter._said == clock.now:
+                told = capsys.readouterr().out.splitlines()[-1].split(", ")[-1]
+                minutes, _, rest = told.removesuffix(" s left").rpartition(" min ")
+                said, true = 60 * int(minutes or 0) + int(rest), 600.0 - clock.now
+                assert said == pytest.approx(true, rel=0.5, abs=10.0)
 
 
 def test_quiet(capsys: pytest.CaptureFixture[str]) -> None:

@@ -6,11 +6,15 @@ import sys
 
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
 from PIL import Image
 
 from cavalcade import eikonal
+from cavalcade.drawing import style
+from cavalcade.drawing.charts import draw_lines
 from cavalcade.drawing.figures import make_figures
-from cavalcade.drawing.formation.sequence import choose_moments
+from cavalcade.drawing.formation.arrival_field import draw_arrival_field
+from cavalcade.drawing.formation.sequence import choose_moments, draw_sequence
 from cavalcade.drawing.overview import draw_scenario
 from cavalcade.drawing.scene import Scene
 from cavalcade.errors import OutputError
@@ -50,6 +54,7 @@ def test_a_run_leaves_four_pictures(run, tmp_path):
         with Image.open(file) as picture:
             picture.load()
             assert min(picture.size) > 600
+            assert (edges(file) == 255).all()
             assert picture.info["dpi"][0] >= 299.0
             # A picture of nothing is of one colour.
             assert len(picture.convert("RGB").getcolors(1 << 24)) > 50
@@ -88,6 +93,85 @@ def test_very_short_recordings(run, tmp_path, cycles):
     )
     files = make_figures(run.scenario, run.world, tmp_path, recording=short)
     assert [file.name for file in files] == (NAMES if cycles else [])
+
+
+def edges(file):
+    """The outermost points of a picture, `(K, 3)`."""
+    seen = np.asarray(Image.open(file).convert("RGB"))
+    return np.concatenate([seen[0], seen[-1], seen[:, 0], seen[:, -1]])
+
+
+@pytest.mark.parametrize("slowness", [1e-3, 1.0, 40.0, 1e4])
+def test_labels_were_cut_off(run, tmp_path, monkeypatch, slowness):
+    """Whatever room numbers take, nothing reaches the picture's edge."""
+    usual = eikonal.arrival_times
+    monkeypatch.setattr(eikonal, "arrival_times", lambda *said: slowness * usual(*said))
+    file = draw_arrival_field(Scene(run.scenario, run.world, run.recording), tmp_path / "a.png")
+    assert (edges(file) == 255).all()
+
+
+def test_a_figure_grows_where_something_would_be_cut_off(tmp_path):
+    sizes = []
+    for label in ("a", "a label that is far too long for where it stands"):
+        figure = style.new_figure(2.0, 1.0)
+        figure.text(0.5, 0.5, label)
+        file = style.save(figure, tmp_path / "figure.png", dpi=100)
+        assert (edges(file) == 255).all()
+        with Image.open(file) as picture:
+            sizes.append(picture.size)
+    assert sizes[0] == (200, 100)
+    assert sizes[1][0] > 250
+
+
+def test_robots_were_numbered_by_slot(run, tmp_path, monkeypatch):
+    """The numbers on the map are those of the legend, whatever slots the robots have."""
+    said = []
+    text = Axes.text
+
+    def note(axes, x, y, label, *rest, **options):
+        said.append((float(x), float(y), label))
+        return text(axes, x, y, label, *rest, **options)
+
+    monkeypatch.setattr(Axes, "text", note)
+    draw_sequence(Scene(run.scenario, run.world, run.recording), tmp_path / "sequence.png")
+    moments = choose_moments(Scene(run.scenario, run.world, run.recording)).tolist()
+    assert len(said) == 4 * len(moments)
+    assert any(run.recording.roles[cycle].tolist() != [0, 1, 2, 3] for cycle in moments)
+    for cycle, labels in zip(moments, zip(*[iter(said)] * 4, strict=True), strict=True):
+        assert [label for _, _, label in labels] == ["0", "1", "2", "3"]
+        for (x, y, _), pose in zip(labels, run.recording.poses[cycle], strict=True):
+            assert np.hypot(x - pose[0], y - pose[1]) < 0.8
+
+
+@pytest.mark.parametrize("robots", [2, 3, 7])
+@pytest.mark.parametrize("apart", [0.0, 1e-6])
+def test_curves_were_hidden_under_each_other(robots, apart):
+    """Each of several that run together can be seen, for about as long as the others."""
+    figure = style.new_figure(6.0, 2.0)
+    axes = style.add_panel(figure, 0.0, 0.0, 6.0, 2.0)
+    axes.set_xlim(0.0, 10.0)
+    axes.set_ylim(0.0, 1.0)
+    axes.axis("off")
+    time = np.array([0.0, 3.0, 10.0])
+    lines = [(time, np.array([0.2, 0.5, 0.4]) + apart * k) for k in range(robots)]
+    draw_lines(axes, lines, [style.robot_line(k) for k in range(robots)], 1.5)
+    figure.canvas.draw()
+    seen = np.asarray(figure.canvas.buffer_rgba())[..., :3]
+    counts = []
+    for k in range(robots):
+        color = [int(style.robot_color(k)[i : i + 2], 16) for i in (1, 3, 5)]
+        counts.append(int((seen == color).all(axis=2).sum()))
+    assert min(counts) > 0.6 * max(counts)
+
+
+def test_curves_that_are_apart_are_whole():
+    figure = style.new_figure(6.0, 2.0)
+    axes = style.add_panel(figure, 0.0, 0.0, 6.0, 2.0)
+    axes.set_xlim(0.0, 10.0)
+    axes.set_ylim(0.0, 1.0)
+    time = np.array([0.0, 10.0])
+    draw_lines(axes, [(time, time / 20.0), (time, time / 20.0 + 0.3)], [{}, {}], 1.0)
+    assert all(np.isnan(line.get_ydata()).all() for line in axes.lines[2:])
 
 
 def test_a_team_without_a_goal_has_no_arrival_field(make_run, tmp_path):

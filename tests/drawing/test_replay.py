@@ -165,6 +165,35 @@ def test_a_place_that_cannot_be_written_is_named(run, tmp_path):
 
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="runs the page's own script")
+@pytest.mark.parametrize("begin", [0.0, 2.5])
+def test_the_clock_went_below_zero(tmp_path, begin):
+    """The first frame may be of a moment before the click that starts it."""
+    clock = (files("cavalcade.drawing.replay") / "assets" / "clock.js").read_text()
+    script = f"""
+    const begin = {begin}, end = 9.0, nodes = {{}};
+    const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
+    const id = (name) => nodes[name] ??= {{
+      value: "0", style: {{}}, addEventListener() {{}}, setAttribute() {{}}, append() {{}},
+    }};
+    const window = {{ devicePixelRatio: 1 }}, location = {{ hash: "" }};
+    const performance = {{ now: () => 1000 }}, requestAnimationFrame = () => 0, draw = () => 0;
+    class Option {{}}
+    {clock}
+    const shown = [];
+    setPlaying(true);
+    for (const when of [980, 900, 1100, 1050, 1200, 99999]) {{ frame(when); shown.push(now); }}
+    console.log(JSON.stringify([shown, nodes.clock.innerHTML]));
+    """
+    path = tmp_path / "clock.js"
+    path.write_text(script, encoding="utf-8")
+    done = subprocess.run(["node", path], capture_output=True, timeout=60)
+    assert done.returncode == 0, done.stderr.decode()
+    shown, said = json.loads(done.stdout)
+    assert shown == pytest.approx([begin + t for t in (0.0, 0.0, 0.1, 0.1, 0.2, 0.3)])
+    assert f"{begin + 0.3:.2f}" in said
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="runs the page's own script")
 def test_feet_under_recorded_poses_stay_where_they_stand(run, tmp_path):
     assets = files("cavalcade.drawing.replay") / "assets"
     text = json.dumps(json.dumps(data_of(page(run, tmp_path))))

@@ -9,7 +9,9 @@ from cavalcade.formation import PRESETS, VARIANTS, FormationSettings
 from cavalcade.formation.settings import default_settings
 from cavalcade.formation.shapes import SHAPES
 
-NOTE = (Path(__file__).resolve().parents[2] / "docs" / "formation.md").read_text(encoding="utf-8")
+NOTE = (Path(__file__).resolve().parents[2] / "docs" / "explanation" / "formation.md").read_text(
+    encoding="utf-8"
+)
 
 
 def test_the_table_of_parameters():

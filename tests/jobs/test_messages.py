@@ -60,7 +60,8 @@ def test_commands_stand_in_the_body_frame(robot: int) -> None:
 @pytest.mark.parametrize("robots", [1, 2, 12])
 def test_transforms_name_every_body(robots: int) -> None:
     poses = np.repeat(POSES[:, None], robots, axis=1) + np.arange(robots)[None, :, None] * 0.01
-    for k, data in enumerate(_messages.transform_messages(TIMES, poses)):
+    packed = _messages.transform_messages(TIMES, _messages.planar_frames(poses))
+    for k, data in enumerate(packed):
         message = decoded(data, "tf2_msgs/msg/TFMessage")
         assert len(message.transforms) == robots
         for robot, item in enumerate(message.transforms):

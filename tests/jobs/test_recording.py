@@ -1,12 +1,15 @@
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+import struct
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 from rosbags.rosbag2 import Reader
 
 from cavalcade.errors import OutputError, RecordingError
@@ -99,6 +102,36 @@ def test_every_status_comes_back(recording: Recording, tmp_path: Path) -> None:
         assert len(one.paths) == len(other.paths) == ROBOTS
         for a, b in zip(one.paths, other.paths, strict=True):
             assert np.array_equal(a, b)
+
+
+def test_humble_could_not_read_the_quality_of_service(recording: Recording, tmp_path: Path) -> None:
+    """Numbers stand for its policies, which all distributions read if the version says so."""
+    file = write_recording(tmp_path / "r.mcap", recording, MODELS)
+    with Reader(file) as reader:
+        offered = {c.topic: c.ext.offered_qos_profiles for c in reader.connections}
+    assert {topic for topic, profiles in offered.items() if profiles} == {
+        "/map",
+        "/cavalcade/obstacles",
+    }
+    data = file.read_bytes()
+    said = yaml.safe_load(next(strings_after(data, "serialized_metadata")))
+    assert said["version"] == 8
+    topics = [entry["topic_metadata"] for entry in said["topics_with_message_count"]]
+    (latched,) = [t["offered_qos_profiles"] for t in topics if t["name"] == "/map"]
+    channels = list(strings_after(data, "offered_qos_profiles"))
+    assert latched in channels
+    for text in {text for text in channels if text}:
+        (profile,) = yaml.safe_load(text)
+        policies = ("history", "depth", "reliability", "durability", "liveliness")
+        assert [profile[name] for name in policies] == [1, 1, 1, 1, 1]
+
+
+def strings_after(data: bytes, key: str) -> Iterator[str]:
+    """What follows a key in MCAP's maps of strings, wherever the file is not compressed."""
+    for found in re.finditer(key.encode(), data):
+        end = found.end() + 4
+        if data[found.start() - 4 : found.start()] == struct.pack("<I", len(key)):
+            yield data[end : end + int.from_bytes(data[found.end() : end], "little")].decode()
 
 
 def test_the_contract_s_topics_are_there(recording: Recording, tmp_path: Path) -> None:

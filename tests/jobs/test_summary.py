@@ -66,7 +66,7 @@ def test_versions_are_plain_text() -> None:
 
 
 def test_the_documentation_lists_every_key_with_its_meaning() -> None:
-    docs = Path(__file__).resolve().parents[2] / "docs" / "recording.md"
+    docs = Path(__file__).resolve().parents[2] / "docs" / "reference" / "recording.md"
     assert summary_table() in docs.read_text(encoding="utf-8")
 
 

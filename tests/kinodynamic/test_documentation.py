@@ -8,7 +8,9 @@ from pathlib import Path
 
 from cavalcade.kinodynamic.settings import VARIANTS, BodySettings
 
-NOTE = (Path(__file__).resolve().parents[2] / "docs" / "body-planning.md").read_text("utf-8")
+NOTE = (
+    Path(__file__).resolve().parents[2] / "docs" / "explanation" / "body-planning.md"
+).read_text("utf-8")
 
 
 def test_the_table_of_settings():

@@ -38,6 +38,16 @@ def test_go1_and_go2_are_described():
     assert all(name == robot.name for name, robot in DESCRIBED.items())
 
 
+def test_feet_are_where_the_joints_bring_them(robot):
+    joints = np.random.default_rng(1).uniform(-2.5, 2.5, (3, 5, 12))
+    places = robot.foot_places(joints)
+    assert places.shape == (3, 5, 4, 3)
+    for i, j in np.ndindex(3, 5):
+        for leg in range(4):
+            wanted = foot_in_trunk(robot, leg, joints[i, j, 3 * leg : 3 * leg + 3])
+            np.testing.assert_allclose(places[i, j, leg], wanted, atol=1e-12)
+
+
 def test_the_mass_is_that_of_all_links(robot):
     links = [link.mass for leg in robot.legs for link in leg.links]
     assert robot.mass == pytest.approx(robot.trunk.mass + sum(links))

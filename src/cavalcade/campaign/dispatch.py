@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections import Counter, deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -33,6 +33,20 @@ class _Job:
     lost: int = 0
     outcome: str | None = None
     detail: str = ""
+
+
+def in_turns(trials: Sequence[Trial]) -> list[Trial]:
+    """The first of every cell, then the second ones, and so on.
+
+    Some cells take longer than others: so the pace of the first trials tells that of the rest.
+    """
+    counts: Counter[tuple[str, str, str]] = Counter()
+    ranks = {}
+    for trial in trials:
+        cell = (trial.group, trial.variant, trial.disturbance)
+        ranks[trial.id] = counts[cell]
+        counts[cell] += 1
+    return sorted(trials, key=lambda trial: ranks[trial.id])
 
 
 def dispatch(

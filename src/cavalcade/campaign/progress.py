@@ -7,7 +7,7 @@ import time as clock
 from collections.abc import Callable, Mapping
 from typing import Any, Self
 
-from cavalcade.jobs.reporter import Reporter
+from cavalcade.jobs.reporter import Reporter, duration
 
 PLAIN_PERIOD, PLAIN_SHARE, PLAIN_LEAST = 30.0, 0.05, 5.0
 """Where there is no terminal, a line is printed every 30 s, or every 5 % but not within 5 s."""
@@ -85,12 +85,3 @@ class CampaignReporter(Reporter):
             return ""
         pace = (self._now() - self._started) / self._finished
         return f", {duration(pace * (self._total - self._before - self._finished))} left"
-
-
-def duration(seconds: float) -> str:
-    """A time in the two largest units that matter: `1 h 05 min`, `3 min 20 s`, `12 s`."""
-    whole = max(0, round(seconds))
-    hours, minutes, rest = whole // 3600, whole // 60 % 60, whole % 60
-    if hours:
-        return f"{hours} h {minutes:02d} min"
-    return f"{minutes} min {rest:02d} s" if minutes else f"{rest} s"

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from cavalcade.campaign.definition import Definition
-from cavalcade.campaign.dispatch import dispatch
+from cavalcade.campaign.dispatch import dispatch, in_turns
 from cavalcade.campaign.engines.protocol import Engine, Work
 from cavalcade.campaign.progress import CampaignReporter
 from cavalcade.campaign.samplers import EXPECTED
@@ -63,7 +63,7 @@ def run_campaign(
 
     warnings: list[str] = []
     with Store(out, definition, resume=resume, warn=warnings.append) as store:
-        left = [trial for trial in definition.trials if trial.id not in store.done]
+        left = in_turns([trial for trial in definition.trials if trial.id not in store.done])
         total, name = len(definition.trials), definition.suite.name
         reporter = CampaignReporter(name, total, total - len(left), quiet=quiet)
         for text in warnings:

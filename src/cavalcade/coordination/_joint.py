@@ -12,16 +12,17 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from cavalcade.geometry import Array
 from cavalcade.geometry.boxes import footprints_meet
+from cavalcade.kernels import kernel, subroutine
+from cavalcade.kernels.copying import copy_rows
 from cavalcade.kinodynamic.random import uniform
 from cavalcade.lattice.collision import Grid, Margins, Others, Scene, moves_free, pose_free
 from cavalcade.lattice.dubins import MOST_MOVES, connect, no_words, take_cheapest
 from cavalcade.lattice.motion_limits import footprint_of, member
-from cavalcade.lattice.primitives import DURATION, sample_moves
+from cavalcade.lattice.primitives import duration_of, sample_moves
 
 FOUND, SPENT = 0, 2
 _TRIES = 20
@@ -70,7 +71,7 @@ def plant(starts: Array, goals: Array, most: int) -> Trees:
     return Trees(nodes, np.full((2, most + 2), -1), np.ones(2, dtype=np.int64))
 
 
-@njit(cache=True)
+@kernel
 def word_between(team, k, a, b):
     """The cheapest word `(M, 6)` of robot `k` from rest at `a` to rest at `b`; whether any."""
     limits = member(team.team, k)
@@ -85,7 +86,7 @@ def word_between(team, k, a, b):
     return words.moves[0, :0].copy(), False
 
 
-@njit(cache=True)
+@kernel
 def edge_free(team, a, b):
     """Whether all robots get from poses `a` to `b` `(N, 3)` at once."""
     n = len(team.team)
@@ -98,8 +99,8 @@ def edge_free(team, a, b):
         if not good:
             return False
         sizes[k] = len(rows)
-        moves[k, : len(rows)] = rows
-        longest = max(longest, rows[:, DURATION].sum())
+        copy_rows(moves[k], rows)
+        longest = max(longest, duration_of(rows))
     # Then all against all, at the same times.
     step = team.margins.time_step
     count = int(math.ceil(longest / step)) + 1
@@ -108,7 +109,8 @@ def edge_free(team, a, b):
         times[i] = min(i * step, longest)
     tracks = np.empty((n, count, 6))
     for k in range(n):
-        tracks[k] = sample_moves(a[k], moves[k, : sizes[k]], member(team.team, k), times)
+        track = sample_moves(a[k], moves[k, : sizes[k]], member(team.team, k), times)
+        copy_rows(tracks[k], track)
     for i in range(count):
         for j in range(n):
             one = footprint_of(member(team.team, j))
@@ -121,7 +123,7 @@ def edge_free(team, a, b):
     return True
 
 
-@njit(cache=True)
+@subroutine
 def _sample(team, rng, out):
     """One point of the joint space: free places, each later one away from the earlier ones."""
     cell, solid = team.grid.cell, team.grid.solid
@@ -148,7 +150,7 @@ def _sample(team, rng, out):
     return True
 
 
-@njit(cache=True)
+@subroutine
 def _nearest(nodes, count, point):
     """The node whose robots are nearest to those of a point, by the sum of their distances."""
     best, least = 0, math.inf
@@ -163,7 +165,7 @@ def _nearest(nodes, count, point):
     return best
 
 
-@njit(cache=True)
+@subroutine
 def _towards(node, point, share, forward, out):
     """Poses between a node and a point, headed towards it (`forward`) or away from it."""
     for k in range(len(node)):
@@ -174,7 +176,7 @@ def _towards(node, point, share, forward, out):
         out[k, 2] = math.atan2(dy, dx) if forward else math.atan2(-dy, -dx)
 
 
-@njit(cache=True)
+@kernel
 def search_joint(team, trees, rng, begin, end):
     """Grow two trees of poses of all robots from extension `begin` to `end` or until they meet.
 
@@ -186,7 +188,8 @@ def search_joint(team, trees, rng, begin, end):
     n = len(team.team)
     if begin == 0 and edge_free(team, nodes[0, 0], nodes[1, 0]):
         direct = np.empty((2, n, 3))
-        direct[0], direct[1] = nodes[0, 0], nodes[1, 0]
+        copy_rows(direct[0], nodes[0, 0])
+        copy_rows(direct[1], nodes[1, 0])
         return FOUND, direct, 1
     point = np.empty((n, 3))
     fresh = np.empty((n, 3))
@@ -208,7 +211,8 @@ def search_joint(team, trees, rng, begin, end):
         if not extended:
             continue
         at = counts[mine]
-        nodes[mine, at], parents[mine, at] = fresh, near
+        copy_rows(nodes[mine, at], fresh)
+        parents[mine, at] = near
         counts[mine] += 1
         there = _nearest(nodes[other], counts[other], fresh)
         a, b = (fresh, nodes[other, there]) if mine == 0 else (nodes[other, there], fresh)
@@ -218,7 +222,7 @@ def search_joint(team, trees, rng, begin, end):
     return SPENT, np.empty((0, n, 3)), end
 
 
-@njit(cache=True)
+@subroutine
 def _path(nodes, parents, first, last):
     """From the root of the first tree over the two nodes to the root of the second tree."""
     ahead, behind = 0, 0
@@ -227,10 +231,10 @@ def _path(nodes, parents, first, last):
     middle = nodes.shape[1]
     while first >= 0:
         ahead += 1
-        path[middle - ahead] = nodes[0, first]
+        copy_rows(path[middle - ahead], nodes[0, first])
         first = parents[0, first]
     while last >= 0:
-        path[middle + behind] = nodes[1, last]
+        copy_rows(path[middle + behind], nodes[1, last])
         behind += 1
         last = parents[1, last]
     return path[middle - ahead : middle + behind].copy()

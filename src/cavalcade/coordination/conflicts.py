@@ -8,10 +8,10 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from cavalcade.geometry import Array
 from cavalcade.geometry.boxes import Footprint, footprint_at, footprint_radius, footprints_meet
+from cavalcade.kernels import kernel
 from cavalcade.lattice.collision import place_free, pose_at
 from cavalcade.lattice.motion_limits import footprint
 from cavalcade.lattice.planner import MARGINS, TRACK_STEP, stacked
@@ -75,7 +75,7 @@ def _spare_neighbours(margins: Array, table: Array, shapes: Array) -> None:
                 margins[i, j] = _CLOSE
 
 
-@njit(cache=True)
+@kernel
 def find_conflicts(tracks, dt, shapes, margins, speed, look, most):
     """The times at which two bodies are nearer than their margin, after which all stand.
 
@@ -127,7 +127,7 @@ def find_conflicts(tracks, dt, shapes, margins, speed, look, most):
     return found[:count]
 
 
-@njit(cache=True)
+@kernel
 def first_conflict(others, footprint, track, delay, margin, step):
     """The first time at which a robot on a track is nearer than `margin` to others; -1 if never.
 

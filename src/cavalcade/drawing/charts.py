@@ -5,11 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from cavalcade.drawing import style
+from cavalcade.geometry import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+_TURNS, _PER_TURN = 60, 10
+"""Lines that run together take so many turns over the width, each of so many samples."""
 
 
 def stacked_panels(
@@ -36,6 +42,35 @@ def stacked_panels(
         top -= gap
     panels[-1].set_xlabel(label, labelpad=1)
     return figure, panels
+
+
+def draw_lines(
+    axes: Axes, lines: Sequence[tuple[Array, Array]], looks: Sequence[dict[str, Any]], width: float
+) -> None:
+    """Lines of times and values `(T,)` with their options, none hidden below others.
+
+    Where several run together, within a line's `width` in points, each is on top in turns. The
+    vertical axis has its range already.
+    """
+    for (time, values), look in zip(lines, looks, strict=True):
+        axes.plot(time, values, **look, linewidth=width, zorder=3)
+    if len(lines) < 2:
+        return
+    first, last = (float(end) for end in axes.get_xlim())
+    marks = np.linspace(first, last, _TURNS * _PER_TURN + 1)
+    shown = np.array(
+        [np.interp(marks, time, values, left=np.nan, right=np.nan) for time, values in lines]
+    )
+    low, high = axes.get_ylim()
+    near = width * (high - low) * axes.figure.dpi / (72.0 * axes.bbox.height)
+    turn = np.arange(len(marks)) // _PER_TURN
+    with np.errstate(invalid="ignore"):
+        for k, look in enumerate(looks):
+            together = np.abs(shown - shown[k]) < near
+            size, rank = together.sum(axis=0), together[:k].sum(axis=0)
+            mine = (size > 1) & (turn % np.maximum(size, 1) == rank)
+            piece = {**look, "linestyle": "-", "solid_capstyle": "butt"}
+            axes.plot(marks, np.where(mine, shown[k], np.nan), **piece, linewidth=width, zorder=3.1)
 
 
 def draw_grid(axes: Axes, axis: Any = "both") -> None:

@@ -112,14 +112,17 @@ def draw_arena(axes: Axes, team: Team, *, heights: bool = True) -> Any:
 
     Returns what a scale of heights needs; None on level ground.
     """
+    from matplotlib.collections import PolyCollection
+
     terrain, border, (walls, unknown) = team.world.terrain, team.border, team.rings
     shown = None if terrain is None or not heights else _draw_terrain(axes, terrain)
     _fill_rings(axes, unknown, facecolor=style.UNKNOWN, edgecolor="none", zorder=0.5)
     _fill_rings(axes, walls, facecolor=style.WALL, edgecolor=style.WALL, linewidth=0.2, zorder=1)
     # Edges below, fills above: shapes that overlap show one common outline.
-    for ring in map(shape_ring, team.fixed):
-        add_polygon(axes, ring, fill=False, edgecolor=style.INK, linewidth=0.7, zorder=1.05)
-        add_polygon(axes, ring, facecolor=style.SHAPE, edgecolor="none", zorder=1.1)
+    look: Any = {"facecolors": "none", "edgecolors": style.INK, "linewidths": 0.7, "zorder": 1.05}
+    axes.add_collection(PolyCollection(team.outlines, **look), autolim=False)
+    look = {"facecolors": style.SHAPE, "edgecolors": "none", "zorder": 1.1}
+    axes.add_collection(PolyCollection(team.outlines, **look), autolim=False)
     add_polygon(axes, border, fill=False, edgecolor=style.INK, linewidth=0.9, zorder=1.2)
     return shown
 
@@ -195,6 +198,7 @@ def _draw_terrain(axes: Axes, terrain: Terrain) -> Any:
             levels=MaxNLocator(nbins=7).tick_values(low, high),
             colors="#4a4a42",
             linewidths=0.3,
+            linestyles="solid",  # below zero, too
             alpha=0.55,
             transform=place,
             zorder=0.3,

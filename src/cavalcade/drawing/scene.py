@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.drawing.outlines import cell_rings
+from cavalcade.drawing.outlines import cell_rings, shape_ring
 from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import Trajectory
 from cavalcade.metrics.clearance import fixed_shapes
@@ -56,6 +56,11 @@ class Team:
     def fixed(self) -> tuple[Shape, ...]:
         """The exact shapes that are to be drawn as lasting."""
         return self.world.shapes
+
+    @cached_property
+    def outlines(self) -> list[Array]:
+        """Rings of the shapes, map frame, m."""
+        return [shape_ring(shape) for shape in self.fixed]
 
     @property
     def border(self) -> Array:

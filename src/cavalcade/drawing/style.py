@@ -21,6 +21,9 @@ PAGE = 7.16
 """Width of both columns, inches."""
 DPI = 300
 
+_EDGE = 0.015
+"""Least room between what is drawn and the page's edge, inches."""
+
 INK = "#1b1b1b"
 GREY = "#6b6b6b"
 WALL = "#3f444a"
@@ -193,9 +196,17 @@ def make_directory(path: str | Path) -> Path:
 def save(figure: Figure, path: Path, dpi: int = DPI) -> Path:
     """Write the figure as PNG, whole or not at all.
 
+    It gets larger where something would be cut off, a wide label for instance.
+
     Raises:
         OutputError: The file cannot be written.
     """
+    from matplotlib.transforms import Bbox
+
+    drawn = figure.get_tightbbox().padded(_EDGE)
+    box = Bbox.union([drawn, Bbox.from_extents(0.0, 0.0, *figure.get_size_inches())])
     with replacing(path) as temporary:
-        figure.savefig(temporary, format="png", dpi=dpi, metadata={"Software": None})
+        figure.savefig(
+            temporary, format="png", dpi=dpi, bbox_inches=box, metadata={"Software": None}
+        )
     return path

@@ -9,15 +9,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from cavalcade.eikonal._march import Stop, march
+from cavalcade.kernels import kernel, subroutine
 
 STEP = 0.5
 """Cells: step length of a walk down a field; at most 0.5."""
 
 
-@njit(cache=True)
+@subroutine
 def line_time(u0, v0, u1, v1, grid):
     """Time in s along the straight segment, or inf if it touches a blocked cell.
 
@@ -56,7 +56,7 @@ def line_time(u0, v0, u1, v1, grid):
             at_v += abs(1.0 / dv)
 
 
-@njit(cache=True)
+@kernel
 def seed_point(u, v, radius, grid, times, visited, count):
     """Start a march at a point that need not be a cell's centre.
 
@@ -87,7 +87,7 @@ def seed_point(u, v, radius, grid, times, visited, count):
     return count
 
 
-@njit(cache=True)
+@kernel
 def time_at(u, v, times, stride):
     """Arrival time at a point inside the grid: bilinear between reached cells, inf without any.
 
@@ -108,7 +108,7 @@ def time_at(u, v, times, stride):
     return total / weight if weight > 1e-9 else np.inf
 
 
-@njit(cache=True)
+@subroutine
 def straight_goal(u, v, reach, goals, grid):
     """Index of the goal soonest reached along a straight line of at most `reach`, -1 if none."""
     found = -1
@@ -121,7 +121,7 @@ def straight_goal(u, v, reach, goals, grid):
     return found
 
 
-@njit(cache=True)
+@kernel
 def descend(u, v, goals, times, grid, points, stamps):
     """Walk down the arrival times from (u, v) to the goal below it.
 
@@ -213,7 +213,7 @@ def descend(u, v, goals, times, grid, points, stamps):
     return count, False
 
 
-@njit(cache=True)
+@kernel
 def nearest_reached(u, v, values, rows, cols, reach):
     """Padded index of the finite cell of `values` nearest to (u, v), -1 if none within `reach`.
 
@@ -240,7 +240,7 @@ def nearest_reached(u, v, values, rows, cols, reach):
     return found
 
 
-@njit(cache=True)
+@kernel
 def local_path(start, goal, guess, grid, times, work, points, stamps):
     """March from the goal until the start is settled and walk back; leaves `times` at inf.
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from cavalcade.kernels import kernel
 
 
-@njit(cache=True)
+@kernel
 def square_distance(occupied, cell):
     """Distance from each cell's centre to the nearest occupied cell's *square*, 0 inside.
 
@@ -75,7 +76,7 @@ def square_distance(occupied, cell):
     return out
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def saturated(distance, radius, safe, least):
     """Speeds `(rows, cols)` that rise from 0 at `radius` to 1 over the next `safe` metres.
 

@@ -17,9 +17,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, uint32, uintp
+from numba import uint32, uintp
 
 from cavalcade.eikonal._prefetch import prefetch
+from cavalcade.kernels import kernel, subroutine
 
 BUCKETS = 1024
 BATCH = 512
@@ -99,7 +100,7 @@ def work_space(size: int, nodes: int = 0) -> WorkSpace:
     )
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def pad_delays(speed, cell, delay):
     """Fill padded delays `(P,)`, s per cell, from speeds `(rows, cols)`, m/s.
 
@@ -122,7 +123,7 @@ def pad_delays(speed, cell, delay):
     return negative == 0
 
 
-@njit(cache=True, fastmath={"nnan", "nsz", "contract"}, error_model="numpy")
+@subroutine(fastmath={"nnan", "nsz", "contract"})
 def least_rest(cells, count, grid, stop, rest):
     """Lower bounds `rest` in s of the times from cells on to the focus of `stop`."""
     per_row = 1.0 / grid.stride
@@ -134,7 +135,7 @@ def least_rest(cells, count, grid, stop, rest):
         rest[k] = max(away - 1.5, 0.0) * grid.least
 
 
-@njit(cache=True, fastmath={"nnan", "nsz", "contract"})
+@kernel(fastmath={"nnan", "nsz", "contract"})
 def march(grid, times, seeds, work, stop):
     """Propagate arrival times from seeded cells.
 

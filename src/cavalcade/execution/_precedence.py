@@ -11,11 +11,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from cavalcade.geometry import Array
 from cavalcade.geometry.boxes import boxes_gap
+from cavalcade.kernels import kernel, subroutine
 
 NEVER = 1 << 30
 """A cell's number where there is none."""
@@ -73,7 +73,7 @@ class Braking(NamedTuple):
     trust: bool
 
 
-@njit(cache=True)
+@kernel
 def first_cells(poses, spread, rests, bodies, margin, band):
     """The first blocked cell of each row of each pair.
 
@@ -171,13 +171,13 @@ def first_cells(poses, spread, rests, bodies, margin, band):
     return near, far
 
 
-@njit(cache=True)
+@subroutine
 def cell_of(moment, dt, count):
     """The cell in which a plan time lies; one on a border counts as past it."""
     return min(max(int(math.floor(moment / dt + 0.5 + 1e-9)), 0), count - 1)
 
 
-@njit(cache=True)
+@subroutine
 def pair_bound(order, i, j, sure, coming, lead):
     """The plan time that j may not go beyond because of i, by their `Order`.
 
@@ -198,7 +198,7 @@ def pair_bound(order, i, j, sure, coming, lead):
     return (bound - 0.5) * dt if bound < NEVER else math.inf
 
 
-@njit(cache=True)
+@kernel
 def strict_bounds(order, sure):
     """The plan times `(N,)` that robots at `sure` `(N,)` may not pass before others move on, s."""
     ahead, far = order.ahead, order.far
@@ -213,13 +213,13 @@ def strict_bounds(order, sure):
     return bounds
 
 
-@njit(cache=True)
+@subroutine
 def stopping(rate, braking):
     """Plan time that passes at least, if braking begins after the next cycle, s."""
     return rate * braking.period + 0.5 * rate * rate / braking.deceleration
 
 
-@njit(cache=True)
+@kernel
 def allowed_rates(order, progress, wanted, braking):
     """The largest rates with which all can still stop before they are where it is not their turn.
 

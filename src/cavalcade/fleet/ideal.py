@@ -6,11 +6,11 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike
 
 from cavalcade.fleet.radio import CommandDelay, LocalisationNoise, RadioFleet, start_poses
 from cavalcade.geometry import Array, wrap_angle
+from cavalcade.kernels import kernel
 from cavalcade.robots.model import RobotModel
 from cavalcade.robots.motion import MotionLimits, advance, limits_of
 
@@ -70,7 +70,7 @@ class IdealFleet(RadioFleet):
         return self._poses
 
 
-@njit(cache=True)
+@kernel
 def advance_team(
     poses: Array, velocities: Array, commands: Array, limits: Array, dt: float, steps: int
 ) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from cavalcade.formation._clearance import (
     DistanceMap,
@@ -15,6 +14,7 @@ from cavalcade.formation._clearance import (
     rectangle_gap,
 )
 from cavalcade.formation._least_change import NEAR, least_change, to_body
+from cavalcade.kernels import kernel, subroutine
 from cavalcade.robots.motion import advance
 
 LEVELS = 5
@@ -22,7 +22,7 @@ LEVELS = 5
 STOP = LEVELS - 1
 
 
-@njit(cache=True)
+@subroutine
 def roll_out(pose, velocity, command, horizon, held, out):
     """Poses `(T, 3)` while the command is held for some steps and then a stop is commanded."""
     state = (pose[0], pose[1], pose[2], velocity[0], velocity[1], velocity[2])
@@ -33,7 +33,7 @@ def roll_out(pose, velocity, command, horizon, held, out):
         out[t, 0], out[t, 1], out[t, 2] = state[0], state[1], state[2]
 
 
-@njit(cache=True)
+@subroutine
 def map_slack(path, footprint, keep, gap, map):
     """Least slack over poses `(T, 3)`: clearance of discs and centre beyond what is needed, m.
 
@@ -64,7 +64,7 @@ def map_slack(path, footprint, keep, gap, map):
     return min(least, body) if body >= 0.0 else body - 1e3
 
 
-@njit(cache=True)
+@subroutine
 def pair_slack(path_a, half_a, path_b, half_b, gap, centres):
     """Least slack over poses of the same times: footprints beyond `gap`, centres beyond theirs, m.
 
@@ -81,7 +81,7 @@ def pair_slack(path_a, half_a, path_b, half_b, gap, centres):
     return min(least, body) if body >= 0.0 else body - 1e3
 
 
-@njit(cache=True)
+@subroutine
 def box_paths(boxes, horizon):
     """Poses `(M, T, 3)` of dynamic obstacles that go on as they do now."""
     paths = np.empty((boxes.poses.shape[0], horizon.steps, 3))
@@ -94,7 +94,7 @@ def box_paths(boxes, horizon):
     return paths
 
 
-@njit(cache=True)
+@subroutine
 def step_down(level, slack):
     """The first level from `level` on with slack of 0, or no less than a stop has, `(LEVELS,)`."""
     while level < STOP and slack[level] < min(0.0, slack[STOP]):
@@ -102,7 +102,7 @@ def step_down(level, slack):
     return level
 
 
-@njit(cache=True)
+@kernel
 def safe_commands(team, weights, surroundings, parameters):
     """Both stages: commands after which every robot can still stop without touching anything.
 

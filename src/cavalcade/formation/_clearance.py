@@ -9,7 +9,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from cavalcade.kernels import subroutine
 
 
 class DistanceMap(NamedTuple):
@@ -116,7 +117,7 @@ class Gap(NamedTuple):
     by: float
 
 
-@njit(cache=True)
+@subroutine
 def distance_at(map, x, y):
     """Bilinear distance to the nearest obstacle at a point, m, and its gradient `(2,)`.
 
@@ -142,13 +143,13 @@ def distance_at(map, x, y):
     return value, gx, gy
 
 
-@njit(cache=True)
+@subroutine
 def rectangle(pose, half):
     """The `Rectangle` at a pose `(3,)` with half length and half width `(2,)`, m."""
     return Rectangle(pose[0], pose[1], math.cos(pose[2]), math.sin(pose[2]), half[0], half[1])
 
 
-@njit(cache=True)
+@subroutine
 def corner(box, k):
     """Corner k of 0..3 of a rectangle, m."""
     i, j = (1.0 if k < 2 else -1.0), (1.0 if k % 2 == 0 else -1.0)
@@ -158,7 +159,7 @@ def corner(box, k):
     )
 
 
-@njit(cache=True)
+@subroutine
 def point_rectangle(px, py, box):
     """Distance from a point to a rectangle, m, and the nearest point of it; 0 inside."""
     c, s = box.cos, box.sin
@@ -169,7 +170,7 @@ def point_rectangle(px, py, box):
     return math.hypot(bx - qx, by - qy), box.x + c * qx - s * qy, box.y + s * qx + c * qy
 
 
-@njit(cache=True)
+@subroutine
 def rectangle_gap(a, b):
     """The signed `Gap` between two rectangles; where they overlap, its points are the middle."""
     dx, dy = a.x - b.x, a.y - b.y
@@ -209,7 +210,7 @@ def rectangle_gap(a, b):
     return Gap(best, nx, ny, px, py, qx, qy)
 
 
-@njit(cache=True)
+@subroutine
 def contact_centres(a, b, gap, slop):
     """Centres of the parts of two rectangles that lie within `slop` m of their `gap`.
 

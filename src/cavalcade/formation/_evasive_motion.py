@@ -6,7 +6,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from cavalcade.formation._clearance import (
     DistanceMap,
@@ -16,6 +15,7 @@ from cavalcade.formation._clearance import (
     rectangle,
     rectangle_gap,
 )
+from cavalcade.kernels import kernel, subroutine
 from cavalcade.robots.motion import MotionLimits, advance
 
 STEP = 0.1
@@ -66,7 +66,7 @@ class Gaps(NamedTuple):
     clearance: float = 0.0
 
 
-@njit(cache=True)
+@kernel
 def turn_rate(yaw, dx, dy, most):
     """Yaw rate that turns a body's longer axis, front or rear, into a direction, rad/s."""
     turn = math.atan2(dy, dx) - yaw
@@ -74,7 +74,7 @@ def turn_rate(yaw, dx, dy, most):
     return min(max(_GAIN * turn, -most), most)
 
 
-@njit(cache=True)
+@kernel
 def roll_out_manoeuvre(pose, velocity, direction, turning, moving, drive, out):
     """States `(T, 6)` of a robot that goes in a direction for some steps and then stops.
 
@@ -100,7 +100,7 @@ def roll_out_manoeuvre(pose, velocity, direction, turning, moving, drive, out):
         x, y, yaw, vx, vy, wz = advance((x, y, yaw, vx, vy, wz), (cx, cy, cw), STEP, limits)
 
 
-@njit(cache=True)
+@subroutine
 def map_gap(pose, footprint, map, boxes):
     """Gap of a body to what stands, m, up to `SEEN`; the map may show what moves as well."""
     discs = footprint.discs
@@ -126,7 +126,7 @@ def map_gap(pose, footprint, map, boxes):
     return least
 
 
-@njit(cache=True)
+@subroutine
 def box_gap(pose, half, boxes, time):
     """Gap of a body to the dynamic obstacles at a time in s: m, up to `SEEN`."""
     least = SEEN
@@ -143,7 +143,7 @@ def box_gap(pose, half, boxes, time):
     return least
 
 
-@njit(cache=True)
+@subroutine
 def barred(pose, half, others, t, gaps, first):
     """Whether one of the others `(K, T, 3)` is too near at step `t`, and nearer than at first.
 
@@ -160,7 +160,7 @@ def barred(pose, half, others, t, gaps, first):
     return False
 
 
-@njit(cache=True)
+@kernel
 def judge_manoeuvres(pose, velocity, candidates, drive, footprint, surroundings, others, gaps):
     """What comes of each candidate.
 

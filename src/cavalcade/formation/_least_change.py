@@ -6,7 +6,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from cavalcade.formation._clearance import (
     DistanceMap,
@@ -17,6 +16,7 @@ from cavalcade.formation._clearance import (
     rectangle,
     rectangle_gap,
 )
+from cavalcade.kernels import kernel, subroutine
 from cavalcade.robots.motion import MotionLimits, ellipse_scale
 
 ARM = 0.25
@@ -113,7 +113,7 @@ class Constraints(NamedTuple):
     used: np.ndarray
 
 
-@njit(cache=True)
+@subroutine
 def approach_speed(gap, deceleration, period):
     """Largest closing speed in m/s from which one stops within `gap` m, a period late."""
     if gap <= 0.0:
@@ -122,7 +122,7 @@ def approach_speed(gap, deceleration, period):
     return math.sqrt(2.0 * deceleration * gap + lag * lag) - lag
 
 
-@njit(cache=True)
+@subroutine
 def new_row(constraints, first, second, bound):
     """The next row, all zero yet, of a constraint between two robots (-1 for none)."""
     k = constraints.used[0]
@@ -132,14 +132,14 @@ def new_row(constraints, first, second, bound):
     return constraints.rows[k]
 
 
-@njit(cache=True)
+@subroutine
 def set_contact(row, at, nx, ny, rx, ry):
     """Enter how fast a point (rx, ry) from a robot's centre moves along a normal."""
     row[at], row[at + 1] = nx, ny
     row[at + 2] = (-nx * ry + ny * rx) / ARM
 
 
-@njit(cache=True)
+@subroutine
 def obstacle_rows(k, pose, keep, footprint, map, gap, horizon, constraints):
     """Constraints of robot `k` against the map: its discs and its centre's clearance."""
     discs = footprint.discs
@@ -163,7 +163,7 @@ def obstacle_rows(k, pose, keep, footprint, map, gap, horizon, constraints):
         set_contact(new_row(constraints, k, -1, -speed), 0, gx / norm, gy / norm, rx, ry)
 
 
-@njit(cache=True)
+@subroutine
 def pair_rows(i, j, poses, both, half, margins, horizon, constraints):
     """Constraints between two robots: the gap of their footprints, the distance of centres.
 
@@ -192,7 +192,7 @@ def pair_rows(i, j, poses, both, half, margins, horizon, constraints):
     row[0], row[1], row[3], row[4] = dx / away, dy / away, -dx / away, -dy / away
 
 
-@njit(cache=True)
+@subroutine
 def box_rows(i, pose, half, boxes, gap, horizon, constraints):
     """Constraints of robot `i` against dynamic obstacles, whose own motion counts as closing."""
     for j in range(boxes.poses.shape[0]):
@@ -205,7 +205,7 @@ def box_rows(i, pose, half, boxes, gap, horizon, constraints):
         set_contact(row, 0, near.nx, near.ny, near.ax - pose[0], near.ay - pose[1])
 
 
-@njit(cache=True)
+@subroutine
 def project(wanted, weights, constraints):
     """Hildreth's method: the nearest `u` (weighted) that meets the constraints.
 
@@ -256,7 +256,7 @@ def project(wanted, weights, constraints):
     return u
 
 
-@njit(cache=True)
+@subroutine
 def least_change(team, weights, surroundings, parameters):
     """Wanted velocities, changed as little as clearances and braking distances ask for.
 
@@ -299,7 +299,7 @@ def least_change(team, weights, surroundings, parameters):
     return u
 
 
-@njit(cache=True)
+@kernel
 def to_body(velocities, yaw, limits):
     """Map-frame velocities `(N, 3)` as body-frame commands inside the velocity ellipse."""
     out = np.empty_like(velocities)

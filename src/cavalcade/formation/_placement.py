@@ -6,7 +6,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from cavalcade.kernels import kernel
 
 
 class FreeSpace(NamedTuple):
@@ -23,7 +24,7 @@ class FreeSpace(NamedTuple):
     cell: float
 
 
-@njit(cache=True)
+@kernel
 def values_at(grid, points, cell):
     """Values `(N,)` of a grid in the cells of points `(N, 2)`; 0 off the grid."""
     out = np.zeros(points.shape[0])
@@ -34,7 +35,7 @@ def values_at(grid, points, cell):
     return out
 
 
-@njit(cache=True)
+@kernel
 def fitting_shift(shifts, places, bodies, region, needed, space):
     """Index of the first shift with which all places lie in a region, clear; -1 if none does.
 

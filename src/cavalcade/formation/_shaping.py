@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from cavalcade.kernels import kernel, subroutine
 
 SPRING = np.dtype(
     [(name, float) for name in ("rest", "k_rep", "k_att", "dv_max_att", "b_att", "b_rep")]
@@ -13,7 +14,7 @@ SPRING = np.dtype(
 """One connection of a shape: its rest length in m, and its `SpringLaw`."""
 
 
-@njit(cache=True)
+@kernel
 def add_springs(velocity, points, pairs, springs, previous, period):
     """Add springs and dampers to the velocities (Norén et al., eqs. 3-5).
 
@@ -56,7 +57,7 @@ def add_springs(velocity, points, pairs, springs, previous, period):
     return length
 
 
-@njit(cache=True)
+@subroutine
 def sobel(speed, row, col):
     """Gradient (du, dv) of the velocity map at a cell, per cell, by the Sobel operator.
 
@@ -74,7 +75,7 @@ def sobel(speed, row, col):
     return gu / 8.0, gv / 8.0
 
 
-@njit(cache=True)
+@kernel
 def avoid_obstacles(velocity, points, speed, cell, safe, w_min):
     """Remove motion towards near obstacles (Norén et al., Algorithm 1).
 
@@ -103,7 +104,7 @@ def avoid_obstacles(velocity, points, speed, cell, safe, w_min):
         velocity[k, 1] -= alpha * dot / square * gv
 
 
-@njit(cache=True)
+@kernel
 def limit_speeds(velocity, yaw, w, to_goal, limits):
     """Limit speeds, directions kept (Norén et al., eqs. 7-9).
 

@@ -9,13 +9,13 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from numba import njit
+from cavalcade.kernels import kernel, subroutine
 
 TOUCHING = 1e-9
 """Surfaces closer than this touch, m."""
 
 
-@njit(cache=True)
+@subroutine
 def point_segment(px, py, ax, ay, bx, by):
     """Distance of a point to a segment."""
     dx, dy = bx - ax, by - ay
@@ -26,7 +26,7 @@ def point_segment(px, py, ax, ay, bx, by):
     return math.hypot(px - ax - along * dx, py - ay - along * dy)
 
 
-@njit(cache=True)
+@subroutine
 def inside_polygon(px, py, vertices):
     """Whether a point lies in a simple polygon `(V, 2)`, by the parity of crossed edges."""
     inside = False
@@ -39,7 +39,7 @@ def inside_polygon(px, py, vertices):
     return inside
 
 
-@njit(cache=True)
+@subroutine
 def point_polygon(px, py, vertices):
     """Distance of a point to a simple polygon, 0 inside."""
     if inside_polygon(px, py, vertices):
@@ -53,13 +53,13 @@ def point_polygon(px, py, vertices):
     return nearest
 
 
-@njit(cache=True)
+@subroutine
 def _side(ax, ay, bx, by, px, py):
     """Positive for a point to the left of the line from a to b, negative to its right."""
     return (bx - ax) * (py - ay) - (by - ay) * (px - ax)
 
 
-@njit(cache=True)
+@subroutine
 def polygons_gap(one, other):
     """Distance between two simple polygons, 0 where they meet or one holds the other."""
     if inside_polygon(one[0, 0], one[0, 1], other) or inside_polygon(other[0, 0], other[0, 1], one):
@@ -79,14 +79,14 @@ def polygons_gap(one, other):
     return nearest if nearest > TOUCHING else 0.0
 
 
-@njit(cache=True)
+@subroutine
 def box_polygon_gap(corners, polygon, inflation):
     """Distance between a box of these corners and a polygon, 0 where they meet."""
     gap = polygons_gap(corners, polygon) - inflation
     return gap if gap > TOUCHING else 0.0
 
 
-@njit(cache=True)
+@subroutine
 def box_corners(x, y, yaw, length, width, out):
     """Write the corners of a box, without its inflation, counter-clockwise to `out` `(4, 2)`."""
     c, s = math.cos(yaw), math.sin(yaw)
@@ -97,7 +97,7 @@ def box_corners(x, y, yaw, length, width, out):
         out[i, 1] = y + s * u + c * v
 
 
-@njit(cache=True)
+@subroutine
 def point_box(px, py, x, y, yaw, length, width):
     """Distance of a point to a box without inflation, 0 inside."""
     c, s = math.cos(yaw), math.sin(yaw)
@@ -106,7 +106,7 @@ def point_box(px, py, x, y, yaw, length, width):
     return math.hypot(max(u, 0.0), max(v, 0.0))
 
 
-@njit(cache=True)
+@subroutine
 def boxes_gap(one, other, first, second, a, b):
     """Distance between two boxes, 0 where they meet.
 
@@ -131,13 +131,13 @@ class Footprint(NamedTuple):
     round: bool
 
 
-@njit(cache=True)
+@subroutine
 def footprint_at(shapes, k):
     """Row `k` of a table `(K, 3)`: half length, half width, 1 for a disc."""
     return Footprint(shapes[k, 0], shapes[k, 1], shapes[k, 2] > 0.0)
 
 
-@njit(cache=True)
+@subroutine
 def footprint_radius(footprint):
     """Distance of a footprint's farthest point from its centre, m."""
     if footprint.round:
@@ -147,7 +147,7 @@ def footprint_radius(footprint):
     )
 
 
-@njit(cache=True)
+@kernel
 def footprints_meet(one, here, other, there, margin):
     """Whether two footprints are nearer than `margin` m (boxes at corners: a little more)."""
     dx, dy = there[0] - here[0], there[1] - here[1]
@@ -178,7 +178,7 @@ def footprints_meet(one, here, other, there, margin):
     return abs(c1 * dy - s1 * dx) < hw1 + s * hl0 + c * hw0 + margin
 
 
-@njit(cache=True)
+@subroutine
 def _disc_meets_box(dx, dy, yaw, box, radius):
     """Whether a disc at (dx, dy) from a box's centre is nearer to it than its radius."""
     c, s = math.cos(yaw), math.sin(yaw)

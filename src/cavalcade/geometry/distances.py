@@ -12,7 +12,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from cavalcade.geometry import Array
@@ -23,6 +22,7 @@ from cavalcade.geometry.boxes import (
     point_box,
     point_polygon,
 )
+from cavalcade.kernels import kernel, subroutine
 
 
 class Box(NamedTuple):
@@ -61,13 +61,13 @@ class Cells(NamedTuple):
     cell: float
 
 
-@njit(cache=True)
+@subroutine
 def box_radius(box):
     """Distance of a box's farthest point from its centre, m."""
     return 0.5 * math.hypot(box.length, box.width) + box.inflation
 
 
-@njit(cache=True)
+@kernel
 def circles_clearance(poses, box, circles, best, contact):
     """Judge poses `(M, 3)` of a box against discs `(K, 3)` x, y, radius."""
     reach = box_radius(box)
@@ -83,7 +83,7 @@ def circles_clearance(poses, box, circles, best, contact):
                 contact[m] |= gap <= 0.0
 
 
-@njit(cache=True)
+@kernel
 def polygons_clearance(poses, box, polygons, best, contact):
     """Judge poses `(M, 3)` of a box against `Polygons`."""
     reach = box_radius(box)
@@ -105,7 +105,7 @@ def polygons_clearance(poses, box, polygons, best, contact):
                 contact[m] |= gap <= 0.0
 
 
-@njit(cache=True)
+@kernel
 def cells_clearance(poses, order, box, cells, best, contact):
     """Judge poses `(M, 3)` of a box, given in the grid's own frame, against `Cells`.
 
@@ -149,7 +149,7 @@ def cells_clearance(poses, order, box, cells, best, contact):
                     contact[m] |= gap <= 0.0
 
 
-@njit(cache=True)
+@kernel
 def boxes_clearance(one, other, sizes, best, contact):
     """Judge two boxes that move at the same time: poses `(M, 3)` each.
 
@@ -167,7 +167,7 @@ def boxes_clearance(one, other, sizes, best, contact):
             contact[m] |= gap <= 0.0
 
 
-@njit(cache=True)
+@kernel
 def nearest_gaps(poses, bodies):
     """The smallest gap `(K, N)` m of each body to any other at each time, inf if it is alone.
 

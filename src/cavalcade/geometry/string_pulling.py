@@ -8,15 +8,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from cavalcade.geometry import Array
+from cavalcade.kernels import kernel, subroutine
 
 Mask = NDArray[np.bool_]
 
 
-@njit(cache=True)
+@kernel
 def line_is_free(free: Mask, cell: float, ax: float, ay: float, bx: float, by: float) -> bool:
     """Whether all cells that the segment passes through are free, by stepping border to border."""
     rows, cols = free.shape
@@ -44,7 +44,7 @@ def line_is_free(free: Mask, cell: float, ax: float, ay: float, bx: float, by: f
     return True
 
 
-@njit(cache=True)
+@kernel
 def descend(times: Array, row: int, col: int) -> NDArray[np.int64]:
     """Cells `(K, 2)` from (row, col) down to the source, to the steepest of eight neighbours.
 
@@ -73,7 +73,7 @@ def descend(times: Array, row: int, col: int) -> NDArray[np.int64]:
         row, col = best_row, best_col
 
 
-@njit(cache=True)
+@subroutine
 def _shortcut(free: Mask, cell: float, path: Array) -> Array:
     """The path with every point left out that the one before can do without seeing."""
     kept = np.empty_like(path)
@@ -91,7 +91,7 @@ def _shortcut(free: Mask, cell: float, path: Array) -> Array:
     return kept[: count + 1]
 
 
-@njit(cache=True)
+@subroutine
 def _dense(path: Array, spacing: float) -> Array:
     """The path with points in between, at most `spacing` m apart."""
     total = 1
@@ -112,7 +112,7 @@ def _dense(path: Array, spacing: float) -> Array:
     return dense
 
 
-@njit(cache=True)
+@subroutine
 def _length(path: Array) -> float:
     """Summed over the segments, m."""
     total = 0.0
@@ -121,7 +121,7 @@ def _length(path: Array) -> float:
     return total
 
 
-@njit(cache=True)
+@subroutine
 def _reversed(path: Array) -> Array:
     """The same from the other end."""
     turned = np.empty_like(path)
@@ -130,7 +130,7 @@ def _reversed(path: Array) -> Array:
     return turned
 
 
-@njit(cache=True)
+@kernel
 def string_pulled_length(free: Mask, cell: float, path: Array) -> float:
     """Length of a path `(K, 2)` after string pulling, from both ends in turn, while that helps."""
     length = _length(path)

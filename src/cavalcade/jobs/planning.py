@@ -1,4 +1,4 @@
-"""Plans for robots with goals of their own: made, measured, and as they were driven."""
+"""Plans for robots with goals of their own: made and measured."""
 
 from __future__ import annotations
 
@@ -9,14 +9,12 @@ import numpy as np
 
 from cavalcade.coordination import PlanSettings
 from cavalcade.coordination.result import TeamPlan
-from cavalcade.execution.plan_follower import PlanFollower
 from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import Trajectory
 from cavalcade.jobs.reporter import JobReporter
 from cavalcade.lattice.ground import make_ground
 from cavalcade.locomotion import leg_lengths, plan_footholds
 from cavalcade.metrics.plan_summary import PlanResult, summarise_plan
-from cavalcade.recording.frames import Recording
 from cavalcade.scenario import ResolvedScenario, Scenario, World
 
 SWAY = 0.05
@@ -73,33 +71,6 @@ def settings_of(scenario: Scenario) -> PlanSettings:
         iterations=said.budget.iterations or default.iterations,
         seconds=said.budget.seconds,
     )
-
-
-def driven_trajectories(
-    made: PlanResult, recording: Recording, follower: PlanFollower
-) -> tuple[Trajectory | None, ...]:
-    """The poses that were driven, at the heights and phases of the robots' progress in the plan.
-
-    A robot's trajectory ends with the cycle in which its plan ends, or with the run.
-    """
-    driven: list[Trajectory | None] = []
-    delays = follower.delays_at(recording.time)
-    for robot, path in enumerate(made.trajectories):
-        if path is None:
-            driven.append(None)
-            continue
-        progress = recording.time - delays[:, robot]
-        cycles = 1 + int(np.searchsorted(progress, path.duration - 1e-9))
-        time, progress = recording.time[:cycles], progress[:cycles]
-        poses = recording.poses[:cycles, robot]
-        height = np.interp(progress, path.time, path.position[:, 2])
-        position = np.column_stack([poses[:, :2], height])
-        before = np.clip(np.searchsorted(path.time, progress + 1e-9) - 1, 0, len(path.time) - 1)
-        velocity = np.gradient(position, time, axis=0) if len(time) > 1 else np.zeros((1, 3))
-        driven.append(
-            Trajectory(time, position, velocity, np.unwrap(poses[:, 2]), path.phase[before])
-        )
-    return tuple(driven)
 
 
 def _plan_feet(

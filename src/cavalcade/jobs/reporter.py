@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+import time as clock
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 import cavalcade
+from cavalcade.jobs.share import ShareDone
 from cavalcade.recording.frames import Frame
 from cavalcade.scenario import Scenario
 
@@ -20,6 +22,9 @@ if TYPE_CHECKING:
 
 PLAIN_PERIOD = 10.0
 """Where there is no terminal, a line is printed this often, s of simulated time."""
+
+_TELLING = 0.05
+"""How long the rest will take is told once this share is done."""
 
 
 class Reporter:
@@ -77,17 +82,20 @@ class Reporter:
 
 
 class JobReporter(Reporter):
-    """Says what one job does; it is a sink of frames.
+    """Says what one job does; it is a sink of frames."""
 
-    Attributes:
-        timeout: When a run will be given up, s of simulated time.
-    """
-
-    def __init__(self, name: str, quiet: bool = False) -> None:
+    def __init__(
+        self, name: str, quiet: bool = False, now: Callable[[], float] = clock.monotonic
+    ) -> None:
         super().__init__(quiet)
-        self.timeout = 0.0
-        self._name = name
-        self._last = 0.0
+        self._name, self._now = name, now
+        self._last = self._began = 0.0
+        self._share = ShareDone(0.0)
+
+    def expect(self, scenario: Scenario) -> None:
+        """A run of this scenario comes."""
+        goals = () if scenario.goals else getattr(scenario.task, "goals", ())
+        self._share = ShareDone(scenario.execution.timeout, goals)
 
     @contextmanager
     def planning(self, scenario: Scenario) -> Iterator[None]:
@@ -125,6 +133,12 @@ class JobReporter(Reporter):
         if frame.notes:
             self.say(f"{frame.time:6.1f} s  {'; '.join(frame.notes)}")
 
+    def complete(self) -> None:
+        """The run is over: its bar is full, and goes."""
+        if self._bar is not None:
+            self._bar.update(self._task, completed=1.0, left="", refresh=True)
+        self.close()
+
     def finish(self, summary: Mapping[str, Any], files: Sequence[Path]) -> None:
         """The table of the result and where to look."""
         self.close()
@@ -147,14 +161,32 @@ class JobReporter(Reporter):
         if self._bar is None:
             from rich.progress import TextColumn
 
-            state = TextColumn(
-                "{task.completed:.1f} s simulated, {task.fields[state]}", markup=False
+            told = TextColumn(
+                "{task.percentage:.0f} %, {task.fields[time]:.1f} s simulated, "
+                "{task.fields[state]}{task.fields[left]}",
+                markup=False,
             )
-            task = {"description": self._name, "total": self.timeout, "state": frame.status.state}
-            self._show_bar([state], 5, **task)
-        elif frame.time - self._last >= 0.5 or frame.time < self._last:
+            self._began = self._now()
+            self._share(frame)
+            task = {"description": self._name, "total": 1.0, "left": ""}
+            self._show_bar([told], 5, **task, time=frame.time, state=frame.status.state)
+        elif not 0.0 <= frame.time - self._last < 0.5:
             self._last = frame.time
-            self._bar.update(self._task, completed=frame.time, state=frame.status.state)
+            share = self._share(frame)
+            news: dict[str, Any] = {"time": frame.time, "state": frame.status.state, "left": ""}
+            if share >= _TELLING:
+                left = (self._now() - self._began) * (1.0 - share) / share
+                news["left"] = f", {duration(left)} left"
+            self._bar.update(self._task, completed=share, **news)
+
+
+def duration(seconds: float) -> str:
+    """A time in the two largest units that matter: `1 h 05 min`, `3 min 20 s`, `12 s`."""
+    whole = max(0, round(seconds))
+    hours, minutes, rest = whole // 3600, whole // 60 % 60, whole % 60
+    if hours:
+        return f"{hours} h {minutes:02d} min"
+    return f"{minutes} min {rest:02d} s" if minutes else f"{rest} s"
 
 
 def kernels_are_cached(part: str = "fleet", kernel: str = "ideal.advance_team") -> bool:

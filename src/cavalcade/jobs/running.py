@@ -140,7 +140,7 @@ def run(
         resolved = resolve_scenario(loaded)
         world = build_world(resolved)
         reporter.say(_preparing(resolved))
-        reporter.timeout = resolved.execution.timeout
+        reporter.expect(resolved)
         task = TASKS[resolved.task.kind](resolved, world, reporter, planner)
         robots = task.make_fleet() if fleet is None else fleet
         if isinstance(robots, type) or not isinstance(robots, Fleet):
@@ -155,6 +155,7 @@ def run(
             realtime=realtime,
             sinks=sinks if quiet else (reporter, *sinks),
         )
+        reporter.complete()
         summary = task.summarise(policy, done)
         result = JobResult(resolved, world, summary, done.recording, task.planned)
         if folder is not None:

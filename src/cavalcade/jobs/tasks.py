@@ -15,7 +15,8 @@ from cavalcade.execution.plan_follower import PlanFollower
 from cavalcade.execution.policy import Policy
 from cavalcade.execution.time_scaling import EXACT, WALKING
 from cavalcade.fleet import Fleet, IdealFleet, LeapingFleet
-from cavalcade.jobs.planning import driven_trajectories, make_plan
+from cavalcade.jobs.driven import driven_plan
+from cavalcade.jobs.planning import make_plan
 from cavalcade.jobs.reporter import JobReporter
 from cavalcade.metrics.command_tracking import summarise_commands
 from cavalcade.metrics.plan_summary import PlanResult
@@ -187,15 +188,13 @@ class IndividualTask(Task):
     def driven_plan(
         self, policy: Policy, recording: Recording, summary: Summary
     ) -> PlanResult | None:
-        """With the trajectories that were driven, if it was solved."""
+        """With the motion that came of it, if it was solved."""
         made = self.planned
         if made is None:
             return None
-        plan = made.plan
         if made.solved:
-            driven = driven_trajectories(made, recording, cast(PlanFollower, policy))
-            plan = replace(plan, trajectories=driven)
-        return replace(made, plan=plan, summary=summary)
+            made = driven_plan(made, recording, cast(PlanFollower, policy), self.scenario)
+        return replace(made, summary=summary)
 
 
 class CommandTask(Task):

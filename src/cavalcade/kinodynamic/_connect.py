@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
 from cavalcade.geometry import GRAVITY
 from cavalcade.geometry.trajectory import WALK
+from cavalcade.kernels import subroutine
+from cavalcade.kernels.copying import copy_to
 from cavalcade.kinodynamic._validity import (
     STILL,
     carried,
@@ -29,7 +29,6 @@ from cavalcade.kinodynamic.parameters import (
     SOLID,
     START,
     TIME,
-    copy_to,
 )
 from cavalcade.lattice.surface import surface
 
@@ -40,7 +39,7 @@ _STRETCHES, _STRETCH = 5, 1.3
 """How often, and by which factor, a walk is slowed down until the forces are within limits."""
 
 
-@njit(cache=True)
+@subroutine
 def nominal_time(s0, s1, v_nom):
     """Duration of CONNECT between states: T = 6 |dp| / (|v0 + v1| + 4 v_nom)."""
     dx, dy, dz = s1[0] - s0[0], s1[1] - s0[1], s1[2] - s0[2]
@@ -49,14 +48,14 @@ def nominal_time(s0, s1, v_nom):
     return 6.0 * way / (math.sqrt(vx * vx + vy * vy + vz * vz) + 4.0 * v_nom)
 
 
-@njit(cache=True)
+@subroutine
 def cubic(p0, v0, p1, v1, span):
     """Coefficients of t² and t³ of the Hermite cubic that starts with p0 + v0 t."""
     dp = (p1 - p0) / span
     return (3.0 * dp - 2.0 * v0 - v1) / span, (v0 + v1 - 2.0 * dp) / (span * span)
 
 
-@njit(cache=True)
+@subroutine
 def _planar_cubics(walk):
     """Coefficients of t² and t³ of a CONNECT: those of x and those of y."""
     s0, s1, span = walk[START : START + 6], walk[END : END + 6], walk[TIME]
@@ -65,14 +64,14 @@ def _planar_cubics(walk):
     return a2, a3, b2, b3
 
 
-@njit(cache=True)
+@subroutine
 def clearance_rate(ground, s):
     """Clearance over the smoothed ground and its rate in a state."""
     height, along_x, along_y = surface(ground, s[0], s[1])
     return s[2] - height, s[5] - along_x * s[3] - along_y * s[4]
 
 
-@njit(cache=True)
+@subroutine
 def walk_state(space, walk, t, out):
     """State `(6,)` of a CONNECT at time `t` after its start, written to `out`.
 
@@ -98,7 +97,7 @@ def walk_state(space, walk, t, out):
         out[5] = tangent + r0 + t * (2.0 * a2 + 3.0 * t * a3)
 
 
-@njit(cache=True)
+@subroutine
 def walk_heading(walk, last):
     """Cosine and sine of the yaw at the start or, if `last`, at the end; (0, 0) if it never moves.
 
@@ -119,7 +118,7 @@ def walk_heading(walk, last):
     return vx / speed, vy / speed
 
 
-@njit(cache=True)
+@subroutine
 def forces_allowed(space, walk):
     """Whether friction and the largest ground force allow the accelerations of a CONNECT.
 
@@ -147,7 +146,7 @@ def forces_allowed(space, walk):
     return True
 
 
-@njit(cache=True)
+@subroutine
 def make_walk(space, s0, s1, walk):
     """Lay a CONNECT between two states out in `walk`; whether the forces are within limits.
 
@@ -173,7 +172,7 @@ def make_walk(space, s0, s1, walk):
     return False
 
 
-@njit(cache=True)
+@subroutine
 def is_straight(walk):
     """Whether a CONNECT goes ahead along a straight line, seen from above."""
     s0, s1, span = walk[START : START + 6], walk[END : END + 6], walk[TIME]
@@ -185,7 +184,7 @@ def is_straight(walk):
     return before >= 0.0 and after >= 0.0 and 3.0 * way * way / span >= before + after
 
 
-@njit(cache=True)
+@subroutine
 def fastest(walk):
     """No horizontal speed on a CONNECT is above this, m/s: the largest of its Bézier points."""
     s0, s1, span = walk[START : START + 6], walk[END : END + 6], walk[TIME]
@@ -196,7 +195,7 @@ def fastest(walk):
     )
 
 
-@njit(cache=True)
+@subroutine
 def is_level(ground, walk):
     """Whether a CONNECT on flat ground keeps its height."""
     return (
@@ -207,7 +206,7 @@ def is_level(ground, walk):
     )
 
 
-@njit(cache=True)
+@subroutine
 def turns_too_fast(body, walk):
     """Whether the yaw rate is too large at an end of a CONNECT already."""
     if body.published or is_straight(walk):
@@ -229,7 +228,7 @@ def turns_too_fast(body, walk):
     return False
 
 
-@njit(cache=True)
+@subroutine
 def some_state_invalid(space, walk, scratch):
     """A quick look at a few places of a CONNECT, the middle first: whether one is invalid."""
     count = 8
@@ -245,7 +244,7 @@ def some_state_invalid(space, walk, scratch):
     return False
 
 
-@njit(cache=True)
+@subroutine
 def walk_problem(space, walk, backwards, scratch):
     """What is wrong with a CONNECT whose forces are within limits.
 

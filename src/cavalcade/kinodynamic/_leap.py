@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
 from cavalcade.geometry import GRAVITY
 from cavalcade.geometry.trajectory import FLIGHT as FLYING
 from cavalcade.geometry.trajectory import LANDING, TAKE_OFF
+from cavalcade.kernels import subroutine
+from cavalcade.kernels.copying import copy_to
 from cavalcade.kinodynamic._validity import state_problem
 from cavalcade.kinodynamic.parameters import (
     BRAKE,
@@ -24,11 +24,10 @@ from cavalcade.kinodynamic.parameters import (
     OK,
     START,
     TIME,
-    copy_to,
 )
 
 
-@njit(cache=True)
+@subroutine
 def stance_state(state, force, span, t, out):
     """State after `t` s of a stance of `span` s with the peak force `(3,)`, written to `out`.
 
@@ -44,7 +43,7 @@ def stance_state(state, force, span, t, out):
     out[5] -= GRAVITY * t
 
 
-@njit(cache=True)
+@subroutine
 def flight_state(state, t, out):
     """State after `t` s of flight, written to `out`, which may be `state`."""
     for k in range(3):
@@ -55,7 +54,7 @@ def flight_state(state, t, out):
     out[5] -= GRAVITY * t
 
 
-@njit(cache=True)
+@subroutine
 def peak_force(rise, start_speed, span):
     """Vertical peak force, body weights, that lifts a body by `rise` m in a stance.
 
@@ -64,13 +63,13 @@ def peak_force(rise, start_speed, span):
     return 3.0 / (GRAVITY * span * span) * (rise - span * start_speed) + 1.5
 
 
-@njit(cache=True)
+@subroutine
 def leap_duration(leap):
     """Duration of a leap's three phases together, s."""
     return leap[TIME] + leap[FLIGHT] + leap[LAND]
 
 
-@njit(cache=True)
+@subroutine
 def leap_state(leap, t, out):
     """State `(6,)` at time `t` after the start of the leap, written to `out`; returns the phase."""
     if t < leap[TIME]:
@@ -86,13 +85,13 @@ def leap_state(leap, t, out):
     return LANDING
 
 
-@njit(cache=True)
+@subroutine
 def close_leap(leap):
     """Write the state in which a leap ends to its place."""
     leap_state(leap, leap_duration(leap), leap[END : END + 6])
 
 
-@njit(cache=True)
+@subroutine
 def reverse_leap(leap, out):
     """The same leap in reversed time, to another array: ends exchanged, velocities negated."""
     copy_to(out, leap)
@@ -103,7 +102,7 @@ def reverse_leap(leap, out):
     out[TIME], out[LAND] = leap[LAND], leap[TIME]
 
 
-@njit(cache=True)
+@subroutine
 def leap_forces_allowed(body, leap):
     """Whether both stances keep to the friction cone, the largest force and 1 <= f_z."""
     for first in (FORCE, BRAKE):
@@ -116,7 +115,7 @@ def leap_forces_allowed(body, leap):
     return True
 
 
-@njit(cache=True)
+@subroutine
 def leap_problem(space, leap, scratch):
     """What is wrong with a leap in forward time: `OK`, `SOLID`, `GROUND` or `MOTION`.
 

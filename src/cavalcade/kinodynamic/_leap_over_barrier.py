@@ -9,10 +9,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from numba import njit
-
 from cavalcade.geometry import GRAVITY
 from cavalcade.geometry.trajectory import LANDING, TAKE_OFF, WALK
+from cavalcade.kernels import subroutine
 from cavalcade.kinodynamic._leap import close_leap, leap_problem
 from cavalcade.kinodynamic._validity import carried
 from cavalcade.kinodynamic.parameters import (
@@ -99,7 +98,7 @@ class LeapSample(NamedTuple):
     end: float
 
 
-@njit(cache=True)
+@subroutine
 def find_barrier(space, line, at, backwards):
     """The barrier around the place `at` where a walk along a line fails (`backwards`: one back)."""
     sign = -1.0 if backwards else 1.0
@@ -128,7 +127,7 @@ def find_barrier(space, line, at, backwards):
     return Barrier(math.nan, take_off, landing)
 
 
-@njit(cache=True)
+@subroutine
 def _stands(space, line, s, phase):
     """Whether the ground carries the body at a place on a line, at nominal height."""
     x, y = line.x + s * line.cos, line.y + s * line.sin
@@ -136,7 +135,7 @@ def _stands(space, line, s, phase):
     return carried(space, x, y, z, line.cos, line.sin, phase)
 
 
-@njit(cache=True)
+@subroutine
 def _stands_during(space, line, s, phase):
     """Whether it does there and where the stance before or after leads."""
     step = -0.1 if phase == TAKE_OFF else 0.1
@@ -145,7 +144,7 @@ def _stands_during(space, line, s, phase):
     return there and _stands(space, line, s + 2.0 * step, phase)
 
 
-@njit(cache=True)
+@subroutine
 def reach_height(space, x, y, cos, sin, rear_only):
     """The highest place of the body's centre from which the hips' legs reach the ground, m."""
     ground, body = space.ground, space.body
@@ -163,7 +162,7 @@ def reach_height(space, x, y, cos, sin, rear_only):
     return highest
 
 
-@njit(cache=True)
+@subroutine
 def _stance_span(body, change, stroke, share, part):
     """Duration of a stance that changes the vertical speed by `change` m/s; nan if none can.
 
@@ -182,7 +181,7 @@ def _stance_span(body, change, stroke, share, part):
     return low + part * (high - low)
 
 
-@njit(cache=True)
+@subroutine
 def shape_leap(space, line, sample, leap):
     """Lay a sampled leap along a line out in `leap`; whether there is one within all forces."""
     ground, body, cos, sin = space.ground, space.body, line.cos, line.sin
@@ -259,7 +258,7 @@ def shape_leap(space, line, sample, leap):
     )
 
 
-@njit(cache=True)
+@subroutine
 def leap_over(space, line, barrier, attempt, rng, leap, scratch):
     """Sample a leap `(SIZE,)` over a barrier after so many attempts; whether it is valid."""
     body = space.body

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from cavalcade.kernels import subroutine
+from cavalcade.kernels.copying import copy_to
 from cavalcade.kinodynamic._leap import (
     close_leap,
     flight_state,
@@ -33,7 +34,6 @@ from cavalcade.kinodynamic.parameters import (
     SIZE,
     START,
     TIME,
-    copy_to,
 )
 from cavalcade.kinodynamic.random import between, uniform
 from cavalcade.lattice.surface import surface
@@ -45,7 +45,7 @@ _LONGEST_FLIGHT = 1.0
 """Duration, s."""
 
 
-@njit(cache=True)
+@subroutine
 def random_leap(space, state, backwards, rng, leap, scratch):
     """Sample a leap from a state (`backwards`: to it); whether it is valid in forward time.
 
@@ -83,7 +83,7 @@ def random_leap(space, state, backwards, rng, leap, scratch):
     return leap_problem(space, leap, scratch) == OK
 
 
-@njit(cache=True)
+@subroutine
 def _sample_stance(space, begin, span, first, rng, leap, end):
     """Sample the horizontal force of a stance and correct it until all forces are within limits.
 
@@ -122,7 +122,7 @@ def _sample_stance(space, begin, span, first, rng, leap, end):
     return False
 
 
-@njit(cache=True)
+@subroutine
 def _flight_time(space, state, scratch):
     """Until the last time that a flight comes down to the landing's clearance, s; nan if never."""
     ground, dt = space.ground, space.body.dt

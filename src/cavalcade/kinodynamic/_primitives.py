@@ -5,20 +5,20 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from cavalcade.kernels import kernel, subroutine
 from cavalcade.kinodynamic._connect import is_level, is_straight, walk_heading, walk_state
 from cavalcade.kinodynamic._leap import leap_duration, leap_state
 from cavalcade.kinodynamic.parameters import CONNECT, END, KIND, START, TIME
 
 
-@njit(cache=True)
+@subroutine
 def edge_duration(edge):
     """Duration of a primitive, s."""
     return edge[TIME] if edge[KIND] == CONNECT else leap_duration(edge)
 
 
-@njit(cache=True)
+@subroutine
 def edge_heading(edge, last):
     """Cosine and sine of the yaw at the start or, if `last`, the end of a primitive."""
     if edge[KIND] == CONNECT:
@@ -28,14 +28,14 @@ def edge_heading(edge, last):
     return edge[at + 3] / speed, edge[at + 4] / speed
 
 
-@njit(cache=True)
+@subroutine
 def edge_yaw(edge, last):
     """Yaw at the start or, if `last`, the end of a primitive, rad."""
     cos, sin = edge_heading(edge, last)
     return math.atan2(sin, cos)
 
 
-@njit(cache=True)
+@subroutine
 def edge_length(space, edge):
     """Length of the body centre's path in space, sampled every dt, m."""
     span = edge_duration(edge)
@@ -55,7 +55,7 @@ def edge_length(space, edge):
     return total
 
 
-@njit(cache=True)
+@kernel
 def path_length(space, edges):
     """Length of a path of primitives `(M, SIZE)`, m."""
     total = 0.0

@@ -6,14 +6,14 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from cavalcade.geometry import Array
+from cavalcade.kernels import kernel, subroutine
+from cavalcade.kernels.copying import copy_to
 from cavalcade.kinodynamic._tree import Tree, nearest
 from cavalcade.kinodynamic._tree_extension import PLACES, REACHED, TRAPPED, extend
 from cavalcade.kinodynamic._validity import may_turn, rest_at
-from cavalcade.kinodynamic.parameters import copy_to
 from cavalcade.kinodynamic.random import between, normal, uniform
 from cavalcade.lattice.surface import surface
 
@@ -49,7 +49,7 @@ class Sampler(NamedTuple):
     bound: float
 
 
-@njit(cache=True)
+@subroutine
 def sample_state(space, sampler, tree, other, out):
     """Sample a state `(6,)` at nominal height for a tree; returns the nearest node of it.
 
@@ -94,7 +94,7 @@ def sample_state(space, sampler, tree, other, out):
     return near
 
 
-@njit(cache=True)
+@subroutine
 def _sample_nearby(space, rng, tree, out):
     """Sample a place of rest a short way ahead of any node, from which it need not turn far."""
     near = int(uniform(rng) * tree.used[0])
@@ -107,7 +107,7 @@ def _sample_nearby(space, rng, tree, out):
     return near
 
 
-@njit(cache=True)
+@kernel
 def search(space, trees, sampler, begin, end):
     """Grow both trees until they meet, from iteration `begin` to the one before `end`.
 
@@ -142,7 +142,7 @@ def search(space, trees, sampler, begin, end):
     return SPENT, end, -1, -1
 
 
-@njit(cache=True)
+@subroutine
 def _meet(space, tree, node, other, far):
     """Whether the body can go on from one tree to the other in a state that both have."""
     yaw = other.yaws[far]

@@ -8,8 +8,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from cavalcade.kernels import kernel, subroutine
+from cavalcade.kernels.copying import copy_rows, copy_to
 from cavalcade.kinodynamic._connect import (
     make_walk,
     some_state_invalid,
@@ -19,7 +20,7 @@ from cavalcade.kinodynamic._connect import (
 )
 from cavalcade.kinodynamic._primitives import edge_heading, edge_length, edge_yaw, path_length
 from cavalcade.kinodynamic._validity import may_turn, rest_at, stands_still
-from cavalcade.kinodynamic.parameters import CONNECT, END, KIND, OK, SIZE, START, TIME, copy_to
+from cavalcade.kinodynamic.parameters import CONNECT, END, KIND, OK, SIZE, START, TIME
 from cavalcade.kinodynamic.random import uniform
 from cavalcade.lattice.surface import surface
 
@@ -27,13 +28,13 @@ _LONGER = 1.003
 """A path without a stop may be this much longer than one with it."""
 
 
-@njit(cache=True)
+@subroutine
 def _arrival(edges, k, yaw):
     """Yaw with which the body arrives where primitive `k` of a path begins, rad."""
     return edge_yaw(edges[k - 1], True) if k > 0 else yaw[0]
 
 
-@njit(cache=True)
+@subroutine
 def _departure(edges, k, yaw):
     """Yaw with which the body sets off where primitive `k` of a path begins, rad."""
     if k < edges.shape[0]:
@@ -41,7 +42,7 @@ def _departure(edges, k, yaw):
     return math.atan2(math.sin(yaw[1]), math.cos(yaw[1]))
 
 
-@njit(cache=True)
+@subroutine
 def _joined(space, edge, arrival, departure):
     """Whether a body can turn from a yaw before a primitive and to one after it, where it rests.
 
@@ -54,7 +55,7 @@ def _joined(space, edge, arrival, departure):
     return may_turn(space, edge[END : END + 6], edge_yaw(edge, True), departure)
 
 
-@njit(cache=True)
+@subroutine
 def _valid_walk(space, s0, s1, arrival, departure, edge, scratch):
     """Lay a CONNECT out between states of a path; whether it is valid there, see `_joined`."""
     if not make_walk(space, s0, s1, edge) or turns_too_fast(space.body, edge):
@@ -66,7 +67,7 @@ def _valid_walk(space, s0, s1, arrival, departure, edge, scratch):
     return walk_problem(space, edge, False, scratch)[0] == OK
 
 
-@njit(cache=True)
+@kernel
 def pull_string(space, points, yaw):
     """Walks from rest to rest along straight lines between points `(K, 2)` of a path.
 
@@ -101,7 +102,7 @@ def pull_string(space, points, yaw):
     return edges[:kept].copy()
 
 
-@njit(cache=True)
+@kernel
 def shorten(space, edges, yaw):
     """From the start on, CONNECTs to the farthest later states where they are shorter."""
     count = edges.shape[0]
@@ -132,7 +133,7 @@ def shorten(space, edges, yaw):
     return out[:kept].copy()
 
 
-@njit(cache=True)
+@kernel
 def shortcut(space, rng, edges, yaw):
     """The path with a CONNECT between two random places if that is shorter; and whether it is."""
     count = edges.shape[0]
@@ -161,13 +162,15 @@ def shortcut(space, rng, edges, yaw):
     if not _joined(space, last, edge_yaw(middle, True), _departure(edges, j + 1, yaw)):
         return edges, False
     out = np.empty((i + 1 + 1 + count - j, SIZE))
-    out[:i] = edges[:i]
-    out[i], out[i + 1], out[i + 2] = first, middle, last
-    out[i + 3 :] = edges[j + 1 :]
+    copy_rows(out, edges[:i])
+    copy_to(out[i], first)
+    copy_to(out[i + 1], middle)
+    copy_to(out[i + 2], last)
+    copy_rows(out[i + 3 :], edges[j + 1 :])
     return out, True
 
 
-@njit(cache=True)
+@subroutine
 def _place(space, edge, part, out):
     """A state on a CONNECT: at rest if it leads from rest to rest along a line, else as it is."""
     walk_state(space, edge, part * edge[TIME], out)
@@ -175,7 +178,7 @@ def _place(space, edge, part, out):
         rest_at(space, out[0], out[1], out)
 
 
-@njit(cache=True)
+@subroutine
 def _part(space, edge, state, first, part):
     """Keep a CONNECT up to a state on it or, unless `first`, from there on."""
     at = END if first else START
@@ -191,7 +194,7 @@ def _part(space, edge, state, first, part):
     return True
 
 
-@njit(cache=True)
+@kernel
 def round_corners(space, edges, yaw):
     """Walk through places of rest between CONNECTs where that is hardly any longer, in place."""
     v_nom = space.body.v_nom

@@ -6,17 +6,18 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import FLIGHT as FLYING
 from cavalcade.geometry.trajectory import LANDING, TAKE_OFF, WALK
+from cavalcade.kernels import kernel, subroutine
+from cavalcade.kernels.copying import copy_to
 from cavalcade.kinodynamic._connect import walk_state
 from cavalcade.kinodynamic._leap import leap_state
 from cavalcade.kinodynamic._primitives import edge_duration, edge_yaw
 from cavalcade.kinodynamic._validity import STILL, stands_still, turn_on_spot, wrapped
-from cavalcade.kinodynamic.parameters import CONNECT, END, FLIGHT, KIND, LAND, START, TIME, copy_to
+from cavalcade.kinodynamic.parameters import CONNECT, END, FLIGHT, KIND, LAND, START, TIME
 
 
 class _Samples(NamedTuple):
@@ -37,7 +38,7 @@ class _Samples(NamedTuple):
     last: NDArray[np.int64]
 
 
-@njit(cache=True)
+@kernel
 def sample_path(space, edges, begin, yaw):
     """Times, states `(T, 6)`, yaws and phases of a path at most dt apart, with the ends of phases.
 
@@ -84,7 +85,7 @@ def sample_path(space, edges, begin, yaw):
     )
 
 
-@njit(cache=True)
+@subroutine
 def _add_turn(space, wanted, samples):
     """Append samples of a turn on the spot to a yaw, rad."""
     time, states, yaws, phases, last = samples
@@ -105,7 +106,7 @@ def _add_turn(space, wanted, samples):
     last[0] = first + count
 
 
-@njit(cache=True)
+@subroutine
 def _add_phase(space, edge, t0, t1, phase, samples):
     """Append samples of a primitive from t0 to t1."""
     time, states, yaws, phases, last = samples

@@ -6,14 +6,15 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from cavalcade.geometry import Array
+from cavalcade.kernels import subroutine
+from cavalcade.kernels.copying import copy_to
 from cavalcade.kinodynamic._connect import make_walk, turns_too_fast, walk_heading, walk_problem
 from cavalcade.kinodynamic._primitives import edge_yaw
 from cavalcade.kinodynamic._validity import may_turn
-from cavalcade.kinodynamic.parameters import END, MOTION, OK, SIZE, START, copy_to
+from cavalcade.kinodynamic.parameters import END, MOTION, OK, SIZE, START
 
 
 class Tree(NamedTuple):
@@ -59,7 +60,7 @@ def enlarged(tree: Tree) -> Tree:
     return tree._replace(**larger)
 
 
-@njit(cache=True)
+@subroutine
 def add_node(tree, parent, edge):
     """Add the far end of a primitive; returns its number."""
     node = tree.used[0]
@@ -72,7 +73,7 @@ def add_node(tree, parent, edge):
     return node
 
 
-@njit(cache=True)
+@subroutine
 def nearest(tree, state):
     """The node with the least |dp| + |dv|."""
     best, least = 0, math.inf
@@ -88,7 +89,7 @@ def nearest(tree, state):
     return best
 
 
-@njit(cache=True)
+@subroutine
 def make_walk_from(space, tree, own, state, edge):
     """Lay a CONNECT out between a tree's state and another one, in the tree's direction of time."""
     if tree.backwards:
@@ -96,7 +97,7 @@ def make_walk_from(space, tree, own, state, edge):
     return make_walk(space, own, state, edge)
 
 
-@njit(cache=True)
+@subroutine
 def connect(space, tree, node, state, edge, scratch):
     """Add a CONNECT from a node to a state, in the tree's direction of time, if it is valid.
 

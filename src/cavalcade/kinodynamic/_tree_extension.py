@@ -6,15 +6,16 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from cavalcade.geometry import Array
+from cavalcade.kernels import kernel, subroutine
+from cavalcade.kernels.copying import copy_to
 from cavalcade.kinodynamic._connect import walk_state
 from cavalcade.kinodynamic._leap_over_barrier import Line, find_barrier, leap_over
 from cavalcade.kinodynamic._leap_random import random_leap
 from cavalcade.kinodynamic._tree import add_node, connect, make_walk_from
 from cavalcade.kinodynamic._validity import rest_at, stands_still
-from cavalcade.kinodynamic.parameters import END, GROUND, MOTION, OK, SIZE, START, TIME, copy_to
+from cavalcade.kinodynamic.parameters import END, GROUND, MOTION, OK, SIZE, START, TIME
 from cavalcade.lattice.surface import surface
 
 TRAPPED, ADVANCED, REACHED = 0, 1, 2
@@ -53,13 +54,13 @@ class Work(NamedTuple):
     scratch: Array
 
 
-@njit(cache=True)
+@subroutine
 def make_work():
     """Arrays for one extension."""
     return Work(np.empty(SIZE), np.empty(SIZE), np.empty(SIZE), np.empty(12))
 
 
-@njit(cache=True)
+@subroutine
 def extend(space, tree, node, state, rng):
     """Extend a tree from a node: `TRAPPED`, `ADVANCED` or `REACHED`, and the last node added."""
     work = make_work()
@@ -82,7 +83,7 @@ def extend(space, tree, node, state, rng):
     return status, node
 
 
-@njit(cache=True)
+@subroutine
 def _advance(space, tree, node, state, until, work):
     """Add what is valid of a CONNECT: the node, or -1 if it is too little."""
     own, edge, stop = tree.states[node], work.walk, work.scratch[:6]
@@ -103,7 +104,7 @@ def _advance(space, tree, node, state, until, work):
     return add_node(tree, node, edge)
 
 
-@njit(cache=True)
+@subroutine
 def truncate(space, edge, backwards, until, scratch):
     """Shorten a CONNECT to its first (`backwards`: last) `until` s; a part of a cubic is one."""
     walk_state(space, edge, edge[TIME] - until if backwards else until, scratch[:6])
@@ -111,7 +112,7 @@ def truncate(space, edge, backwards, until, scratch):
     edge[TIME] = until
 
 
-@njit(cache=True)
+@subroutine
 def _cross(space, tree, node, state, until, rng, work):
     """Add a leap over what stops a walk to a state, and the walk to it: the node behind, or -1."""
     own, leap = tree.states[node], work.leap
@@ -145,7 +146,7 @@ def _cross(space, tree, node, state, until, rng, work):
     return -1
 
 
-@njit(cache=True)
+@subroutine
 def _link(space, tree, node, target, line, work):
     """Walk from a node to where a leap begins (backwards: from where it ends): its node, or -1.
 
@@ -170,7 +171,7 @@ def _link(space, tree, node, target, line, work):
     return -1
 
 
-@njit(cache=True)
+@subroutine
 def _stop(space, tree, node, state, line, work):
     """Add a place of rest within a run-up behind a leap, the farthest of a few."""
     rest = np.empty(6)
@@ -182,7 +183,7 @@ def _stop(space, tree, node, state, line, work):
             return
 
 
-@njit(cache=True)
+@subroutine
 def _beside(space, state, line, length, speed, out):
     """The state `length` m further along a line, at nominal height, with a speed along it."""
     out[0], out[1] = state[0] + length * line.cos, state[1] + length * line.sin
@@ -192,7 +193,7 @@ def _beside(space, state, line, length, speed, out):
     out[5] = along_x * out[3] + along_y * out[4]
 
 
-@njit(cache=True)
+@kernel
 def walk_ahead(space, tree):
     """Walk straight ahead from the start (backwards: into the goal), where turning needs room."""
     work, state = make_work(), np.empty(6)
@@ -206,7 +207,7 @@ def walk_ahead(space, tree):
             break
 
 
-@njit(cache=True)
+@subroutine
 def _extend_published(space, tree, node, state, until, rng, work):
     """What the published planner does where CONNECT fails: leaps compete with its valid part."""
     best, least = -1, math.inf
@@ -228,7 +229,7 @@ def _extend_published(space, tree, node, state, until, rng, work):
     return ADVANCED, best
 
 
-@njit(cache=True)
+@subroutine
 def _apart(a, b):
     """Distance between states as `nearest` measures it, |dp| + |dv|."""
     shift, speed = 0.0, 0.0

@@ -8,10 +8,9 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
 from cavalcade.geometry.boxes import Footprint
 from cavalcade.geometry.trajectory import FLIGHT, TAKE_OFF, WALK
+from cavalcade.kernels import kernel, subroutine
 from cavalcade.kinodynamic.parameters import GROUND, LEAST_TRAVERSABILITY, MOTION, OK, SOLID
 from cavalcade.lattice.collision import Grid, pose_free
 from cavalcade.lattice.surface import blend, corner, surface
@@ -26,13 +25,13 @@ _TURN_STEP = 0.1
 """Between the yaws of a turn that are checked, rad."""
 
 
-@njit(cache=True)
+@subroutine
 def stands_still(state):
     """Whether a body in this state rests and may turn on the spot."""
     return state[3] * state[3] + state[4] * state[4] <= STILL * STILL
 
 
-@njit(cache=True)
+@kernel
 def rest_at(space, x, y, out):
     """Write the state of rest at a place, at nominal height."""
     out[0], out[1] = x, y
@@ -40,7 +39,7 @@ def rest_at(space, x, y, out):
     out[3], out[4], out[5] = 0.0, 0.0, 0.0
 
 
-@njit(cache=True)
+@subroutine
 def _slack_to_discs(discs, x, y, slack):
     """How far the centre may go before it is in a disc, m, at most `slack`."""
     for k in range(discs.shape[0]):
@@ -49,7 +48,7 @@ def _slack_to_discs(discs, x, y, slack):
     return slack
 
 
-@njit(cache=True)
+@subroutine
 def solid_slack(space, x, y):
     """How far the body may go from here in any direction, turning, and meet nothing solid, m.
 
@@ -66,7 +65,7 @@ def solid_slack(space, x, y):
     return _slack_to_discs(discs, x, y, slack)
 
 
-@njit(cache=True)
+@subroutine
 def covered_slack(space, x, y, cos, sin):
     """How far every point of the footprint may go in any direction and meet nothing solid, m.
 
@@ -90,7 +89,7 @@ def covered_slack(space, x, y, cos, sin):
     return _slack_to_discs(discs, x, y, slack)
 
 
-@njit(cache=True)
+@kernel
 def solid_free(space, x, y, cos, sin):
     """Whether the footprint is on the map, free of solids, and its centre outside all discs."""
     ground, body, discs = space
@@ -121,7 +120,7 @@ def solid_free(space, x, y, cos, sin):
     )
 
 
-@njit(cache=True)
+@kernel
 def carried(space, x, y, z, cos, sin, phase):
     """Whether belly and legs get along with the ground.
 
@@ -176,7 +175,7 @@ def carried(space, x, y, z, cos, sin, phase):
     return True
 
 
-@njit(cache=True)
+@subroutine
 def state_problem(space, state, cos, sin, phase):
     """What is wrong with a state in a phase: `OK`, `SOLID`, `GROUND` or `MOTION`."""
     x, y, vx, vy = state[0], state[1], state[3], state[4]
@@ -189,13 +188,13 @@ def state_problem(space, state, cos, sin, phase):
     return OK
 
 
-@njit(cache=True)
+@subroutine
 def wrapped(angle):
     """The same angle in (-pi, pi]."""
     return math.pi - (math.pi - angle) % (2.0 * math.pi)
 
 
-@njit(cache=True)
+@subroutine
 def turn_on_spot(space, state, yaw, wanted):
     """Angle to turn by from one yaw to another, the short way if there is room; nan without room.
 
@@ -214,7 +213,7 @@ def turn_on_spot(space, state, yaw, wanted):
     return math.nan
 
 
-@njit(cache=True)
+@subroutine
 def _may_sweep(space, state, yaw, turn):
     """Whether all yaws between the ends of a turn are valid."""
     x, y, z = state[0], state[1], state[2]
@@ -228,7 +227,7 @@ def _may_sweep(space, state, yaw, turn):
     return True
 
 
-@njit(cache=True)
+@subroutine
 def may_turn(space, state, yaw, wanted):
     """Whether a body at rest can turn on the spot from one yaw to another; a moving one may."""
     return not stands_still(state) or not math.isnan(turn_on_spot(space, state, yaw, wanted))

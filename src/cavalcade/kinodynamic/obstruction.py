@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from cavalcade.eikonal import surface_distance
 from cavalcade.geometry import GRAVITY, Array
 from cavalcade.geometry.trajectory import WALK
+from cavalcade.kernels import kernel, subroutine
 from cavalcade.kinodynamic._validity import HALF_DIAGONAL, carried, solid_free
 from cavalcade.kinodynamic.parameters import LEAST_TRAVERSABILITY, StateSpace
 from cavalcade.lattice.ground import Ground
@@ -138,7 +138,7 @@ def _longest_flight(space: StateSpace) -> float:
     return body.v_max * (push + math.sqrt(push * push + 2.0 * GRAVITY * drop)) / GRAVITY
 
 
-@njit(cache=True)
+@kernel
 def grid_path(passable, start, goal):
     """The path `(K, 2)` with the fewest steps to one of eight neighbouring cells; empty if none.
 
@@ -183,7 +183,7 @@ def grid_path(passable, start, goal):
                     tails[k] += 1
 
 
-@njit(cache=True)
+@subroutine
 def _trace(source, cols, a, b):
     """Cells from the root of `a` over `a` and `b` to the root of `b`."""
     before, after = _steps(source, a), _steps(source, b)
@@ -197,7 +197,7 @@ def _trace(source, cols, a, b):
     return path
 
 
-@njit(cache=True)
+@subroutine
 def _steps(source, at):
     """Number of cells from one to its root, both included."""
     count = 1

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array
@@ -123,13 +122,3 @@ def make_space(ground: Ground, body: Body, discs: Array | None = None) -> StateS
     """The space of a body on a ground; its arrays are of one type, so that kernels compile once."""
     keep_out = np.zeros((0, 3)) if discs is None else np.ascontiguousarray(discs)
     return StateSpace(read_only(ground), body, keep_out)
-
-
-@njit(cache=True)
-def copy_to(out, values):
-    """Write values to the beginning of an array; numba takes seconds to compile `out[:] = values`.
-
-    `out` may begin where `values` does, and is at least as long.
-    """
-    for k in range(values.shape[0]):
-        out[k] = values[k]

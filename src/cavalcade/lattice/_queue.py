@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from cavalcade.kernels import subroutine
+from cavalcade.kernels.copying import copy_rows, copy_to
 
 
-@njit(cache=True)
+@subroutine
 def push(heap, keys, size, node, key):
     """Put a node into the heap of `size` nodes; the new size."""
     heap[size] = node
@@ -22,7 +24,7 @@ def push(heap, keys, size, node, key):
     return size + 1
 
 
-@njit(cache=True)
+@subroutine
 def pop(heap, keys, size):
     """Take the node of the least key out of the heap; it and the new size."""
     node = heap[0]
@@ -43,7 +45,7 @@ def pop(heap, keys, size):
     return node, size
 
 
-@njit(cache=True)
+@subroutine
 def slot_of(table, key):
     """Where the key stands in the table of closed bins, or could."""
     mask = table.shape[0] - 1
@@ -54,9 +56,17 @@ def slot_of(table, key):
     return k
 
 
-@njit(cache=True)
-def doubled(array):
-    """A copy with space for twice as many rows, of one dimension or two."""
-    larger = np.empty((2 * array.shape[0], *array.shape[1:]), dtype=array.dtype)
-    larger[: array.shape[0]] = array
+@subroutine
+def doubled(values):
+    """A copy of `(N,)` values with space for twice as many."""
+    larger = np.empty(2 * values.shape[0], dtype=values.dtype)
+    copy_to(larger, values)
+    return larger
+
+
+@subroutine
+def doubled_rows(rows):
+    """A copy of `(N, K)` rows with space for twice as many."""
+    larger = np.empty((2 * rows.shape[0], rows.shape[1]), dtype=rows.dtype)
+    copy_rows(larger, rows)
     return larger

@@ -12,11 +12,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from cavalcade.geometry import Array
-from cavalcade.lattice._queue import doubled, pop, push, slot_of
+from cavalcade.kernels import kernel, subroutine
+from cavalcade.kernels.copying import copy_rows, copy_to
+from cavalcade.lattice._queue import doubled, doubled_rows, pop, push, slot_of
 from cavalcade.lattice.collision import move_free, moves_free, occupied_until
 from cavalcade.lattice.dubins import (
     MOST_MOVES,
@@ -26,7 +27,7 @@ from cavalcade.lattice.dubins import (
     take_cheapest,
 )
 from cavalcade.lattice.motion_limits import FROM_MOVING, TO_MOVING, footprint_of
-from cavalcade.lattice.primitives import DURATION, LENGTH, TURN, advanced, trapezoid
+from cavalcade.lattice.primitives import DURATION, LENGTH, TURN, advanced, duration_of, trapezoid
 
 FOUND, EXHAUSTED, SPENT, PAUSED = 0, 1, 2, 3
 
@@ -119,7 +120,7 @@ def new_frontier(start: Array) -> Frontier:
     return frontier
 
 
-@njit(cache=True)
+@subroutine
 def _bin(x, y, yaw, moving, t, settings):
     """One number for place, heading, moving and time."""
     i, j = np.int64(x / settings.bin_size), np.int64(y / settings.bin_size)
@@ -128,7 +129,7 @@ def _bin(x, y, yaw, moving, t, settings):
     return (((moment * 8192 + i) * 8192 + j) * _HEADINGS + heading) * 2 + moving
 
 
-@njit(cache=True)
+@subroutine
 def _length_to_go(to_go, x, y):
     """Length of the shortest path to the goal from the cell of a point, m."""
     row = min(max(int(y / to_go.cell), 0), to_go.lengths.shape[0] - 1)
@@ -136,7 +137,7 @@ def _length_to_go(to_go, x, y):
     return to_go.lengths[row, col]
 
 
-@njit(cache=True)
+@subroutine
 def _distance_ahead(to_go, x, y, goal):
     """A lower bound of the length to the goal, m: straight, or along the grid less its rounding."""
     ahead = math.sqrt((goal[0] - x) ** 2 + (goal[1] - y) ** 2)
@@ -145,7 +146,7 @@ def _distance_ahead(to_go, x, y, goal):
     return ahead
 
 
-@njit(cache=True)
+@subroutine
 def _still_from(others):
     """When the last of the others has left or stands for good, s."""
     still = 0.0
@@ -157,7 +158,7 @@ def _still_from(others):
     return still
 
 
-@njit(cache=True)
+@subroutine
 def _later_start(scene, start, goal, taken, words, out):
     """The shortest wait at the start after which one of the cheapest words gets to the goal.
 
@@ -182,17 +183,17 @@ def _later_start(scene, start, goal, taken, words, out):
             if pick < 0:
                 break
             word = words.moves[pick, :count]
-            if wait + word[:, DURATION].sum() <= taken:
+            if wait + duration_of(word) <= taken:
                 continue
             if moves_free(scene, here, word, wait, False):
-                out[0] = stand
+                copy_to(out[0], stand)
                 out[0, DURATION] = wait
-                out[1 : count + 1] = word
+                copy_rows(out[1:], word)
                 return count + 1, wait + words.costs[pick]
     return 0, 0.0
 
 
-@njit(cache=True)
+@subroutine
 def _path_to(node, link, primitives, word):
     """The moves `(M, 6)` from the root to a node, and a word from there."""
     depth = 0
@@ -203,13 +204,13 @@ def _path_to(node, link, primitives, word):
     moves = np.empty((depth + len(word), 6))
     at = node
     for k in range(depth - 1, -1, -1):
-        moves[k] = primitives[link[at, 1], :6]
+        copy_to(moves[k], primitives[link[at, 1], :6])
         at = link[at, 0]
-    moves[depth:] = word
+    copy_rows(moves[depth:], word)
     return moves
 
 
-@njit(cache=True)
+@kernel
 def search(scene, goal, primitives, to_go, settings, frontier):
     """The cheapest path from rest at the root to rest at `goal` past everything, for good.
 
@@ -306,15 +307,12 @@ def search(scene, goal, primitives, to_go, settings, frontier):
                 if cost >= best_cost - 1e-9 or words.costs[pick] > dear:
                     break
                 word = words.moves[pick, :count]
-                duration = 0.0
-                for k in range(count):
-                    duration += word[k, DURATION]
-                if t + duration <= taken:
+                if t + duration_of(word) <= taken:
                     first_try = False
                     continue
                 if moves_free(scene, (x, y, yaw), word, t, False):
                     best_cost, best_node, best_count = cost, node, count
-                    best_word[:count] = word
+                    copy_rows(best_word, word)
                     if found_at == 0:
                         found_at = expansions
                     if node == 0 and first_try:
@@ -329,8 +327,8 @@ def search(scene, goal, primitives, to_go, settings, frontier):
                     best_cost, best_node, found_at = cost, 0, expansions
         # Its successors; those that cannot beat the best path known are left out.
         if used + len(primitives) >= state.shape[0]:
-            state = doubled(state)
-            link = doubled(link)
+            state = doubled_rows(state)
+            link = doubled_rows(link)
             heap = doubled(heap)
             keys = doubled(keys)
         for p in range(len(primitives)):

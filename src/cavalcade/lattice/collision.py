@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from numba import njit
 from numpy.typing import NDArray
 
 from cavalcade.geometry import Array
 from cavalcade.geometry.boxes import footprint_at, footprints_meet
+from cavalcade.kernels import kernel, subroutine
 from cavalcade.lattice.ground import Ground, read_only
 from cavalcade.lattice.motion_limits import MotionLimits, footprint_of
 from cavalcade.lattice.outlines import Outlines, meets_outline, partly_solid, within_outline
@@ -93,7 +93,7 @@ def grid_of(ground: Ground) -> Grid:
     return Grid(ground.cell, ground.solid, ground.clearance, ground.outlines)
 
 
-@njit(cache=True)
+@kernel
 def pose_free(grid, footprint, x, y, yaw, margin):
     """Whether a footprint keeps `margin` from everything solid and from the grid's border.
 
@@ -161,7 +161,7 @@ def pose_free(grid, footprint, x, y, yaw, margin):
     return True
 
 
-@njit(cache=True)
+@subroutine
 def pose_at(tracks, j, index):
     """The pose (x, y, yaw) of track `j` of `(J, K, 3)` at a sample number, linear in between."""
     last = tracks.shape[1] - 1
@@ -176,7 +176,7 @@ def pose_at(tracks, j, index):
     )
 
 
-@njit(cache=True)
+@kernel
 def place_free(others, footprint, pose, t, margin):
     """Whether a footprint at a pose (x, y, yaw) keeps `margin` from the others at time `t`."""
     tracks, dt, shapes, spans = others
@@ -190,7 +190,7 @@ def place_free(others, footprint, pose, t, margin):
     return True
 
 
-@njit(cache=True)
+@subroutine
 def occupied_until(others, footprint, pose, t, margin):
     """The last time at or after `t` at which others are where a footprint is to stand, s.
 
@@ -209,7 +209,7 @@ def occupied_until(others, footprint, pose, t, margin):
     return -1.0
 
 
-@njit(cache=True)
+@kernel
 def move_free(scene, pose, move, t, standing):
     """Whether a move `(6,)` from a pose (x, y, yaw) at time `t` meets nothing.
 
@@ -245,7 +245,7 @@ def move_free(scene, pose, move, t, standing):
     return True
 
 
-@njit(cache=True)
+@subroutine
 def moves_free(scene, pose, moves, t, standing):
     """The same for moves `(M, 6)`, one after the other."""
     x, y, yaw = pose

@@ -11,10 +11,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from cavalcade.geometry import Array
+from cavalcade.kernels import subroutine
 from cavalcade.lattice.primitives import DURATION, make_move, trapezoid
 
 MOST_WORDS, MOST_MOVES = 16, 5
@@ -34,7 +34,7 @@ class Words(NamedTuple):
     costs: Array
 
 
-@njit(cache=True)
+@subroutine
 def no_words():
     """Empty tables to write words to."""
     return Words(
@@ -44,7 +44,7 @@ def no_words():
     )
 
 
-@njit(cache=True)
+@subroutine
 def take_cheapest(words, number):
     """The cheapest of the first `number` words that was not taken yet, and its number of moves.
 
@@ -61,26 +61,26 @@ def take_cheapest(words, number):
     return pick, count
 
 
-@njit(cache=True)
+@subroutine
 def _turned(angle):
     """The angle in [0, 2 pi); those within rounding of a whole turn are none."""
     angle = angle % (2.0 * math.pi)
     return 0.0 if angle > 2.0 * math.pi - 1e-9 else angle
 
 
-@njit(cache=True)
+@subroutine
 def _wrapped(angle):
     """The angle in [-pi, pi)."""
     return (angle + math.pi) % (2.0 * math.pi) - math.pi
 
 
-@njit(cache=True)
+@subroutine
 def backward_factor(limits):
     """What a metre backwards costs, in metres: robots that are slow that way should not like it."""
     return 4.0 if limits.backward_speed < limits.speed else 1.0
 
 
-@njit(cache=True)
+@subroutine
 def _lay(words, number, turns, parts, speeds, limits, metre_cost):
     """Write a word of at most five moves as number `number`; the new number of words.
 
@@ -128,7 +128,7 @@ def _lay(words, number, turns, parts, speeds, limits, metre_cost):
     return number + 1
 
 
-@njit(cache=True)
+@subroutine
 def _arc_then_straight(dx, dy, yaw, radius, side):
     """Turn (signed) and straight length from the origin with heading `yaw` to (dx, dy); -1: none.
 
@@ -144,7 +144,7 @@ def _arc_then_straight(dx, dy, yaw, radius, side):
     return side * _turned(side * (heading - yaw)), straight
 
 
-@njit(cache=True)
+@subroutine
 def _dubins(word, dx, dy, yaw0, yaw1, radius, parts):
     """The arc-straight-arc word 0 LSL, 1 RSR, 2 LSR, 3 RSL as `parts`; False if there is none.
 
@@ -184,7 +184,7 @@ def _dubins(word, dx, dy, yaw0, yaw1, radius, parts):
     return True
 
 
-@njit(cache=True)
+@subroutine
 def connect(a, v0, b, v1, limits, metre_cost, words):
     """Write all words from pose `a` (x, y, yaw) at speed v0 to `b` at v1; how many there are.
 
@@ -231,6 +231,7 @@ def connect(a, v0, b, v1, limits, metre_cost, words):
     if limits.backwards == math.inf and v0 == 0.0 and v1 == 0.0:
         for word in range(4):
             if _dubins(word, dx, dy, a[2] + math.pi, b[2] + math.pi, radius, parts):
-                parts[:, 0] *= -1.0
+                for k in range(3):
+                    parts[k, 0] = -parts[k, 0]
                 number = _lay(words, number, none, parts, speeds, limits, metre_cost)
     return number

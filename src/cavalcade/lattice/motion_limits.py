@@ -8,11 +8,11 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from cavalcade.geometry import Array
 from cavalcade.geometry.boxes import Footprint
+from cavalcade.kernels import subroutine
 from cavalcade.lattice.primitives import DURATION, make_move
 from cavalcade.robots import RobotModel
 
@@ -106,7 +106,7 @@ def team_limits(team: Sequence[MotionLimits]) -> NDArray[np.void]:
     return np.array([tuple(limits) for limits in team], dtype=_LIMITS)
 
 
-@njit(cache=True)
+@subroutine
 def member(team: NDArray[np.void], k: int) -> MotionLimits:
     """The limits of robot `k` of a team."""
     row = team[k]
@@ -125,7 +125,7 @@ def member(team: NDArray[np.void], k: int) -> MotionLimits:
     )
 
 
-@njit(cache=True)
+@subroutine
 def footprint_of(limits: MotionLimits) -> Footprint:
     """What the robot covers of the ground."""
     return Footprint(limits.half_length, limits.half_width, limits.round)

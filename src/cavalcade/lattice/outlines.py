@@ -10,11 +10,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.eikonal import surface_distance
 from cavalcade.geometry import Array, inverse_transform_points
+from cavalcade.kernels import subroutine
 from cavalcade.world import Box, Circle, Shape
 
 NEAR = 2.0
@@ -131,13 +131,13 @@ def _meet(edge: Array, cell: float, nearest: Array) -> NDArray[np.int64]:
     return np.asarray((row + bottom) * cols + col + left, dtype=np.int64)
 
 
-@njit(cache=True)
+@subroutine
 def partly_solid(outlines, row, col):
     """Whether outlines decide what of a cell is solid."""
     return outlines.part.shape[0] > 0 and outlines.part[row, col] >= 0
 
 
-@njit(cache=True)
+@subroutine
 def within_outline(outlines, x, y):
     """Whether a point is in one of the shapes."""
     edges = outlines.edges
@@ -153,7 +153,7 @@ def within_outline(outlines, x, y):
     return inside
 
 
-@njit(cache=True)
+@subroutine
 def meets_outline(outlines, cell, pose, half, round):
     """Whether a footprint meets an outline in a cell (row, col) that is partly solid.
 
@@ -194,7 +194,7 @@ def meets_outline(outlines, cell, pose, half, round):
     return False
 
 
-@njit(cache=True)
+@subroutine
 def _cut(at, change, limit, begin, end):
     """The part of `begin` to `end` in which at + f * change lies between -limit and limit."""
     if abs(change) < 1e-12:

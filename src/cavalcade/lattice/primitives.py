@@ -18,13 +18,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from cavalcade.kernels import kernel, subroutine
 
 LENGTH, TURN, V0, V1, VMAX, DURATION = range(6)
 """Columns of a table of moves."""
 
 
-@njit(cache=True)
+@kernel
 def trapezoid(length, v0, v1, vmax, acceleration):
     """Duration and largest speed of the quickest motion over `length` >= 0; -1, 0 without one."""
     peak = math.sqrt(max(0.5 * (2.0 * acceleration * length + v0 * v0 + v1 * v1), 0.0))
@@ -38,7 +39,7 @@ def trapezoid(length, v0, v1, vmax, acceleration):
     return (2.0 * peak - v0 - v1) / acceleration + cruise, peak
 
 
-@njit(cache=True)
+@subroutine
 def along(duration, v0, v1, peak, acceleration, t):
     """Distance gone and speed at time `t` of a trapezoid."""
     up = (peak - v0) / acceleration
@@ -54,7 +55,7 @@ def along(duration, v0, v1, peak, acceleration, t):
     return gone + peak * late - 0.5 * acceleration * late * late, peak - acceleration * late
 
 
-@njit(cache=True)
+@subroutine
 def advanced(x, y, yaw, length, turn):
     """The pose after `length` along the heading while turning by `turn` evenly."""
     if abs(turn) < 1e-9 or length == 0.0:
@@ -68,7 +69,7 @@ def advanced(x, y, yaw, length, turn):
     )
 
 
-@njit(cache=True)
+@kernel
 def make_move(move, length, turn, v0, v1, vmax, limits):
     """Fill in a row; False if the ends' speeds don't fit into the length."""
     move[LENGTH], move[TURN], move[V0], move[V1], move[VMAX] = length, turn, v0, v1, vmax
@@ -84,7 +85,16 @@ def make_move(move, length, turn, v0, v1, vmax, limits):
     return move[DURATION] >= 0.0
 
 
-@njit(cache=True)
+@subroutine
+def duration_of(moves):
+    """How long moves `(M, 6)` take one after another, s."""
+    duration = 0.0
+    for k in range(len(moves)):
+        duration += moves[k, DURATION]
+    return duration
+
+
+@subroutine
 def within(x, y, yaw, move, limits, t):
     """Pose, speed along the heading (signed) and yaw rate at time `t` of a move from a pose."""
     length, turn = move[LENGTH], move[TURN]
@@ -105,7 +115,7 @@ def within(x, y, yaw, move, limits, t):
     return px, py, pyaw, sign * speed, turn / abs(length) * speed
 
 
-@njit(cache=True)
+@kernel
 def sample_moves(start, moves, limits, times):
     """Motion `(K, 6)` x, y, yaw, vx, vy, yaw rate at increasing times `(K,)`.
 
@@ -131,7 +141,7 @@ def sample_moves(start, moves, limits, times):
     return out
 
 
-@njit(cache=True)
+@subroutine
 def poses_between(start, moves):
     """Poses `(M + 1, 3)` at the ends of the moves."""
     out = np.empty((len(moves) + 1, 3))

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from cavalcade.geometry import Array
+from cavalcade.kernels import kernel
+from cavalcade.kernels.copying import copy_rows, copy_to
 from cavalcade.lattice.collision import Scene, moves_free, occupied_until
 from cavalcade.lattice.deadline import Deadline
 from cavalcade.lattice.dubins import connect, no_words, take_cheapest
@@ -19,6 +20,7 @@ from cavalcade.lattice.primitives import (
     V0,
     V1,
     VMAX,
+    duration_of,
     make_move,
     poses_between,
     trapezoid,
@@ -52,7 +54,7 @@ def shortened_moves(scene: Scene, start: Array, moves: Array, deadline: Deadline
     return np.asarray(rows, dtype=np.float64)
 
 
-@njit(cache=True)
+@kernel
 def split(moves, limits, piece):
     """The same motion with moves along the path cut into pieces no longer than `piece` m."""
     count = 0
@@ -65,7 +67,7 @@ def split(moves, limits, piece):
         length, turn = moves[k, LENGTH], moves[k, TURN]
         parts = max(1, int(math.ceil(abs(length) / piece)))
         if parts == 1:
-            rows[at] = moves[k]
+            copy_to(rows[at], moves[k])
             at += 1
             continue
         # Each piece ends at the speed that the whole move's trapezoid has there.
@@ -84,7 +86,7 @@ def split(moves, limits, piece):
     return rows
 
 
-@njit(cache=True)
+@kernel
 def shorten(scene, start, rows, begin, end):
     """One pass over the states `begin` to `end` of a path, each followed by a cheaper word if any.
 
@@ -102,7 +104,8 @@ def shorten(scene, start, rows, begin, end):
     while i < min(end, len(rows) - 1):
         poses = poses_between(start, rows)
         times = np.zeros(len(rows) + 1)
-        times[1:] = np.cumsum(rows[:, DURATION])
+        for k in range(len(rows)):
+            times[k + 1] = times[k] + rows[k, DURATION]
         here = (poses[i, 0], poses[i, 1], poses[i, 2])
         speed_i = rows[i, V0] if rows[i, LENGTH] != 0.0 else 0.0
         done = False
@@ -124,7 +127,7 @@ def shorten(scene, start, rows, begin, end):
                 if words.costs[pick] >= old - 1e-6:
                     break
                 word = words.moves[pick, :count]
-                after = times[i] + word[:, DURATION].sum()
+                after = times[i] + duration_of(word)
                 # Whoever is at the goal until then must have left it.
                 if after + times[len(rows)] - times[j] <= taken:
                     continue
@@ -135,9 +138,9 @@ def shorten(scene, start, rows, begin, end):
                 if late and not moves_free(scene, there, rows[j:], after, True):
                     continue
                 fresh = np.empty((i + count + len(rows) - j, 6))
-                fresh[:i] = rows[:i]
-                fresh[i : i + count] = word
-                fresh[i + count :] = rows[j:]
+                copy_rows(fresh, rows[:i])
+                copy_rows(fresh[i:], word)
+                copy_rows(fresh[i + count :], rows[j:])
                 rows = fresh
                 changed = done = True
                 break

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from cavalcade.kernels import kernel, subroutine
 
 
-@njit(cache=True)
+@subroutine
 def corner(rows, cols, scale, x, y):
     """The cell whose centre is the lower left one around a point, and the point's place between.
 
@@ -24,7 +25,7 @@ def corner(rows, cols, scale, x, y):
     return i, j, u - np.float64(j), v - np.float64(i)
 
 
-@njit(cache=True)
+@subroutine
 def blend(layer, i, j, fu, fv):
     """A layer's bilinear value at the place that `corner` gives."""
     one = np.uint64(1)
@@ -34,14 +35,14 @@ def blend(layer, i, j, fu, fv):
     return low + fv * (high - low)
 
 
-@njit(cache=True)
+@kernel
 def bilinear(layer, cell, x, y):
     """A layer's value at a point; beyond the edge that of the edge."""
     i, j, fu, fv = corner(layer.shape[0], layer.shape[1], 1.0 / cell, x, y)
     return blend(layer, i, j, fu, fv)
 
 
-@njit(cache=True)
+@kernel
 def surface(ground, x, y):
     """Height and its derivatives along x and y of the surface that the body follows.
 
@@ -77,7 +78,7 @@ def surface(ground, x, y):
     return height, along_x, along_y
 
 
-@njit(cache=True)
+@kernel
 def surface_along(ground, points):
     """`surface` at points `(N, 2)`: heights and derivatives, each `(N,)`."""
     height, along_x, along_y = np.empty(len(points)), np.empty(len(points)), np.empty(len(points))

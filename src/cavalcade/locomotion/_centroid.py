@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
-from cavalcade.locomotion._kinematics import cross, turned
+from cavalcade.kernels import subroutine
+from cavalcade.locomotion._kinematics import adjugate_times, cross, turned
 from cavalcade.locomotion.records import Centroid
 
 
-@njit(cache=True)
+@subroutine
 def measure_centroid(robot, measured, body):
     """The `Centroid` of one robot as `Measured`, of which `body` is the row of `BODY`.
 
@@ -45,7 +45,10 @@ def measure_centroid(robot, measured, body):
             cross(arm, rate[k], product)
             for a in range(3):
                 momentum[a] += robot.link_mass[leg, link] * product[a]
-    extra = np.linalg.solve(robot.inertia, momentum)
+    extra = np.empty(3)
+    determinant = adjugate_times(robot.inertia, momentum, extra)
+    for a in range(3):
+        extra[a] /= determinant
     # To the world: the trunk carries the centre of mass along and turns it, the joints move it.
     centre, velocity, spin = np.empty(3), np.empty(3), np.empty(3)
     turned(body.matrix, mean, centre)
@@ -59,7 +62,7 @@ def measure_centroid(robot, measured, body):
     return Centroid(centre, velocity, spin)
 
 
-@njit(cache=True)
+@subroutine
 def _links(robot, leg, joints, rates, place, rate):
     """Centres of a leg's links `(3 leg + link)` in the trunk frame, and how joints move them."""
     q0, q1, q2 = joints[3 * leg], joints[3 * leg + 1], joints[3 * leg + 2]

@@ -10,10 +10,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from cavalcade.geometry import Array
+from cavalcade.kernels import kernel, subroutine
 
 
 class Stances(NamedTuple):
@@ -35,7 +35,7 @@ class Stances(NamedTuple):
     feet: Array
 
 
-@njit(cache=True)
+@subroutine
 def can_stand(row, col, ground, least):
     """Whether a foot may stand in a cell."""
     solid = ground.solid
@@ -44,7 +44,7 @@ def can_stand(row, col, ground, least):
     return ground.flat or ground.traversability[row, col] >= least
 
 
-@njit(cache=True)
+@subroutine
 def nearest_place(x, y, ground, least, reach):
     """The place nearest to (x, y) where a foot may stand.
 
@@ -69,7 +69,7 @@ def nearest_place(x, y, ground, least, reach):
     return best_x, best_y, found
 
 
-@njit(cache=True)
+@kernel
 def interpolate(x, y, cell, grid):
     """Bilinear between the centres of cells; beyond the outermost ones as at them."""
     rows, cols = grid.shape
@@ -84,7 +84,7 @@ def interpolate(x, y, cell, grid):
     return low * (1.0 - v) + high * v
 
 
-@njit(cache=True)
+@kernel
 def place_feet(wanted, ground, least, reach):
     """The places `(M, 3)` x, y, z on the ground for wanted ones `(M, 2)`."""
     places = np.empty((wanted.shape[0], 3))
@@ -95,12 +95,25 @@ def place_feet(wanted, ground, least, reach):
     return places
 
 
-@njit(cache=True)
+@subroutine
+def first_from(times, time):
+    """The index of the first of the rising times that is not before `time`, by bisection."""
+    low, high = 0, len(times)
+    while low < high:
+        middle = (low + high) // 2
+        if times[middle] < time:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
+@subroutine
 def leg_length(stances, m, x, y, z):
     """Longest distance of the hip during stance `m` from a foot at (x, y, z); 0 where never."""
     leg = int(stances.feet[m, 0])
-    first = np.searchsorted(stances.times, stances.down[m] - 1e-9)
-    last = np.searchsorted(stances.times, stances.up[m] + 1e-9)
+    first = first_from(stances.times, stances.down[m] - 1e-9)
+    last = first_from(stances.times, stances.up[m] + 1e-9)
     hips, longest = stances.hips, 0.0
     for k in range(first, last):
         if stances.needed[k, leg]:
@@ -111,7 +124,7 @@ def leg_length(stances, m, x, y, z):
     return longest
 
 
-@njit(cache=True)
+@kernel
 def leg_lengths(stances):
     """Longest distance `(M,)` m of each standing foot from its hip; 0 where none is needed."""
     feet = stances.feet
@@ -121,7 +134,7 @@ def leg_lengths(stances):
     return longest
 
 
-@njit(cache=True)
+@kernel
 def bring_in_reach(stances, longest, ground, least, reach):
     """Move feet whose leg would be longer than `longest`, m, to where it is shortest, in place.
 

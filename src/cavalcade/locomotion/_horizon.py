@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from cavalcade.kernels import subroutine
 from cavalcade.locomotion._kinematics import wrapped
 from cavalcade.locomotion._mpc import solve
 from cavalcade.locomotion.mpc import MpcProblem
@@ -21,7 +21,7 @@ STILL = 0.02
 """Commands below are none, m/s; twice that in rad/s."""
 
 
-@njit(cache=True)
+@subroutine
 def swing_share(gait, clock, leg):
     """How far a leg's swing has come at that time of the trot, from 0 to 1; 1 where it stands."""
     phase = gait_phase(gait, clock, leg)
@@ -29,14 +29,14 @@ def swing_share(gait, clock, leg):
     return phase / air if phase < air else 1.0
 
 
-@njit(cache=True)
+@subroutine
 def gait_phase(gait, clock, leg):
     """How much of a leg's cycle, a swing and a stance, is over at that time, from 0 to 1."""
     phase = clock / gait.period + gait.offset[leg]
     return phase - math.floor(phase)
 
 
-@njit(cache=True)
+@subroutine
 def commanded_velocity(gait, state):
     """The velocity to follow, body frame: none after a silence, and none that is next to none.
 
@@ -49,7 +49,7 @@ def commanded_velocity(gait, state):
     return vx, vy, wz
 
 
-@njit(cache=True)
+@subroutine
 def approach(gait, velocity, vx, vy, wz, passed):
     """Let a velocity `(3,)` in the body frame approach another one for `passed` s."""
     reach, turn = gait.acceleration * passed, gait.turning * passed
@@ -61,7 +61,7 @@ def approach(gait, velocity, vx, vy, wz, passed):
     velocity[2] += min(max(wz - velocity[2], -turn), turn)
 
 
-@njit(cache=True)
+@subroutine
 def present_state(angles, centre, spin, velocity, yaw):
     """The state `(12,)` of an `MpcProblem`; `yaw`, unwrapped, replaces that of the angles."""
     state = np.empty(12)
@@ -72,7 +72,7 @@ def present_state(angles, centre, spin, velocity, yaw):
     return state
 
 
-@njit(cache=True)
+@subroutine
 def solve_forces(problem, state):
     """Set `state.forces` to those of the solution's first step."""
     plan = np.empty((STEPS, 4, 3))
@@ -82,7 +82,7 @@ def solve_forces(problem, state):
             state.forces[leg, a] = plan[0, leg, a]
 
 
-@njit(cache=True)
+@subroutine
 def walk_problem(robot, gait, body, state):
     """The `MpcProblem` of a robot that trots or stands.
 
@@ -162,7 +162,7 @@ def walk_problem(robot, gait, body, state):
     )
 
 
-@njit(cache=True)
+@subroutine
 def _stands(gait, state, clock, k, leg):
     """Whether a foot stands in step k of the horizon."""
     if k == 0:
@@ -180,7 +180,7 @@ def _stands(gait, state, clock, k, leg):
     )
 
 
-@njit(cache=True)
+@subroutine
 def _below_hip(robot, x, y, c, s, leg):
     """Where a foot stands under its hip when the centre of mass is at (x, y)."""
     ahead = robot.hip[leg, 0] - robot.centre[0]

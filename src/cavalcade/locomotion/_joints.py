@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from cavalcade.kernels import subroutine
 from cavalcade.locomotion._kinematics import (
     leg_forward,
     leg_inverse,
@@ -28,7 +28,7 @@ FOLD_STIFFNESS, FOLD_DAMPING = 120.0, 3.0
 LIMP = 1.0  # damping of joints of a robot that lies, N m s/rad
 
 
-@njit(cache=True)
+@subroutine
 def stance_torques(robot, body, leg, force, measured, torques):
     """Let the ground push a foot with `force` `(3,)`, world frame, N.
 
@@ -48,7 +48,7 @@ def stance_torques(robot, body, leg, force, measured, torques):
         torques[joint] = torque
 
 
-@njit(cache=True)
+@subroutine
 def track_foot(robot, body, leg, target, measured, torques):
     """Bring a foot to a `FootTarget` by PD control of joint angles and rates."""
     arm, rate = np.empty(3), np.empty(3)
@@ -71,7 +71,7 @@ def track_foot(robot, body, leg, target, measured, torques):
         ) + target.damping * (speed - measured.qvel[6 + joint])
 
 
-@njit(cache=True)
+@subroutine
 def add_leg_weight(robot, body, leg, measured, torques):
     """Add to a leg's torques those that hold its own weight."""
     weight = np.empty(3)
@@ -80,7 +80,7 @@ def add_leg_weight(robot, body, leg, measured, torques):
         torques[3 * leg + j] += weight[j]
 
 
-@njit(cache=True)
+@subroutine
 def track_posture(start, goal, share, measured, torques):
     """Bring all joints `share` (0 to 1) of the way from angles `start` to `goal`, `(12,)`, rad."""
     for j in range(12):
@@ -89,14 +89,14 @@ def track_posture(start, goal, share, measured, torques):
         torques[j] -= FOLD_DAMPING * measured.qvel[6 + j]
 
 
-@njit(cache=True)
+@subroutine
 def go_limp(measured, torques):
     """Only brake all joints."""
     for j in range(12):
         torques[j] = -LIMP * measured.qvel[6 + j]
 
 
-@njit(cache=True)
+@subroutine
 def limit_torques(robot, torques):
     """Keep torques `(12,)` within the motors' limits."""
     for j in range(12):

@@ -10,15 +10,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from cavalcade.geometry import GRAVITY
+from cavalcade.kernels import subroutine
 
 SINGULAR = 2e-4  # a Jacobian with a smaller determinant is not inverted but damped, m³
 STRETCHED = 0.999  # legs are stretched at most to this share of their length
 
 
-@njit(cache=True)
+@subroutine
 def rotation(quaternion, out):
     """The matrix `(3, 3)` of a unit quaternion w, x, y, z: body to world."""
     w, x, y, z = quaternion[0], quaternion[1], quaternion[2], quaternion[3]
@@ -33,14 +33,14 @@ def rotation(quaternion, out):
     out[2, 2] = 1.0 - 2.0 * (x * x + y * y)
 
 
-@njit(cache=True)
+@subroutine
 def angles(matrix):
     """Roll, pitch and yaw of a rotation: first about x, last about z, rad."""
     pitch = math.asin(min(max(-matrix[2, 0], -1.0), 1.0))
     return math.atan2(matrix[2, 1], matrix[2, 2]), pitch, math.atan2(matrix[1, 0], matrix[0, 0])
 
 
-@njit(cache=True)
+@subroutine
 def measure_body(robot, measured, body):
     """Fill `body`, a row of `BODY`, from what is `Measured` of one robot."""
     qpos, qvel = measured.qpos, measured.qvel
@@ -65,7 +65,7 @@ def measure_body(robot, measured, body):
             body.carried[leg, a] = qvel[a] + moved[a]
 
 
-@njit(cache=True)
+@subroutine
 def leg_forward(robot, leg, joints, place, jacobian):
     """Set `place` `(3,)` to a foot's centre, `jacobian` to its derivatives by `joints` `(3,)`."""
     q0, q1, q2 = joints[0], joints[1], joints[2]
@@ -86,7 +86,7 @@ def leg_forward(robot, leg, joints, place, jacobian):
     jacobian[2, 2] = calf * s12 * c0
 
 
-@njit(cache=True)
+@subroutine
 def leg_inverse(robot, leg, place, out):
     """Set `out` to the angles that bring a foot's centre to a place `(3,)`, knees backwards.
 
@@ -110,7 +110,7 @@ def leg_inverse(robot, leg, place, out):
         out[j] = min(max(out[j], robot.lowest[3 * leg + j]), robot.highest[3 * leg + j])
 
 
-@njit(cache=True)
+@subroutine
 def leg_weight(robot, leg, joints, up, out):
     """Set `out` to the torques, N m, that hold the leg's links up at the angles `joints`.
 
@@ -141,22 +141,33 @@ def leg_weight(robot, leg, joints, up, out):
         out[0] += mass * (-uy * z + uz * reach)
 
 
-@njit(cache=True)
-def solve3(matrix, right, out):
-    """Solve `matrix` `out` = `right` by Cramer's rule, damped where it is nearly singular."""
+@subroutine
+def adjugate_times(matrix, right, out):
+    """Set `out` to the adjugate of a `(3, 3)` matrix times a vector; returns the determinant.
+
+    Their quotient is the solution of `matrix` `x` = `right` (Cramer's rule).
+    """
     a, b, c = matrix[0, 0], matrix[0, 1], matrix[0, 2]
     d, e, f = matrix[1, 0], matrix[1, 1], matrix[1, 2]
     g, h, i = matrix[2, 0], matrix[2, 1], matrix[2, 2]
-    determinant = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
+    x, y, z = right[0], right[1], right[2]
+    out[0] = (e * i - f * h) * x + (c * h - b * i) * y + (b * f - c * e) * z
+    out[1] = (f * g - d * i) * x + (a * i - c * g) * y + (c * d - a * f) * z
+    out[2] = (d * h - e * g) * x + (b * g - a * h) * y + (a * e - b * d) * z
+    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
+
+
+@subroutine
+def solve3(matrix, right, out):
+    """Solve `matrix` `out` = `right`, damped where the matrix is nearly singular."""
+    determinant = adjugate_times(matrix, right, out)
     far = abs(determinant) > SINGULAR
     scale = 1.0 / determinant if far else determinant / (SINGULAR * SINGULAR)
-    x, y, z = right[0], right[1], right[2]
-    out[0] = scale * ((e * i - f * h) * x + (c * h - b * i) * y + (b * f - c * e) * z)
-    out[1] = scale * ((f * g - d * i) * x + (a * i - c * g) * y + (c * d - a * f) * z)
-    out[2] = scale * ((d * h - e * g) * x + (b * g - a * h) * y + (a * e - b * d) * z)
+    for k in range(3):
+        out[k] *= scale
 
 
-@njit(cache=True)
+@subroutine
 def cross(a, b, out):
     """Set `out` to the vector product a × b."""
     out[0] = a[1] * b[2] - a[2] * b[1]
@@ -164,21 +175,21 @@ def cross(a, b, out):
     out[2] = a[0] * b[1] - a[1] * b[0]
 
 
-@njit(cache=True)
+@subroutine
 def turned(matrix, vector, out):
     """Set `out` to `matrix` times `vector`, `(3,)`."""
     for i in range(3):
         out[i] = matrix[i, 0] * vector[0] + matrix[i, 1] * vector[1] + matrix[i, 2] * vector[2]
 
 
-@njit(cache=True)
+@subroutine
 def turned_back(matrix, vector, out):
     """Set `out` to the transpose of `matrix` times `vector`, `(3,)`."""
     for i in range(3):
         out[i] = matrix[0, i] * vector[0] + matrix[1, i] * vector[1] + matrix[2, i] * vector[2]
 
 
-@njit(cache=True)
+@subroutine
 def wrapped(angle):
     """Wrap an angle to [-π, π), rad."""
     return np.float64((angle + math.pi) % (2.0 * math.pi) - math.pi)

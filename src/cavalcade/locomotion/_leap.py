@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from cavalcade.geometry import GRAVITY
+from cavalcade.kernels import subroutine
 from cavalcade.locomotion._centroid import measure_centroid
 from cavalcade.locomotion._horizon import solve_forces
 from cavalcade.locomotion._joints import stance_torques, track_foot
@@ -40,7 +40,7 @@ BELOW, BESIDE = 0.11, 0.12
 SINK = 0.5  # a foot that meets no ground goes down with that speed, m/s
 
 
-@njit(cache=True)
+@subroutine
 def step_leap(robot, state, leap, body, measured, torques):
     """Torques `(12,)`, overwritten, N m, for a robot that leaps, `Measured` now."""
     centroid = measure_centroid(robot, measured, body)
@@ -59,7 +59,7 @@ def step_leap(robot, state, leap, body, measured, torques):
             flight_torques(robot, leap, body, centroid, leg, measured, torques)
 
 
-@njit(cache=True)
+@subroutine
 def advance(robot, state, leap, body, centroid, feet):
     """Go on to the next phase where its time has come; whether contacts changed.
 
@@ -105,7 +105,7 @@ def advance(robot, state, leap, body, centroid, feet):
     return changed
 
 
-@njit(cache=True)
+@subroutine
 def land(state, leap, body, centroid):
     """Begin the landing: from the body's state now to rest over the footholds."""
     leap.phase, leap.began = LANDING, state.time
@@ -119,7 +119,7 @@ def land(state, leap, body, centroid):
     leap.pitches[2] = body.angles[1]
 
 
-@njit(cache=True)
+@subroutine
 def time_to_fall(leap, centroid):
     """How long a free flight from now takes to the height of the touch-down, s."""
     speed = centroid.velocity[2]
@@ -127,7 +127,7 @@ def time_to_fall(leap, centroid):
     return (speed + math.sqrt(max(root, 0.0))) / GRAVITY
 
 
-@njit(cache=True)
+@subroutine
 def falls_short(robot, leap, body, centroid):
     """Whether a flight from now would end too early, and legs are not stretched yet."""
     flight = time_to_fall(leap, centroid)
@@ -150,7 +150,7 @@ def falls_short(robot, leap, body, centroid):
     return True
 
 
-@njit(cache=True)
+@subroutine
 def predict_touch_down(leap, state, centroid):
     """Set when the flight will end, and shift footholds to where they meet the body then."""
     left = time_to_fall(leap, centroid)
@@ -160,7 +160,7 @@ def predict_touch_down(leap, state, centroid):
             leap.shift[a] = centroid.centre[a] + centroid.velocity[a] * left - leap.down[a]
 
 
-@njit(cache=True)
+@subroutine
 def settle(robot, state, leap, body):
     """Stand where the robot has landed, once all feet do or have had their time."""
     if min(state.contact[0], state.contact[1], state.contact[2], state.contact[3]) == 0:
@@ -181,7 +181,7 @@ def settle(robot, state, leap, body):
     stand(state, body)
 
 
-@njit(cache=True)
+@subroutine
 def flying_foot(leap, centroid, leg, t, place, rate):
     """Where a flying foot is to be at `t` s of the flight, and its velocity; `(3,)`, overwritten.
 
@@ -212,7 +212,7 @@ def flying_foot(leap, centroid, leg, t, place, rate):
     rate[2] += centroid.velocity[2]
 
 
-@njit(cache=True)
+@subroutine
 def keep_clear(robot, body, leg, place):
     """Move a foot's goal `(3,)` to where its leg can be whichever way the trunk is turned.
 
@@ -231,7 +231,7 @@ def keep_clear(robot, body, leg, place):
         place[a] = body.trunk[a] + arm[a]
 
 
-@njit(cache=True)
+@subroutine
 def flight_torques(robot, leap, body, centroid, leg, measured, torques):
     """Torques of a leg in the air."""
     place, rate = np.empty(3), np.empty(3)

@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from cavalcade.geometry import GRAVITY
+from cavalcade.kernels import subroutine
 from cavalcade.locomotion._horizon import present_state
 from cavalcade.locomotion._kinematics import wrapped
 from cavalcade.locomotion.mpc import MpcProblem
 from cavalcade.locomotion.records import CROUCH, FLIGHT, LANDING, PUSH, STEPS
 
 
-@njit(cache=True)
+@subroutine
 def hermite(start, start_speed, end, end_speed, lasts, t):
     """Place and speed at `t` of the cubic with these values at 0 and `lasts`."""
     s = min(max(t / lasts, 0.0), 1.0)
@@ -23,7 +23,7 @@ def hermite(start, start_speed, end, end_speed, lasts, t):
     return start + s * (a + s * (c2 + s * c3)), (a + s * (2.0 * c2 + 3.0 * s * c3)) / lasts
 
 
-@njit(cache=True)
+@subroutine
 def leap_reference(leap, phase, t, out):
     """Set `out` `(12,)` to the state wanted at `t` s of a phase, as in `MpcProblem`."""
     lasts = leap.lasts[phase]
@@ -69,7 +69,7 @@ def leap_reference(leap, phase, t, out):
         out[3 + a], out[9 + a] = place, speed
 
 
-@njit(cache=True)
+@subroutine
 def foothold(leap, leg):
     """Where a foot is to land: where the body comes down, but not back over the edge."""
     x = leap.foothold[leg, 0] + leap.shift[0]
@@ -78,7 +78,7 @@ def foothold(leap, leg):
     return x + short * leap.along[0], y + short * leap.along[1]
 
 
-@njit(cache=True)
+@subroutine
 def leap_problem(robot, leap, state, body, centroid):
     """The `MpcProblem` of a robot that leaps: one programme over push, flight, landing.
 

@@ -23,9 +23,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from cavalcade.geometry import GRAVITY, Array
+from cavalcade.kernels import kernel, subroutine
 from cavalcade.locomotion._qp import solve_qp
 
 
@@ -40,7 +40,7 @@ class _Steps(NamedTuple):
     middles: Array
 
 
-@njit(cache=True)
+@kernel
 def solve(problem, plan, changes):
     """Find the forces `(H, 4, 3)` that follow the reference best, N; they become `plan`.
 
@@ -67,7 +67,7 @@ def solve(problem, plan, changes):
     return done
 
 
-@njit(cache=True, fastmath={"contract", "reassoc"})
+@subroutine(fastmath={"contract", "reassoc"})
 def build_qp(problem, hessian, gradient):
     """Fill the `(n, n)` hessian, of which the upper triangle, and the `(n,)` gradient."""
     steps, dts, mass = problem.contacts.shape[0], problem.dts, problem.mass
@@ -91,7 +91,7 @@ def build_qp(problem, hessian, gradient):
             gradient[column + 2] -= force_weight * mass * GRAVITY / feet
 
 
-@njit(cache=True)
+@subroutine
 def _times(yaws, dts, times, turns):
     """Fill times and turns of the steps."""
     ends, middles = times.ends, times.middles
@@ -113,7 +113,7 @@ def _times(yaws, dts, times, turns):
         upto[k, 2, 2] = end
 
 
-@njit(cache=True)
+@subroutine
 def _spins(contacts, levers, yaws, dts, inertia, first, spins):
     """Fill what forces do to the angular velocity, dt I⁻¹ [r]×, and the first column of each step.
 
@@ -147,7 +147,7 @@ def _spins(contacts, levers, yaws, dts, inertia, first, spins):
     first[contacts.shape[0]] = column
 
 
-@njit(cache=True)
+@subroutine
 def _free_errors(state, reference, weights, times, turns, errors):
     """Fill the weighted errors `(H, 12)` of the motion without any force on the feet."""
     for k in range(errors.shape[0]):
@@ -164,7 +164,7 @@ def _free_errors(state, reference, weights, times, turns, errors):
             errors[k, 9 + a] = weights[9 + a] * (state[9 + a] + pull * t - reference[k, 9 + a])
 
 
-@njit(cache=True)
+@subroutine
 def _gradient(errors, first, spins, times, turns, dts, mass, gradient):
     """Fill the gradient: what the errors of all later steps ask of a step's forces."""
     ends, middles, mids = times.ends, times.middles, turns.middles
@@ -194,7 +194,7 @@ def _gradient(errors, first, spins, times, turns, dts, mass, gradient):
                     gradient[column + a] += spins[b, column + a] * moment[b]
 
 
-@njit(cache=True, fastmath={"contract", "reassoc"})
+@subroutine(fastmath={"contract", "reassoc"})
 def _set_attitude(weights, turns, first, spins, hessian):
     """Set the hessian's upper triangle to the part of angles and angular velocities.
 
@@ -240,7 +240,7 @@ def _set_attitude(weights, turns, first, spins, hessian):
                 hessian[r, c] = x * wide[0, c] + y * wide[1, c] + z * wide[2, c]
 
 
-@njit(cache=True)
+@subroutine
 def _add_position(weights, first, times, dts, mass, hessian):
     """Add the hessian's part of positions and velocities: pairs of feet along the same axis."""
     ends, middles = times.ends, times.middles

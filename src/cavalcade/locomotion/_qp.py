@@ -26,13 +26,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from cavalcade.kernels import subroutine
 
 EXCEEDED = 1e-7  # N: less is put right by the last projection
 DEPENDENT = 1e-20  # of the square of a limit's vector: it follows from those that are held
 
 
-@njit(cache=True)
+@subroutine
 def most_exceeded(forces, mu, most):
     """The limit exceeded most and by how much, N; -1 and 0 where there is none."""
     limit, excess = -1, 0.0
@@ -49,7 +50,7 @@ def most_exceeded(forces, mu, most):
     return limit, excess
 
 
-@njit(cache=True)
+@subroutine
 def limit_row(limit, mu, row):
     """`row` becomes the limit's a; returns its first column that may differ from 0."""
     foot, side = 3 * (limit // 5), limit % 5
@@ -62,7 +63,7 @@ def limit_row(limit, mu, row):
     return foot
 
 
-@njit(cache=True, fastmath={"contract", "reassoc"}, error_model="numpy")
+@subroutine(fastmath={"contract", "reassoc"})
 def solve_qp(hessian, gradient, mu, most, forces, changes):
     """Solve the programme above.
 
@@ -137,7 +138,7 @@ def solve_qp(hessian, gradient, mu, most, forces, changes):
     return done
 
 
-@njit(cache=True)
+@subroutine
 def _within(forces, mu, most):
     """Bring forces within all limits, without the last rounding error."""
     for k in range(0, forces.shape[0], 3):
@@ -148,7 +149,7 @@ def _within(forces, mu, most):
         forces[k + 2] = z
 
 
-@njit(cache=True, fastmath={"contract", "reassoc"})
+@subroutine(fastmath={"contract", "reassoc"})
 def split(basis, held, vector, shares, more):
     """Take from `vector` what lies along the basis, which becomes `shares`.
 
@@ -180,7 +181,7 @@ def split(basis, held, vector, shares, more):
     return left
 
 
-@njit(cache=True, fastmath={"contract", "reassoc"}, error_model="numpy")
+@subroutine(fastmath={"contract", "reassoc"})
 def combine(triangle, held, shares, answer):
     """`answer = T⁻¹ shares`: the combination of held limits that has these shares."""
     for k in range(held):
@@ -192,7 +193,7 @@ def combine(triangle, held, shares, answer):
             answer[c] -= value * triangle[k, c]
 
 
-@njit(cache=True, error_model="numpy")
+@subroutine
 def hold(basis, triangle, held, vector, shares, left):
     """Add a limit whose vector has these shares and, beside them, `vector` of square `left`."""
     length = math.sqrt(left)
@@ -203,7 +204,7 @@ def hold(basis, triangle, held, vector, shares, left):
     triangle[held, held] = length
 
 
-@njit(cache=True, fastmath={"contract"}, error_model="numpy")
+@subroutine(fastmath={"contract"})
 def release(basis, triangle, held, place):
     """Take out a limit; those after it move up by one."""
     end = np.uint64(basis.shape[1])
@@ -223,7 +224,7 @@ def release(basis, triangle, held, place):
             basis[i + 1, c] = cosine * b - sine * a
 
 
-@njit(cache=True, fastmath={"contract", "reassoc"}, error_model="numpy")
+@subroutine(fastmath={"contract", "reassoc"})
 def factorise(matrix, factor, scale):
     """Set the upper triangle of `factor` to R with Rᵀ R = `matrix` (Cholesky), by three rows.
 
@@ -261,7 +262,7 @@ def factorise(matrix, factor, scale):
                 factor[r + 2, c] -= a2 * x + b2 * y + c2 * z
 
 
-@njit(cache=True, fastmath={"contract", "reassoc"})
+@subroutine(fastmath={"contract", "reassoc"})
 def forward(factor, scale, vector, first):
     """Turn `vector` into R⁻ᵀ vector; it is zero before `first`, a multiple of 3."""
     n = factor.shape[0]
@@ -275,7 +276,7 @@ def forward(factor, scale, vector, first):
             vector[c] -= x * factor[p, c] + y * factor[p + 1, c] + z * factor[p + 2, c]
 
 
-@njit(cache=True, fastmath={"contract", "reassoc"})
+@subroutine(fastmath={"contract", "reassoc"})
 def backward(factor, scale, vector):
     """Turn `vector` into R⁻¹ vector."""
     n = factor.shape[0]

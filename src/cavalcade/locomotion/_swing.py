@@ -7,8 +7,7 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
+from cavalcade.kernels import subroutine
 from cavalcade.locomotion._footholds import interpolate, nearest_place
 
 SEARCH = 0.12  # how far a foothold may be moved to ground that carries it, m
@@ -22,7 +21,7 @@ SHIFT, SHIFTS = 0.03, 3
 """A foothold is moved along the heading to give the calf room, by so many m up to so often."""
 
 
-@njit(cache=True)
+@subroutine
 def to_ground(frame, x, y):
     """A place of the world in the frame of the ground's grid (`frame`: its x, y, yaw)."""
     dx, dy = x - frame[0], y - frame[1]
@@ -30,7 +29,7 @@ def to_ground(frame, x, y):
     return c * dx + s * dy, c * dy - s * dx
 
 
-@njit(cache=True)
+@subroutine
 def ground_height(footing, x, y):
     """Height of the ground at a place of the world, m."""
     if footing.flat:
@@ -39,7 +38,7 @@ def ground_height(footing, x, y):
     return interpolate(u, v, footing.cell, footing.height)
 
 
-@njit(cache=True)
+@subroutine
 def choose_foothold(robot, gait, body, state, leg, left, footing):
     """Put `state.landing` of a leg where the foot is to stand next.
 
@@ -72,7 +71,7 @@ def choose_foothold(robot, gait, body, state, leg, left, footing):
     place_foot(robot, gait, state, leg, x, y, footing)
 
 
-@njit(cache=True)
+@subroutine
 def shank_clears(robot, footing, x, y, c, s):
     """Whether the ground behind a foot at (x, y) leaves room for its calf, which leans backwards.
 
@@ -87,7 +86,7 @@ def shank_clears(robot, footing, x, y, c, s):
     return True
 
 
-@njit(cache=True)
+@subroutine
 def place_foot(robot, gait, state, leg, x, y, footing):
     """Let a leg's swing end at (x, y) or at the nearest place that carries it."""
     start = state.lifted[leg]
@@ -111,13 +110,13 @@ def place_foot(robot, gait, state, leg, x, y, footing):
     state.apex[leg] = max(start[2], landing[2], highest + robot.foot_radius) + gait.clearance
 
 
-@njit(cache=True)
+@subroutine
 def smooth(t):
     """From 0 to 1 without a jump of speed or acceleration, and the derivative."""
     return t * t * t * (10.0 - 15.0 * t + 6.0 * t * t), 30.0 * t * t * (1.0 - t) ** 2
 
 
-@njit(cache=True)
+@subroutine
 def swing_point(lifted, landing, apex, t, lasts, place, velocity):
     """A foot's place and velocity at the share `t` of its swing, which `lasts` s; overwritten."""
     share, rate = smooth(t)

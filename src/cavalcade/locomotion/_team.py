@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from numba import njit
-
+from cavalcade.kernels import kernel, subroutine
 from cavalcade.locomotion._joints import go_limp, limit_torques
 from cavalcade.locomotion._kinematics import measure_body
 from cavalcade.locomotion._leap import step_leap
@@ -13,7 +12,7 @@ from cavalcade.locomotion.records import FALLEN, LEAPING, LYING, RISING, SINKING
 FALL = 1.0  # a trunk that leans by more has fallen, rad
 
 
-@njit(cache=True)
+@kernel
 def step_team(team, footing, time, qpos, qvel, feet, torques):
     """Torques for all robots.
 
@@ -28,7 +27,7 @@ def step_team(team, footing, time, qpos, qvel, feet, torques):
         step_robot(team[n], footing, Measured(time, qpos[n], qvel[n], feet[n]), torques[n])
 
 
-@njit(cache=True)
+@subroutine
 def step_robot(own, footing, measured, torques):
     """Torques `(12,)`, overwritten, N m, of a robot, a row of `TEAM`, as it is `Measured` now."""
     state, body = own.state, own.body

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from cavalcade.kernels import subroutine
 from cavalcade.locomotion._horizon import (
     approach,
     commanded_velocity,
@@ -38,7 +38,7 @@ POSTURE = 1.0  # rising and sinking take that long, s
 FOLDED = (0.0, 1.25, -2.7)  # joints of a leg of a robot that lies, rad
 
 
-@njit(cache=True)
+@subroutine
 def step_walk(own, footing, passed, measured, torques):
     """Torques `(12,)`, overwritten, N m, for a robot that trots or stands.
 
@@ -61,7 +61,7 @@ def step_walk(own, footing, passed, measured, torques):
             swing_torques(robot, gait, state, body, leg, measured, torques)
 
 
-@njit(cache=True)
+@subroutine
 def stand(state, body):
     """Begin to stand where the robot is, on all feet."""
     state.mode = STANDING
@@ -76,7 +76,7 @@ def stand(state, body):
     state.solved = -math.inf
 
 
-@njit(cache=True)
+@subroutine
 def follow(gait, state, body, passed):
     """Let the followed velocity approach the commanded one, and carry the reference along.
 
@@ -100,7 +100,7 @@ def follow(gait, state, body, passed):
     state.yaw = measured + min(max(off, -gait.turn_leash), gait.turn_leash)
 
 
-@njit(cache=True)
+@subroutine
 def disturbed(state, body):
     """Whether a robot that wants to stand must step not to fall."""
     speed = math.hypot(body.velocity[0], body.velocity[1])
@@ -108,7 +108,7 @@ def disturbed(state, body):
     return speed - own > CALM or abs(body.spin[2] - state.velocity[2]) > 3.0 * CALM
 
 
-@njit(cache=True)
+@subroutine
 def step_gait(robot, gait, state, body, feet, footing):
     """Set which feet swing and which stand by `feet` `(4,)`, N; whether that changed."""
     if state.mode == STANDING:
@@ -150,7 +150,7 @@ def step_gait(robot, gait, state, body, feet, footing):
     return changed
 
 
-@njit(cache=True)
+@subroutine
 def sense_ground(robot, state, body, share):
     """Let height and slope of the ground come nearer, by a `share`, to where feet stood last.
 
@@ -182,7 +182,7 @@ def sense_ground(robot, state, body, share):
     state.ground += share * (height - state.ground)
 
 
-@njit(cache=True)
+@subroutine
 def swing_torques(robot, gait, state, body, leg, measured, torques):
     """Torques of a leg in the air: along its swing, then down until it meets the ground."""
     place, velocity = np.empty(3), np.empty(3)
@@ -201,7 +201,7 @@ def swing_torques(robot, gait, state, body, leg, measured, torques):
     add_leg_weight(robot, body, leg, measured, torques)
 
 
-@njit(cache=True)
+@subroutine
 def step_posture(robot, gait, state, body, measured, torques):
     """Torques `(12,)`, overwritten, N m, that fold or unfold the legs under a robot.
 

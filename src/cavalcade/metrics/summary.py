@@ -130,7 +130,7 @@ class Summary(Keys):
     success: Annotated[bool, "whether it was done as asked, without a collision"]
     reason: Annotated[
         str,
-        "`arrived`, `done` (of [commands](commands.md)), `solved`, `timeout`, `stuck`, "
+        "`arrived`, `done` (of [commands](../how-to/commands.md)), `solved`, `timeout`, `stuck`, "
         "`collision`, `fallen`, `infeasible`, `budget`, `stopped` (with which watchdog), "
         "`crashed`",
     ]
@@ -199,11 +199,11 @@ class Summary(Keys):
     real_time_factor: Annotated[float | None, "simulated over wall time, in physics"] = None
     physics: Annotated[
         PhysicsSummary | None,
-        "what bodies and joints did in [physics](physics.md)",
+        "what bodies and joints did in [physics](../how-to/physics.md)",
     ] = None
     commanded: Annotated[
         CommandTracking | None,
-        "how well the velocities of [commands](commands.md) were followed",
+        "how well the velocities of [commands](../how-to/commands.md) were followed",
     ] = None
     versions: Annotated[Mapping[str, str], "of Python and the packages that figures depend on"]
 

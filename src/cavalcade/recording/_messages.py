@@ -10,22 +10,29 @@ In physics there are also:
 - `/cavalcade/contacts`, std_msgs/String, JSON `{"time", "robot", "part", "other"}`: every contact
   but feet on the ground, said anew while it lasts.
 - `/cavalcade/falls`, std_msgs/String, JSON `{"time", "robot"}`.
+- In `/tf`, at each sample of physics, `robot_k/base` under `map`: the trunk's frame put down on the
+  plane; under it `robot_k/body`, that of `/robot_k/body`, and under this the feet's frames.
 """
 
 from __future__ import annotations
 
 import struct
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.geometry import Array
 from cavalcade.recording.cdr import ENCAPSULATION, Layout, planar_poses, stamps_of
+from cavalcade.recording.physics_track import yaw_of
 from cavalcade.robots import JOINTS, LEGS, RobotModel
 from cavalcade.world import OccupancyMap
 
 Stamps = NDArray[np.int64]
 """Times `(M,)` in ns."""
+
+Transform = tuple[str, str, Array]
+"""Parent, child, and the child's poses in it `(M, 7)`: position, quaternion x, y, z, w."""
 
 FRAME = "map"
 
@@ -96,6 +103,11 @@ def base_frame(robot: int) -> str:
     return f"robot_{robot}/base"
 
 
+def foot_frame(robot: int, leg: str) -> str:
+    """The frame at a foot of a robot, with the axes of the map."""
+    return f"robot_{robot}/{leg}_foot"
+
+
 def twist_layout(robot: int) -> Layout:
     """geometry_msgs/TwistStamped with columns `stamp` and `twist`, linear and angular."""
     return Layout().header(base_frame(robot)).numbers("twist", "f8", 6)
@@ -113,7 +125,7 @@ def joints_layout(robot: int) -> Layout:
 
 def force_layout(robot: int, leg: str) -> Layout:
     """geometry_msgs/WrenchStamped with columns `stamp` and `wrench`, force and torque."""
-    return Layout().header(f"robot_{robot}/{leg}_foot").numbers("wrench", "f8", 6)
+    return Layout().header(foot_frame(robot, leg)).numbers("wrench", "f8", 6)
 
 
 def string_message(text: str) -> memoryview:
@@ -142,17 +154,44 @@ def twist_messages(times: Stamps, commands: Array, robot: int) -> list[memoryvie
     return twist_layout(robot).pack(len(times), stamp=stamps_of(times), twist=twist)
 
 
-def transform_messages(times: Stamps, poses: Array) -> list[memoryview]:
-    """tf2_msgs/TFMessage with every robot's body frame in the map; poses `(M, N, 3)`."""
-    robots = poses.shape[1]
-    layout = Layout().constant("u4", robots)
+def transform_messages(times: Stamps, frames: Sequence[Transform]) -> list[memoryview]:
+    """tf2_msgs/TFMessage with all these frames at each of the times `(M,)` ns."""
+    layout = Layout().constant("u4", len(frames))
     columns: dict[str, ArrayLike] = {}
-    for robot in range(robots):
-        layout.header(FRAME, f"stamp_{robot}").text(base_frame(robot))
-        layout.numbers(f"pose_{robot}", "f8", 7)
-        columns[f"stamp_{robot}"] = stamps_of(times)
-        columns[f"pose_{robot}"] = planar_poses(poses[:, robot])
+    for number, (parent, child, poses) in enumerate(frames):
+        layout.header(parent, f"stamp_{number}").text(child)
+        layout.numbers(f"pose_{number}", "f8", 7)
+        columns |= {f"stamp_{number}": stamps_of(times), f"pose_{number}": poses}
     return layout.pack(len(times), **columns)
+
+
+def planar_frames(poses: Array) -> list[Transform]:
+    """Every robot's base in the map; poses `(M, N, 3)`."""
+    return [
+        (FRAME, base_frame(robot), planar_poses(poses[:, robot])) for robot in range(poses.shape[1])
+    ]
+
+
+def legged_frames(robot: int, base: Array, feet: Array | None) -> list[Transform]:
+    """A robot's base in the map, its body in the base, and its feet in the body.
+
+    `base` `(M, 7)` is the trunk's place and quaternion w, x, y, z in the map, `feet` `(M, 4, 3)`
+    the feet's places in the trunk's frame. The feet's axes are those of the map.
+    """
+    w, x, y, z = base[:, 3:].T
+    yaw = yaw_of(base[:, 3:])
+    c, s = np.cos(0.5 * yaw), np.sin(0.5 * yaw)
+    body = np.zeros((len(base), 7))
+    body[:, 2] = base[:, 2]
+    body[:, 3:] = np.column_stack([c * x + s * y, c * y - s * x, c * z - s * w, c * w + s * z])
+    trunk = f"robot_{robot}/body"
+    ground = planar_poses(np.column_stack([base[:, :2], yaw]))
+    found = [(FRAME, base_frame(robot), ground), (base_frame(robot), trunk, body)]
+    if feet is not None:
+        level = np.column_stack([-x, -y, -z, w])
+        for k, leg in enumerate(LEGS):
+            found.append((trunk, foot_frame(robot, leg), np.hstack([feet[:, k], level])))
+    return found
 
 
 def path_message(time: int, path: Array) -> bytes:

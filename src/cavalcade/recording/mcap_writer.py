@@ -65,13 +65,16 @@ def write_recording(
     if recording.physics is not None:
         bodies = recording.physics.size
         messages += physics_messages(recording.physics)
+        messages += _physics_frames(recording.physics, models)
     topics = _messages.topics_of(recording.poses.shape[1], bodies)
     messages.sort(key=itemgetter(0, 1))
     try:
         # rosbags writes a folder of its own; only the file in it is wanted.
         with tempfile.TemporaryDirectory(dir=target.parent, prefix=f".{target.name}-") as folder:
             bag = Path(folder) / "recording"
-            writer = Writer(bag, version=9, storage_plugin=StoragePlugin.MCAP)
+            # From version 9 on, names stand for the policies of a quality of service. Up to ROS 2
+            # Iron only numbers are understood; Jazzy and later go by the version.
+            writer = Writer(bag, version=8, storage_plugin=StoragePlugin.MCAP)
             writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
             with writer:
                 connections = _connect(writer, topics)
@@ -110,6 +113,17 @@ def physics_messages(track: PhysicsTrack) -> Iterator[_Message]:
         yield _text(contact.time, 10, _messages.CONTACTS_TOPIC, asdict(contact))
     for fall in track.falls:
         yield _text(fall.time, 10, _messages.FALLS_TOPIC, asdict(fall))
+
+
+def _physics_frames(track: PhysicsTrack, models: Sequence[RobotModel]) -> Iterator[_Message]:
+    """The transforms of all robots at each sample."""
+    frames: list[_messages.Transform] = []
+    for robot, model in enumerate(models):
+        legs, joints = model.description, track.joints[:, robot]
+        feet = None if legs is None else legs.foot_places(joints)
+        frames += _messages.legged_frames(robot, track.base[:, robot], feet)
+    times = nanoseconds(track.time)
+    return _series(times, 5, "/tf", _messages.transform_messages(times, frames))
 
 
 def _connect(writer: Writer, kinds: dict[str, str]) -> dict[str, Any]:
@@ -168,7 +182,9 @@ def _all_messages(
     found.extend(_paths(recording, stamps))
     said = [_messages.string_message(text) for text in encoded(recording.status)]
     found.extend(_series(times, 4, _messages.STATUS_TOPIC, said))
-    found.extend(_series(times, 5, "/tf", _messages.transform_messages(times, recording.poses)))
+    if recording.physics is None:  # otherwise its samples tell of these frames, too
+        frames = _messages.planar_frames(recording.poses)
+        found.extend(_series(times, 5, "/tf", _messages.transform_messages(times, frames)))
     for robot in range(recording.poses.shape[1]):
         name = f"/robot_{robot}"
         for order, topic, data in (

@@ -5,11 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cavalcade.errors import RecordingError
 from cavalcade.geometry import Array
 
 LEGS, JOINTS = 4, 12
+
+LOADED = 2.0
+"""A foot carries from this force on, N."""
 
 _TAILS: dict[str, tuple[int, ...]] = {
     "base": (7,),
@@ -18,6 +22,12 @@ _TAILS: dict[str, tuple[int, ...]] = {
     "torques": (JOINTS,),
     "foot_forces": (LEGS, 3),
 }
+
+
+def yaw_of(quaternions: Array) -> Array:
+    """`(...,)` rad: the headings of unit quaternions `(..., 4)` w, x, y, z."""
+    w, x, y, z = np.moveaxis(quaternions, -1, 0)
+    return np.asarray(np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
 
 
 @dataclass(frozen=True)
@@ -104,6 +114,19 @@ class PhysicsTrack:
     def duration(self) -> float:
         """From the first sample to the last, s."""
         return float(self.time[-1] - self.time[0]) if len(self.time) else 0.0
+
+    @property
+    def flying(self) -> NDArray[np.bool_]:
+        """`(T, N)` whether no foot carried since the sample before; not of robots that fell."""
+        lifted = np.asarray((self.foot_forces[..., 2] < LOADED).all(axis=2))
+        beside = np.zeros_like(lifted)
+        # Two samples in a row, so that a stumble of one is no flight.
+        beside[1:] |= lifted[:-1]
+        beside[:-1] |= lifted[1:]
+        found: NDArray[np.bool_] = lifted & beside
+        for fall in self.falls:
+            found[self.time >= fall.time, fall.robot] = False
+        return found
 
     def thinned(self, stride: int) -> PhysicsTrack:
         """Every so many-th sample: its forces are means and its torques peaks since the last."""

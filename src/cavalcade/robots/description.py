@@ -229,6 +229,20 @@ class QuadrupedDescription:
         drop = self.stand_height - self.foot_radius
         return _frozen([angle for leg in range(4) for angle in self.leg_angles(leg, drop)])
 
+    def foot_places(self, joints: Array) -> Array:
+        """Centres `(..., 4, 3)` of the feet's balls in the trunk's frame, m, at `(..., 12)` rad."""
+        angles = np.reshape(joints, (*np.shape(joints)[:-1], 4, 3))
+        cosines, sines = np.cos(angles), np.sin(angles)
+        hip, thigh, calf, foot = np.moveaxis(self.joint_offsets, 1, 0)
+        place = np.broadcast_to(foot, angles.shape)
+        for joint, offset in ((2, calf), (1, thigh), (0, hip)):
+            c, s = cosines[..., joint], sines[..., joint]
+            x, y, z = np.moveaxis(place, -1, 0)
+            about_x = (x, c * y - s * z, s * y + c * z)
+            about_y = (c * x + s * z, y, c * z - s * x)
+            place = offset + np.stack(about_y if joint else about_x, axis=-1)
+        return np.asarray(place)
+
     def leg_angles(self, leg: int, drop: float) -> tuple[float, float, float]:
         """Hip, thigh and calf angles with the foot's centre straight below the thigh's joint.
 

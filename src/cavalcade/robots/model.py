@@ -77,7 +77,7 @@ class RobotModel:
         max_yaw_acceleration: rad/s²; likewise.
         source: Where the figures come from.
         tracking_error: How far a walking robot may be, in physics, from where the motion model of
-            `cavalcade.robots.motion` sees it come to a stop, m; measured, see docs/physics.md.
+            `cavalcade.robots.motion` sees it come to a stop, m; see docs/how-to/physics.md.
         drive: How it moves towards a goal of its own.
         round: Whether the footprint is a disc.
         legs: Of a legged robot, for planners.

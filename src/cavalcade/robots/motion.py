@@ -10,8 +10,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from cavalcade.kernels import kernel, subroutine
 from cavalcade.robots.model import RobotModel
 
 
@@ -30,14 +30,14 @@ def limits_of(model: RobotModel) -> MotionLimits:
     return MotionLimits(*(float(getattr(model, name)) for name in MotionLimits._fields))
 
 
-@njit(cache=True)
+@subroutine
 def ellipse_scale(vx, vy, max_x, max_y):
     """Factor in (0, 1] that shrinks the body velocity onto the velocity ellipse (eq. 8)."""
     radius = math.sqrt((vx / max_x) ** 2 + (vy / max_y) ** 2)
     return 1.0 if radius <= 1.0 else 1.0 / radius
 
 
-@njit(cache=True)
+@subroutine
 def advance(state, command, dt, limits):
     """One time step of one robot under a held command.
 
@@ -101,7 +101,7 @@ def advance(state, command, dt, limits):
     )
 
 
-@njit(cache=True)
+@kernel
 def predict_team(poses, velocities, commands, dt, steps, limits):
     """States `(N, 6)` of a team, see `advance`, after commands held for `steps` of `dt` s.
 

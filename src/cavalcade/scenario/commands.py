@@ -38,12 +38,19 @@ Velocity = Annotated[tuple[_Component, _Component, _Component], BeforeValidator(
 
 
 class CommandSection(Choice):
-    """What a robot, or all, are told `at` so many seconds; it holds until they are told otherwise.
+    """What a robot, or all, are told at some time; it holds until they are told otherwise.
 
-    A `velocity` in the body frame: forwards and to the left in m/s, yaw rate in rad/s. Or to walk
-    straight `to` a point of the map, looking there, at `speed` m/s, and to stand there. Or to
-    `leap` straight towards a point over what lies between, in physics: a robot steps up to it,
-    leaps and stands. Before the first command robots stand. Of several at once the last counts.
+    Exactly one of `velocity`, `to` and `leap`. Before the first command robots stand. Of several at
+    once the last counts.
+
+    Attributes:
+        at (s): When, in simulated time.
+        robot: Which one, from 0; null is all.
+        velocity (m/s, m/s, rad/s): [forwards, to the left, yaw rate] in the body frame.
+        to (m): Walk straight to a point [x, y] of the map, looking there, and stand.
+        leap (m): In physics: step up to what lies on the straight way to a point [x, y] of the map,
+            leap over it and stand.
+        speed (m/s): On the way `to` a point; 0.4 if not given.
     """
 
     kinds = ("velocity", "to", "leap")

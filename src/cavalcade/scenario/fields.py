@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 import re
 from collections.abc import Iterable
@@ -14,11 +15,12 @@ from pydantic import (
     BeforeValidator,
     ConfigDict,
     Field,
+    GetJsonSchemaHandler,
     Strict,
     ValidationInfo,
     model_validator,
 )
-from pydantic_core import PydanticCustomError
+from pydantic_core import CoreSchema, PydanticCustomError
 
 LIMIT = 1e6
 """Largest magnitude of a coordinate or length, m: beyond it single cells are lost to rounding."""
@@ -28,9 +30,40 @@ _SCIENTIFIC = re.compile(r"[-+]?\d{1,20}(\.\d{0,20})?[eE][-+]?\d{1,3}")
 
 
 class Section(BaseModel):
-    """A mapping of the file: unknown keys are errors, values do not change."""
+    """A mapping of the file: unknown keys are errors, values do not change.
+
+    Its docstring describes its keys below `Attributes:`, with the unit in brackets; the JSON
+    Schema says the same as `description` and `unit`.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True, validate_default=True)
+
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        schema = handler(core_schema)
+        whole = handler.resolve_ref_schema(schema)
+        whole["description"], _ = _described(cls)
+        described = {k: v for base in reversed(cls.__mro__) for k, v in _described(base)[1].items()}
+        for key, (unit, meaning) in described.items():
+            if key in whole.get("properties", {}):
+                whole["properties"][key] |= {"description": meaning}
+                whole["properties"][key] |= {"unit": unit} if unit else {}
+        return schema
+
+
+_KEYS = re.compile(r"^    (\w[\w, ]*?)(?: \((.+?)\))?: (.+?)(?=^    \w|\Z)", re.M | re.S)
+
+
+def _described(cls: type) -> tuple[str, dict[str, tuple[str | None, str]]]:
+    """What a docstring says of its class, and of each attribute: its unit, if any, and meaning."""
+    about, _, attributes = (inspect.getdoc(cls) or "").partition("\nAttributes:\n")
+    return about.strip(), {
+        name: (unit or None, " ".join(meaning.split()))
+        for names, unit, meaning in _KEYS.findall(attributes)
+        for name in names.split(", ")
+    }
 
 
 def expected(

@@ -50,7 +50,13 @@ TerrainKind = Literal["gap", "step", "stairs", "slope", "rough", "stepping-stone
 
 
 class Box(Section):
-    """A rectangle: centre in m, size along its own x and y in m, yaw in rad."""
+    """A rectangle, turned about its centre.
+
+    Attributes:
+        center (m): Its centre [x, y] in the map frame.
+        size (m): Its sides [length, width], along its own x and y.
+        yaw (rad): Its heading, counter-clockwise from the map's x.
+    """
 
     center: Point
     size: Size
@@ -58,14 +64,23 @@ class Box(Section):
 
 
 class Circle(Section):
-    """A disc: centre and radius in m."""
+    """A disc.
+
+    Attributes:
+        center (m): Its centre [x, y] in the map frame.
+        radius (m): Its radius.
+    """
 
     center: Point
     radius: Length
 
 
 class Polygon(Section):
-    """A simple polygon, convex or not: its corners in order, m."""
+    """A simple polygon, convex or not.
+
+    Attributes:
+        points (m): Its corners [x, y] in order, in the map frame.
+    """
 
     points: Annotated[tuple[Point, ...], Field(min_length=3, max_length=10_000)]
 
@@ -77,7 +92,13 @@ class Polygon(Section):
 
 
 class Obstacle(Choice):
-    """Exactly one shape in the map frame."""
+    """Exactly one shape in the map frame.
+
+    Attributes:
+        box: A rectangle.
+        circle: A disc.
+        polygon: A simple polygon.
+    """
 
     kinds = ("box", "circle", "polygon")
     wanted = "expected exactly one shape"
@@ -113,7 +134,12 @@ class Obstacle(Choice):
 
 
 class EmptySource(Section):
-    """Free ground: width (x) and height (y) in m; its lower left corner is `origin`, or (0, 0)."""
+    """Free ground.
+
+    Attributes:
+        size (m): Its extent [width, height], along x and y.
+        origin (m): Its lower-left corner [x, y]; (0, 0) if not given.
+    """
 
     size: Size
     origin: Point | None = None
@@ -122,10 +148,39 @@ class EmptySource(Section):
 class GenerateSource(Section):
     """A seeded random world or terrain; its lower left corner is at (0, 0).
 
-    `seed: null` takes the scenario's own seed. Of worlds of obstacles `require_feasible` draws
-    again until a disc of `radius` m gets from one end to the other. The other options are those
-    of the kind, see `cavalcade.world.generators` and `cavalcade.world.terrain.generators`; null
-    is the generator's default.
+    Each kind takes some of the options and has defaults of its own, which null stands for.
+
+    Attributes:
+        kind: What is generated: obstacles, or terrain for robots with legs.
+        size (m): Extent [width, height], along x and y.
+        seed: Of the generator; null takes `execution.seed`.
+        radius (m): Of the disc that `require_feasible` sends through; obstacles only.
+        require_feasible: Whether worlds are sampled anew until a disc of `radius` gets from one end
+            to the other; obstacles only.
+        obstacles: How many obstacles.
+        zone (m): Width of the zones at the left and the right edge: free ground for start and goal;
+            of terrain, level ground.
+        trees: How many trunks, fewer where no more fit; by default as many as fit.
+        spacing (m): Least free gap between two trunks; of rough ground, distance of its nodes.
+        room (m): Wanted side of a room, wall included.
+        door (m): Width of doors, at least 1.0.
+        wall (m): Thickness of walls.
+        extra: Share of the remaining walls that get a door as well.
+        width (m): Free width of a corridor; of a pit, its extent along the way.
+        bends: How many bends a corridor has, at least 2.
+        angle (degrees or rad): Least angle of a corridor's bends in degrees, up to 75;
+            inclination of a slope in rad.
+        passage (m): Least width of a maze's passages, which are widened to fill the world evenly.
+        loops: Share of a maze's remaining walls that are taken away.
+        height (m): Of a step or of each stair, negative is down; of random ground, from the lowest
+            to the highest point.
+        depth (m): Of pits.
+        length (m): Of a slope, seen from above.
+        tread (m): Depth of a stair.
+        stone (m): Side of a stepping stone.
+        side (m): Side of a block.
+        steps: How many stairs.
+        at (m): The x of its middle, or of a step's edge; the middle of the terrain if not given.
     """
 
     kind: Literal[ObstacleKind, TerrainKind]
@@ -187,14 +242,23 @@ class GenerateSource(Section):
 
 
 class MovingAISource(Section):
-    """A grid map of the MovingAI benchmark; `resolution` is the side of one of its cells in m."""
+    """A grid map of the MovingAI benchmark.
+
+    Attributes:
+        file: The `.map` file.
+        resolution (m): Side of one of its cells.
+    """
 
     file: File
     resolution: Length = 0.25
 
 
 class BarnSource(Section):
-    """A world of the BARN data set: a list of circles, moved so that its lower left is (0, 0)."""
+    """A world of the BARN data set, moved so that its lower left is (0, 0).
+
+    Attributes:
+        file: Its list of circles, `.npy`.
+    """
 
     file: File
 
@@ -202,8 +266,17 @@ class BarnSource(Section):
 class WorldSection(Choice):
     """Exactly one source, then optional extra obstacles.
 
-    `resolution` (m per cell) is for worlds that don't bring one, and for terrain, which is brought
-    to it; `unknown` says what the unknown cells of a map count as.
+    Attributes:
+        map: A ROS map: its YAML file, which names the picture.
+        terrain: Heights: a description in YAML, or a mesh, table or picture.
+        generate: A seeded random world or terrain.
+        empty: Free ground.
+        movingai: A grid map of the MovingAI benchmark.
+        barn: A world of the BARN data set.
+        resolution (m): Side of a cell, for sources that do not bring one and for terrain, which is
+            brought to it.
+        unknown: What the unknown cells of a map count as.
+        obstacles: Obstacles besides.
     """
 
     kinds = ("map", "terrain", "generate", "empty", "movingai", "barn")

@@ -62,6 +62,21 @@ def parse_scenario(data: Mapping[str, Any], file: str | Path | None = None) -> S
 
 
 def scenario_schema() -> dict[str, Any]:
-    """The JSON Schema of scenario files."""
-    schema = Scenario.model_json_schema()
+    """The JSON Schema of scenario files; `unit` is the unit of a key's value."""
+    schema = _with_bounds(Scenario.model_json_schema())
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
+
+
+_BOUNDS = {
+    "ge": "minimum",
+    "gt": "exclusiveMinimum",
+    "le": "maximum",
+    "lt": "exclusiveMaximum",
+}
+
+
+def _with_bounds(schema: Any) -> Any:
+    """Bounds by their names in JSON Schema; pydantic leaves its own after a validator of ours."""
+    if isinstance(schema, dict):
+        return {_BOUNDS.get(key, key): _with_bounds(value) for key, value in schema.items()}
+    return [_with_bounds(one) for one in schema] if isinstance(schema, list) else schema

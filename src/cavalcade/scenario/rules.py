@@ -33,7 +33,18 @@ steps of physics a second."""
 
 
 class Parts(Section):
-    """The sections of a scenario file, before they are looked at together."""
+    """The sections of a scenario file, before they are looked at together.
+
+    Attributes:
+        version: Of the format.
+        name: What it is called, also in results.
+        description: One line about it.
+        world: Where it takes place.
+        robots: The team; robots are numbered from 0 in this order.
+        task: What it is to do.
+        planner: How it plans.
+        execution: How the plan is carried out.
+    """
 
     version: Literal[1]
     name: Annotated[str, Field(min_length=1, max_length=200)]

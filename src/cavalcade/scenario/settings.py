@@ -54,10 +54,12 @@ TEAM_KEYS = ("constraints", "conflict", "leaps", "improve", "margin")
 
 
 class Budget(Section):
-    """Limits on planning: iterations and seconds; null is no limit, or the planner's own.
+    """Limits on planning; null is no limit, or the planner's own.
 
-    Iterations are cycles of a formation's planner, expansions of searches and trees with
-    individual goals.
+    Attributes:
+        iterations: Cycles of a formation's planner; with individual goals, expansions of searches
+            and trees.
+        seconds (s): Wall-clock time.
     """
 
     iterations: Annotated[int, Strict(), Field(gt=0)] | None = None
@@ -65,14 +67,25 @@ class Budget(Section):
 
 
 class Noise(Section):
-    """Standard deviations of the localisation: m and rad."""
+    """Standard deviations of the localisation.
+
+    Attributes:
+        position (m): Of x and of y.
+        heading (rad): Of yaw.
+    """
 
     position: Annotated[Number, Field(ge=0, le=100)] = 0.0
     heading: Annotated[Number, Field(ge=0, le=100)] = 0.0
 
 
 class Delay(Section):
-    """Of each command: mean delay and its standard deviation in s, fraction that is lost."""
+    """How late commands arrive, each by itself.
+
+    Attributes:
+        mean (s): Mean delay.
+        jitter (s): Its standard deviation.
+        drop: Share of the commands that are lost.
+    """
 
     mean: Annotated[Number, Field(ge=0, le=60)] = 0.0
     jitter: Annotated[Number, Field(ge=0, le=60)] = 0.0
@@ -82,8 +95,11 @@ class Delay(Section):
 class Expectations(Section):
     """What the planner is told of localisation and radio; null is what `execution` says.
 
-    `tracking_error` is how far robots may be from where their motion limits foresee them, m; null
-    is 0 for ideal robots and what was measured of their legs in physics.
+    Attributes:
+        noise: Of the localisation.
+        delay: Of the commands.
+        tracking_error (m): How far robots may be from where their motion limits foresee them; null
+            is 0 for ideal robots and what was measured of their legs in physics.
     """
 
     noise: Noise | None = None
@@ -92,18 +108,35 @@ class Expectations(Section):
 
 
 class PlannerSection(Section):
-    """The planner, its variant and the paper's parameters; null is the preset's or the default.
+    """The planner, its variant and its parameters; null is the preset's or the default.
 
-    `method` is `formation` for formations, `commands` for commands and one of the others, by
-    default `auto`, for individual goals. These have `constraints` (`timed`: bodies of others
-    count while they are there; `static`: always), `conflict` (which one is resolved first),
-    `leaps` (whether legged robots may leap), `improve` (iterations spent on a better plan once
-    there is one) and `margin` (by which bodies are grown, m: 0 by default for ideal robots, more
-    for walking ones, which sway); the variant `published` means `static` and `first` unless they
-    are given. What follows `budget` is for formations.
+    What follows `budget` is for formations, `constraints` to `margin` for individual goals.
 
-    Units: lengths m, speeds m/s, `lookahead` and `d_switch` seconds of normalised time; the `w_`
-    values are velocities of the map between 0 and 1.
+    Attributes:
+        method: `formation` for formations, `commands` for commands; with individual goals one of
+            the others, by default `auto`.
+        variant: Of the planner: the default, or one to compare it with.
+        constraints: Whether bodies of others count while they are there (`timed`, the default)
+            or always (`static`, the default of `published`).
+        conflict: Which conflict is resolved first; by default `costly`, in `published` `first`.
+        leaps: Whether robots with legs may leap; they may by default.
+        improve: Iterations spent on a better plan once there is one; 0 by default.
+        margin (m): By how much bodies are inflated: 0 by default for ideal robots, 0.05 for walking
+            ones, which sway.
+        budget: Limits on planning.
+        preset: Parameters of one of the paper's two experiments.
+        lookahead (s): Normalised time from the leader to the partial goal.
+        r_max (m): Inflation radius of a robot.
+        d_safe_a (m): Distance from inflated obstacles from which on the leader goes at full speed.
+        d_safe_b (m): The same for followers, and for all near the goal.
+        d_switch (s): Normalised time by which a challenger has to be ahead to take the lead.
+        w_min_partial: Least value of the velocity map at a partial goal.
+        w_min_avoid: Value of the velocity map at which obstacle avoidance is full.
+        v_max_x (m/s): Largest speed along the body.
+        v_max_y (m/s): Largest speed across it.
+        v_min (m/s): Speed limit where the velocity map is 0.
+        d_slowdown (m): Distance from its final slot at which a robot begins to slow down.
+        expect: What the planner is told of localisation and radio.
     """
 
     method: Method = "formation"
@@ -136,10 +169,15 @@ FORMATION_KEYS = _KEYS[_KEYS.index("budget") + 1 :]
 
 
 class StateNoise(Section):
-    """Standard deviations of what a robot's own leg controller measures, at every step of physics.
+    """Standard deviations of what leg control measures, at every step of physics.
 
-    Of the trunk: `position` m, `velocity` m/s, `angle` rad (about each axis), `rate` rad/s; of
-    each joint: `joint` rad, `joint_rate` rad/s.
+    Attributes:
+        position (m): Of the trunk.
+        velocity (m/s): Of the trunk.
+        angle (rad): Of the trunk, about each axis.
+        rate (rad/s): Of the trunk, about each axis.
+        joint (rad): Of each joint.
+        joint_rate (rad/s): Of each joint.
     """
 
     position: Annotated[Number, Field(ge=0, le=10)] = 0.0
@@ -153,11 +191,13 @@ class StateNoise(Section):
 class PhysicsSection(Section):
     """What robots with dynamics are like; of no account for ideal ones.
 
-    `friction` is the coefficient between a robot and all it touches; `variation` half the width
-    of the uniform distribution around 1 from which a factor on each robot's mass and one on its
-    friction are drawn by the seed. `motor_limits` are the largest torques alone, or those that
-    fall with speed besides. `state_noise` and `state_delay` (s) are of the state that the legs'
-    controller works with, which is the true one by default.
+    Attributes:
+        friction: Coefficient between a robot and all it touches.
+        variation: Half width of the uniform distribution around 1 from which a factor on each
+            robot's mass and one on its friction are drawn by the seed.
+        motor_limits: Largest torques alone, or torques that fall with speed, too.
+        state_noise: Of the state that leg control works with, which is the true one by default.
+        state_delay (s): How old that state is.
     """
 
     friction: Annotated[Number, Field(gt=0, le=10)] = 0.8
@@ -168,10 +208,14 @@ class PhysicsSection(Section):
 
 
 class Move(Obstacle):
-    """An obstacle that goes straight until its centre is at `to` (m), at `speed` m/s.
+    """An obstacle that goes straight until its centre is somewhere else.
 
     If an obstacle of exactly this shape stands there, it is this one that moves; otherwise it
     appears and moves.
+
+    Attributes:
+        to (m): Where its centre [x, y] ends, of a polygon the mean of its corners.
+        speed (m/s): How fast it goes.
     """
 
     to: Point
@@ -187,9 +231,12 @@ Impulse = Annotated[Number, Field(ge=-1e4, le=1e4)]
 
 
 class Push(Section):
-    """A push on the trunk of a robot in physics: `impulse` x, y in N s, map frame, over `duration`.
+    """A push on the trunk of a robot in physics; it begins with the planner's cycle.
 
-    It begins with the planner's cycle.
+    Attributes:
+        robot: Which one, from 0.
+        impulse (N s): Its x and y in the map frame.
+        duration (s): How long it lasts.
     """
 
     robot: Index
@@ -198,10 +245,18 @@ class Push(Section):
 
 
 class Event(Choice):
-    """One thing that happens `at` seconds of simulated time.
+    """One thing that happens at some time.
 
-    `add` and `remove` an obstacle, `move` one, replace the `goals` or the `formation`, `lose` the
-    robot of that index (from 0) or let it `rejoin`, `push` a robot in physics.
+    Attributes:
+        at (s): When, in simulated time.
+        add: An obstacle appears.
+        remove: The obstacle of exactly this shape disappears.
+        move: An obstacle moves.
+        goals (m, m, rad): Poses [x, y, yaw] in the place of the goals so far.
+        formation: A shape in the place of the one so far.
+        lose: The robot of this index, from 0, stops for good and is no longer part of the team.
+        rejoin: The lost robot of this index is part of the team again.
+        push: A robot is pushed, in physics.
     """
 
     kinds = ("add", "remove", "move", "goals", "formation", "lose", "rejoin", "push")
@@ -221,8 +276,16 @@ class Event(Choice):
 class ExecutionSection(Section):
     """Who moves the robots, how long, how well, and what happens on the way.
 
-    `rate` is the planner's, Hz; `timeout` seconds of simulated time. The backend `ideal` moves
-    robots exactly as commanded within their limits; `mujoco` lets them walk.
+    Attributes:
+        backend: `ideal` moves robots exactly as commanded within their limits; `mujoco` lets them
+            walk on legs in physics.
+        rate (Hz): How often the planner is asked.
+        timeout (s): Simulated time after which the run ends.
+        noise: Of the localisation that the planner works with.
+        delay: Of the commands.
+        physics: What robots with dynamics are like.
+        events: What happens on the way, in any order.
+        seed: Of everything random.
     """
 
     backend: Literal["ideal", "mujoco"] = "ideal"

@@ -48,12 +48,14 @@ Kind = Literal["formation", "individual", "commands"]
 
 
 class RobotSection(Section):
-    """One robot: its model, its start (x, y, yaw) in the map frame, maybe its goal.
+    """One robot.
 
-    `model` is the name of a known one, or a file (`*.yaml`) with one of one's own.
-
-    `mjcf` is a MuJoCo model of one's own that is taken in physics: a robot with footprint and
-    speeds of `model`, and masses, joints and shapes of that file.
+    Attributes:
+        model: A known model's name, or a file (`*.yaml`) with one of your own.
+        start (m, m, rad): Pose [x, y, yaw] in the map frame at the beginning.
+        goal (m, m, rad): Its own goal [x, y, yaw], with `task.goals: individual`.
+        mjcf: A MuJoCo model of your own for physics: footprint and speeds are those of `model`,
+            masses, joints and shapes of this file.
     """
 
     model: str = "go1"
@@ -91,11 +93,18 @@ class RobotSection(Section):
 
 
 class ConnectionSection(Section):
-    """A spring and damper between slots `a` and `b` (paper, section 2.5).
+    """A spring and damper between two slots (paper, section 2.5).
 
-    A value that is null is the shape's own: `l0` the distance of the two slots, the others as the
-    preset says for sides and diagonals. Units: `l0` m, `k_rep` and `k_att` 1/(m s), `dv_max_att`
-    m/s; `b_att` and `b_rep` have none.
+    A value that is null is the shape's own: the preset's for sides and diagonals.
+
+    Attributes:
+        a, b: The slots it joins, from 0.
+        l0 (m): Rest length; null is the distance of the two slots.
+        k_rep (1/(m s)): Stiffness when shortened.
+        k_att (1/(m s)): Stiffness when stretched.
+        dv_max_att (m/s): Largest change of velocity by attraction.
+        b_att: Damping while the two approach.
+        b_rep: Damping while they drift apart.
     """
 
     a: Index
@@ -109,11 +118,18 @@ class ConnectionSection(Section):
 
 
 class FormationSection(Section):
-    """A shape with its size in m: after loading, exactly the size that the shape needs is set.
+    """A shape with its size: after loading, exactly the size that the shape needs is set.
 
-    Square and triangle need `side`, line, column and wedge `spacing` (each of the two is taken
-    for the other), circle `radius`, custom `slots`: points in the formation's frame, x forward,
-    the leader's slot first. `connections: null` means the shape's own springs, `[]` none.
+    Of `side` and `spacing` each is taken for the other.
+
+    Attributes:
+        shape: Its name.
+        side (m): Of a square (1.0 if not given) or triangle (1.15).
+        spacing (m): Between neighbours of a line, column or wedge (1.0 if not given).
+        radius (m): Of a circle (1.0 if not given).
+        slots (m): Of a custom shape: points [x, y] in the formation's frame, x forward, the
+            leader's first.
+        connections: Springs; null means the shape's own, `[]` none.
     """
 
     shape: Literal["square", "line", "column", "wedge", "triangle", "circle", "custom"]
@@ -187,11 +203,14 @@ def _task_schema(schema: dict[str, Any]) -> None:
 
 
 class TaskSection(Section):
-    """A formation and the poses of its centre to visit, in order; or `goals: individual`.
+    """What the team does: a formation that visits goals, a goal for each robot, or commands.
 
-    With individual goals each robot has a `goal`, there is no formation, and `goals` is empty.
-    In the place of both there may be `commands` that the robots follow without a planner, for
-    `duration` s and until all stand where they were sent; by default it ends 2 s after the last.
+    Attributes:
+        formation: The shape; with goals of its centre only.
+        goals (m, m, rad): Poses [x, y, yaw] that the formation's centre visits in order; or
+            `individual`: each robot has a `goal` of its own.
+        commands: In the place of formation and goals: what robots do, without a planner.
+        duration (s): How long commands last at least; by default until 2 s after the last one.
     """
 
     model_config = ConfigDict(json_schema_extra=_task_schema)

@@ -11,12 +11,16 @@ import pytest
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_typestore
 
+from cavalcade.drawing.replay.track import skeleton_of
 from cavalcade.errors import RecordingError
 from cavalcade.recording._messages import JOINT_NAMES, topics_of
 from cavalcade.recording.frames import Recorder
 from cavalcade.recording.mcap_reader import read_recording
 from cavalcade.recording.mcap_writer import physics_messages, write_recording
 from cavalcade.recording.physics_track import ContactEvent, FallEvent, PhysicsTrack
+from cavalcade.robots import robot_model
+
+from .link_frames import foot_places, rotations
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 ROBOTS, SAMPLES = 2, 30
@@ -44,7 +48,8 @@ def a_track(robots: int = ROBOTS, samples: int = SAMPLES) -> PhysicsTrack:
 
 
 def written(path: Path, track: PhysicsTrack | None) -> Path:
-    return write_recording(path, replace(Recorder().recording(), physics=track), ())
+    models = [robot_model("go1")] * (track.size if track else 0)
+    return write_recording(path, replace(Recorder().recording(), physics=track), models)
 
 
 def test_everything_comes_back_to_the_last_bit(tmp_path: Path) -> None:
@@ -102,6 +107,54 @@ def test_messages_are_those_of_ros() -> None:
                 assert (force.x, force.y, force.z) == tuple(track.foot_forces[k, robot, leg])
     assert len(decoded["/cavalcade/contacts"]) == 3
     assert decoded["/cavalcade/falls"][0][0] == 310_000_000
+
+
+def in_map(transforms: dict[str, Any], frame: str) -> tuple[np.ndarray, np.ndarray]:
+    """Place and rotation of a frame, by the tree that `/tf` makes."""
+    place, turn = np.zeros(3), np.eye(3)
+    while frame != "map":
+        item = transforms[frame]
+        t, q = item.transform.translation, item.transform.rotation
+        spin = rotations(np.array([q.w, q.x, q.y, q.z]))
+        place, turn = np.array([t.x, t.y, t.z]) + spin @ place, spin @ turn
+        frame = item.header.frame_id
+    return place, turn
+
+
+def test_frames_of_bodies_and_feet_were_missing(tmp_path: Path) -> None:
+    """Every frame that a message is in hangs below the map, where physics had it."""
+    track = a_track()
+    description = robot_model("go1").description
+    assert description is not None
+    skeleton = skeleton_of(description)
+    messages, named = [], set()
+    with Reader(written(tmp_path / "r.mcap", track)) as reader:
+        for connection, time, data in reader.messages():
+            message = STORE.deserialize_cdr(data, connection.msgtype)
+            if connection.topic == "/tf":
+                messages.append((time, message.transforms))
+            elif hasattr(message, "header"):
+                named.add(message.header.frame_id)
+    assert [time for time, _ in messages] == [round(t * 1e9) for t in track.time]
+    for k, (time, items) in enumerate(messages):
+        transforms = {item.child_frame_id: item for item in items}
+        assert named - {"map"} <= set(transforms)
+        assert {item.header.stamp.sec * 10**9 + item.header.stamp.nanosec for item in items} == {
+            time
+        }
+        for robot in range(ROBOTS):
+            place, turn = in_map(transforms, f"robot_{robot}/body")
+            assert np.allclose(place, track.base[k, robot, :3])
+            assert np.allclose(turn, rotations(track.base[k, robot, 3:]))
+            place, turn = in_map(transforms, f"robot_{robot}/base")
+            assert place[2] == turn[0, 2] == turn[2, 0] == 0.0
+            assert np.allclose(place[:2], track.base[k, robot, :2])
+            base, joints = track.base[None, k, robot], track.joints[None, k, robot]
+            for leg, wanted in enumerate(foot_places(skeleton, base, joints)[0]):
+                name = ("FL", "FR", "RL", "RR")[leg]
+                place, turn = in_map(transforms, f"robot_{robot}/{name}_foot")
+                assert np.allclose(place, wanted)
+                assert np.allclose(turn, np.eye(3))
 
 
 @pytest.mark.parametrize("cut", [0, 100, 4000, -1])

@@ -1,4 +1,4 @@
-"""`docs/planning.md` says what the code does."""
+"""`docs/how-to/planning.md` says what the code does."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ import cavalcade as cv
 from cavalcade.execution import plan_follower as follower
 from cavalcade.jobs.reporter import result_rows
 
-NOTE = (Path(__file__).resolve().parents[3] / "docs" / "planning.md").read_text(encoding="utf-8")
+NOTE = (Path(__file__).resolve().parents[3] / "docs" / "how-to" / "planning.md").read_text(
+    encoding="utf-8"
+)
 
 
 def test_the_example_runs():
@@ -30,7 +32,9 @@ def test_the_gains():
 
 def test_every_key_of_the_summary_is_explained_somewhere(make_scenario, straight_team):
     summary = cv.plan(make_scenario(), coordinator=straight_team()).summary
-    recording = (Path(__file__).resolve().parents[3] / "docs" / "recording.md").read_text("utf-8")
+    recording = (
+        Path(__file__).resolve().parents[3] / "docs" / "reference" / "recording.md"
+    ).read_text("utf-8")
     missing = [key for key in summary if key not in NOTE and key not in recording]
     assert missing == []
     assert dict(result_rows(summary))["result"] == "solved"

@@ -1,4 +1,4 @@
-"""What docs/terrain.md says is so."""
+"""What docs/how-to/terrain.md says is so."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from cavalcade.world import TERRAINS, terrain_options
 from cavalcade.world.terrain import filters
 from cavalcade.world.terrain.loading import KEYS
 
-_TEXT = (Path(__file__).parents[3] / "docs" / "terrain.md").read_text(encoding="utf-8")
+_TEXT = (Path(__file__).parents[3] / "docs" / "how-to" / "terrain.md").read_text(encoding="utf-8")
 
 
 def test_the_example_is_a_scenario() -> None:

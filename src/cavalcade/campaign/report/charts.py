@@ -83,6 +83,7 @@ def _draw_failures(axes: Axes, cells: Sequence[Cell]) -> None:
     axes.set_xlim(0.0, 1.08 * longest if longest else 1.0)
     axes.set_xlabel("failures in feasible worlds (%), by reason")
     if not seen:
+        axes.set_xticks([])
         _remark(axes, "no failures", (len(cells) - 1) / 2.0)
         return
     handles = [

@@ -68,7 +68,7 @@ def judge_robots(
     scene: Scene | None = None,
     conditions: Conditions | None = None,
 ) -> list[Violation]:
-    """What is wrong with the recorded motion of robots: see `docs/checker.md`.
+    """What is wrong with the recorded motion of robots: see `docs/explanation/checker.md`.
 
     Args:
         records: One per robot, on the same clock.

@@ -20,7 +20,7 @@ DEFAULT_SAFE_DISTANCE = 1.50
 """The paper's `d_safe_A` in m, where the scenario does not set another one."""
 
 _BLOCKED = "#e9e6e1"
-_MARGINS = style.Margins(left=0.34, right=0.42, bottom=0.30, top=0.05)
+_MARGINS = style.Margins(left=0.34, right=0.50, bottom=0.30, top=0.05)
 
 
 def arrival_field(scene: Scene, goal: Array) -> tuple[Array, Array]:
@@ -64,7 +64,7 @@ def draw_arrival_field(scene: Scene, path: Path) -> Path | None:
         draw_team_goal(axes, goal)
         inches = axes.get_position().height * figure.get_figheight()
         # As long a label as fits beside the scale.
-        label = "arrival time (normalised s)" if inches >= 1.6 else "arrival time (s)"
+        label = "arrival time (normalised s)" if inches >= 1.3 else "arrival time (s)"
         add_scale(figure, axes, mesh, label if inches >= 0.95 else "ETA (s)")
         return style.save(figure, path, dpi=400)
 

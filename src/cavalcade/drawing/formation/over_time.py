@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.drawing import style
-from cavalcade.drawing.charts import draw_grid, draw_limit, draw_note, stacked_panels
+from cavalcade.drawing.charts import draw_grid, draw_limit, draw_lines, draw_note, stacked_panels
 from cavalcade.drawing.distances import (
     neighbour_distances,
     obstacle_distances,
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 _BAND, _HEIGHT, _GAP = 0.07, 1.62, 0.035
 _LEFT, _RIGHT, _BOTTOM = 0.40, 0.42, 0.33
 _ROW = 0.135
+_WIDTH = 1.05
 MANY_ROBOTS = 4
 
 _Name = tuple[str, list[dict[str, Any]]]
@@ -36,10 +37,10 @@ def draw_obstacle_distance(scene: Scene, path: Path) -> Path:
     """Distance of each robot's centre to the nearest obstacle, as in the paper's Fig. 9."""
     distances = obstacle_distances(scene)
     with style.paper_style():
-        figure, axes = _frame(scene, _robot_names(scene), distances)
         usual = float(np.quantile(distances, 0.995)) if distances.size else 1.0
+        top = max(1.08 * usual, 2.2 * scene.radius)
+        figure, axes = _frame(scene, _robot_names(scene), distances, top)
         draw_limit(axes, scene.radius, 0.0, f"$r_{{\\max}}$ =\n{scene.radius:.2f} m")
-        axes.set_ylim(0.0, max(1.08 * usual, 2.2 * scene.radius))
         axes.set_ylabel("distance to obstacle (m)")
         return style.save(figure, path, dpi=400)
 
@@ -58,19 +59,16 @@ def draw_pair_distance(scene: Scene, path: Path) -> Path | None:
     if not few:
         lines, names = neighbour_distances(scene.recording.poses), _robot_names(scene)
     with style.paper_style():
-        figure, axes = _frame(scene, names, lines)
         highest = float(np.quantile(lines, 0.995))
-        if not few:
-            joined = _ever_connected(scene, pairs)
-            for line in distances[:, joined].T:
-                axes.plot(scene.recording.time, line, color="#b9bcc0", linewidth=0.4, zorder=1.5)
-            if joined.any():
-                highest = max(highest, float(np.quantile(distances[:, joined], 0.98)))
-        minimum = 2.0 * scene.radius
+        joined = distances[:, [] if few else _ever_connected(scene, pairs)]
+        if joined.size:
+            highest = max(highest, float(np.quantile(joined, 0.98)))
+        rests, minimum = rest_lengths(scene), 2.0 * scene.radius
+        top = max(1.08 * highest, 1.4 * minimum, 1.1 * max((r[2] for r in rests), default=0))
+        figure, axes = _frame(scene, names, lines, top)
+        for line in joined.T:
+            axes.plot(scene.recording.time, line, color="#b9bcc0", linewidth=0.4, zorder=1.5)
         draw_limit(axes, minimum, 0.0, f"$2r_{{\\max}}$ =\n{minimum:.2f} m")
-        rests = rest_lengths(scene)
-        top = max(1.08 * highest, 2.8 * scene.radius, 1.1 * max((r[2] for r in rests), default=0))
-        axes.set_ylim(0.0, top)
         _rests(axes, rests, float(scene.recording.time[-1]), top)
         axes.set_ylabel("distance of robots (m)" if few else "nearest neighbour (m)")
         return style.save(figure, path, dpi=400)
@@ -83,15 +81,15 @@ def _robot_names(scene: Scene) -> list[_Name]:
 
 def _name(label: str, robot: int, second: int | None = None) -> _Name:
     """A line in the robot's colour; a pair's in the colours of both robots, in turns."""
-    strokes: list[dict[str, Any]] = [{"color": style.robot_color(robot), "linewidth": 1.05}]
+    strokes: list[dict[str, Any]] = [{"color": style.robot_color(robot), "linewidth": _WIDTH}]
     if second is not None:
         dashes = {"linestyle": (0, (3.2, 3.2)), "dash_capstyle": "butt"}
         strokes.append({**strokes[0], "color": style.robot_color(second), **dashes})
     return label, strokes
 
 
-def _frame(scene: Scene, names: list[_Name], lines: Array) -> tuple[Figure, Axes]:
-    """The lines `(T, K)` under a legend row and a band that tells who leads when."""
+def _frame(scene: Scene, names: list[_Name], lines: Array, top: float) -> tuple[Figure, Axes]:
+    """The lines `(T, K)` from 0 to `top` under a legend row and a band that tells who leads."""
     from matplotlib.legend_handler import HandlerTuple
 
     most = 4 if len(names) <= 4 else 6
@@ -104,9 +102,12 @@ def _frame(scene: Scene, names: list[_Name], lines: Array) -> tuple[Figure, Axes
     figure, (band, axes) = stacked_panels(style.COLUMN, margins, [_BAND, _HEIGHT], [_GAP], span)
     _draw_band(band, scene)
     draw_grid(axes)
+    axes.set_ylim(0.0, top)
+    looks = [{"color": strokes[0]["color"]} for _, strokes in names]
+    draw_lines(axes, [(time, line) for line in lines.T], looks, _WIDTH)
     for (_, strokes), line in zip(names, lines.T, strict=True):
-        for stroke in strokes:
-            axes.plot(time, line, **stroke)
+        for stroke in strokes[1:]:
+            axes.plot(time, line, **stroke, zorder=3.2)
     # A legend fills its columns first; people read rows.
     order = [k for column in range(per_row) for k in range(column, len(names), per_row)]
     handles: list[Any] = [tuple(style.key("", **part) for part in names[k][1]) for k in order]

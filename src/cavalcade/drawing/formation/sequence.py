@@ -37,7 +37,7 @@ STATES = {
 
 _AHEAD: Any = (0, (3.2, 1.6))
 """Dashes of the leader's path ahead."""
-_LEFT, _RIGHT, _BETWEEN, _TITLE, _BOTTOM, _LEGEND = 0.34, 0.05, 0.09, 0.19, 0.30, 0.24
+_LEFT, _RIGHT, _BETWEEN, _TITLE, _BOTTOM, _LEGEND = 0.34, 0.09, 0.09, 0.19, 0.30, 0.24
 
 
 def draw_sequence(scene: Scene, path: Path) -> Path:
@@ -114,12 +114,10 @@ def _draw_moment(axes: Axes, scene: Scene, cycle: int, view: Array) -> None:
         draw_robot(axes, pose, model, style.robot_color(robot), leader=leads, hollow=lost)
     if scene.size == 1:
         return
-    # The number of its slot beside each robot, the leader's being 1.
     places = label_places(poses, scene.models, view, 4.2 / points_per_metre(axes))
-    for role, place in zip(status.roles, places, strict=True):
-        if role >= 0:
-            axes.text(place[0], place[1], f"{int(role) + 1}", fontsize=6.0, ha="center",
-                      va="center_baseline", zorder=8, path_effects=style.halo(1.3))  # fmt: skip
+    for robot, place in enumerate(places):
+        axes.text(place[0], place[1], str(robot), fontsize=6.0, ha="center",
+                  va="center_baseline", zorder=8, path_effects=style.halo(1.3))  # fmt: skip
 
 
 def _label_panel(axes: Axes, scene: Scene, cycle: int, number: int) -> None:

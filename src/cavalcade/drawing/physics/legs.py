@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,19 +14,20 @@ from cavalcade.drawing.charts import (
     draw_grid,
     draw_legend,
     draw_limit,
+    draw_lines,
     draw_note,
     stacked_panels,
 )
 from cavalcade.drawing.physics.signals import (
-    LOADED,
     busiest_window,
     loaded_spans,
     peaks,
     planar_speed,
     spread,
 )
+from cavalcade.drawing.scene import runs
 from cavalcade.geometry import GRAVITY, Array
-from cavalcade.recording.physics_track import PhysicsTrack
+from cavalcade.recording.physics_track import LOADED, PhysicsTrack
 from cavalcade.robots.description import QuadrupedDescription
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ _MOST_ROWS = 8
 _WINDOW = 3.0
 """Of the gait diagram, s."""
 
-_COMMANDED = "#9aa0a6"
+_COMMANDED, _FLIGHT = "#9aa0a6", "#cfdcfa"
 
 
 def draw_legs(
@@ -54,6 +55,8 @@ def draw_legs(
     `commands`: times `(K,)` s on the track's clock, and the body-frame velocities `(K, N, 3)`
     that hold from then on.
     """
+    from matplotlib.patches import Patch
+
     rows = min(track.size, _MOST_ROWS)
     heights, gaps = [0.42] * rows + [1.0, 1.0], [0.05] * (rows - 1) + [0.16] * 2
     span = (float(track.time[0]), float(track.time[-1]))
@@ -63,10 +66,12 @@ def draw_legs(
         _draw_height(panels[rows], track, [one.stand_height for one in robots])
         _draw_torques(panels[rows + 1], track, np.array([one.torque_limits for one in robots]))
         panels[0].set_title(name, loc="left", pad=3)
-        handles = [
+        handles: list[Any] = [
             style.key("real", color=style.INK, linewidth=1.0),
             style.key("commanded", color=_COMMANDED, linewidth=0.8),
         ]
+        if track.flying.any():
+            handles.append(Patch(facecolor=_FLIGHT, edgecolor="none", label="in flight"))
         if track.contacts:
             handles.append(style.key("unwanted contact", **style.mark("|", 5, style.LIMIT, 1.0)))
         draw_legend(panels[0], handles, columnspacing=1.2)
@@ -122,13 +127,17 @@ def _draw_speeds(
 
 
 def _draw_height(axes: Axes, track: PhysicsTrack, stand: list[float]) -> None:
-    """Mean height of each trunk over about a cycle, and what it sways between."""
+    """Mean height of each trunk over about a cycle, and what it sways between.
+
+    Where robots leap it is the height itself.
+    """
     times, (low, mean, high) = spread(track.time, track.base[..., 2], columns=300)
+    if track.flying.any():
+        times, mean = track.time, track.base[..., 2]
+        low = high = mean
     for robot in range(track.size):
-        color = style.robot_color(robot)
-        axes.fill_between(times, low[:, robot], high[:, robot], color=color, alpha=0.22,
-                          linewidth=0.0, zorder=2.5)  # fmt: skip
-        axes.plot(times, mean[:, robot], **style.robot_line(robot), linewidth=1.0, zorder=3)
+        axes.fill_between(times, low[:, robot], high[:, robot], color=style.robot_color(robot),
+                          alpha=0.22, linewidth=0.0, zorder=2.5)  # fmt: skip
     bottom, top = float(low.min()), float(high.max())
     if top - bottom < 0.25:
         for level in sorted(set(stand)):
@@ -138,6 +147,8 @@ def _draw_height(axes: Axes, track: PhysicsTrack, stand: list[float]) -> None:
     # Millimetres are not to look like centimetres.
     pad = max(0.12 * (top - bottom), 0.5 * (0.06 - (top - bottom)))
     axes.set_ylim(bottom - pad, top + pad)
+    looks = [style.robot_line(robot) for robot in range(track.size)]
+    draw_lines(axes, [(times, line) for line in mean.T], looks, 1.0)
     draw_grid(axes, "y")
     axes.set_ylabel("trunk height (m)", labelpad=3)
 
@@ -146,21 +157,25 @@ def _draw_torques(axes: Axes, track: PhysicsTrack, limits: Array) -> None:
     """The largest torque of each robot's joints in shares of their limits; the worst is named."""
     share: Array = np.abs(track.torques) / limits
     times, highest = peaks(track.time, 100.0 * share.max(axis=2), columns=500)
-    for robot in range(track.size):
-        axes.plot(times, highest[:, robot], **style.robot_line(robot), linewidth=0.7, zorder=3)
+    axes.set_ylim(0.0, 116.0)
+    looks = [style.robot_line(robot) for robot in range(track.size)]
+    draw_lines(axes, [(times, line) for line in highest.T], looks, 0.7)
     draw_limit(axes, 100.0, 200.0, "limit")
     when, worst, joint = np.unravel_index(int(np.argmax(share)), share.shape)
     value = 100.0 * float(share[when, worst, joint])
     part = f"{('hip', 'thigh', 'calf')[joint % 3]} {style.LEGS[joint // 3][0]}"
     text = f"{value:.0f} %: {part}, robot {worst}"
-    draw_extreme(axes, float(track.time[when]), value, text, rise=5)
-    axes.set_ylim(0.0, 116.0)
+    draw_extreme(axes, float(track.time[when]), value, text, rise=5 if value < 90.0 else -9)
     draw_grid(axes, "y")
     axes.set_ylabel("largest torque (%)", labelpad=3)
 
 
 def _mark_events(axes: Axes, track: PhysicsTrack, robot: int) -> None:
-    """Unwanted contacts as ticks below, the time after a fall in red."""
+    """Flights in blue, unwanted contacts as ticks below, the time after a fall in red."""
+    for flying, first, last in runs(track.flying[:, robot].tolist()):
+        if flying:
+            span = (float(track.time[max(first - 1, 0)]), float(track.time[last - 1]))
+            axes.axvspan(*span, facecolor=_FLIGHT, edgecolor="none", zorder=0.4)
     hits = [event.time for event in track.contacts if event.robot == robot]
     tick = style.mark("|", 5, style.LIMIT, 1.0)
     axes.plot(hits, np.zeros(len(hits)), **tick, clip_on=False, zorder=5)

@@ -10,14 +10,11 @@ from numpy.typing import NDArray
 from cavalcade.drawing.scene import runs
 from cavalcade.errors import RecordingError
 from cavalcade.geometry import Array
-from cavalcade.recording.physics_track import PhysicsTrack
+from cavalcade.recording.physics_track import LOADED, PhysicsTrack
 from cavalcade.robots.description import QuadrupedDescription
 
 if TYPE_CHECKING:
     from cavalcade.scenario import Scenario
-
-LOADED = 2.0
-"""A foot carries from this force on, N."""
 
 _CYCLE = 0.5
 """Speeds are means over so long, about a cycle of the trot, s."""
@@ -96,9 +93,7 @@ def busiest_window(track: PhysicsTrack, length: float) -> tuple[float, float]:
     carries: NDArray[np.bool_] = np.greater_equal(track.foot_forces[..., 2], LOADED)
     length = min(length, track.duration)
     first, last = float(time[0]), float(time[-1])
-    flying = np.asarray(~carries.any(axis=2))
-    # Two samples in a row, so that a stumble of one is no flight.
-    flight = np.flatnonzero((flying[1:] & flying[:-1]).any(axis=1))
+    flight = np.flatnonzero(track.flying.any(axis=1))
     if len(flight):
         start = float(time[flight[0]]) - length / 2.0
     else:

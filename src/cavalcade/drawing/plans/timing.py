@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cavalcade.drawing import style
-from cavalcade.drawing.charts import draw_extreme, draw_legend, stacked_panels
+from cavalcade.drawing.charts import draw_extreme, draw_legend, draw_lines, stacked_panels
 from cavalcade.drawing.plans.motion import FLIES, activities, along
 from cavalcade.drawing.scene import PlanScene, runs
 from cavalcade.geometry import Array
@@ -84,19 +84,19 @@ def _draw_lanes(axes: Axes, scene: PlanScene) -> None:
 
 def _draw_progress(axes: Axes, scene: PlanScene) -> None:
     """Travelled length over time: waits are level, flights blue."""
-    longest = 0.0
-    for robot, path in scene.known:
-        travelled = along(path)
-        longest = max(longest, float(travelled[-1]))
+    lines = [(path.time, along(path)) for _, path in scene.known]
+    longest = max(float(travelled[-1]) for _, travelled in lines)
+    axes.set_ylim(0.0, 1.06 * max(longest, 0.1))
+    draw_lines(axes, lines, [style.robot_line(robot) for robot, _ in scene.known], 1.1)
+    for (robot, path), (_, travelled) in zip(scene.known, lines, strict=True):
         color = style.robot_color(robot)
-        axes.plot(path.time, travelled, **style.robot_line(robot), linewidth=1.1, zorder=3)
         for kind, first, last in runs(activities(path)):
             piece = slice(first, last + 1)
             if kind == FLIES:
                 axes.plot(path.time[piece], travelled[piece], color=style.FLYING, linewidth=2.6,
                           zorder=4)  # fmt: skip
-        axes.plot(path.duration, travelled[-1], **style.mark("o", 2.4, color, 1.0, color), zorder=5)
-    axes.set_ylim(0.0, 1.06 * max(longest, 0.1))
+        axes.plot(path.duration, travelled[-1], **style.mark("o", 2.4, color, 1.0, color), zorder=5,
+                  clip_on=False)  # fmt: skip
     axes.set_ylabel("along own path (m)", labelpad=2)
 
 
@@ -104,12 +104,12 @@ def _draw_gaps(axes: Axes, scene: PlanScene) -> None:
     """The gap of each footprint to the nearest other one; the smallest is named."""
     times, gaps = team_gaps(scene)
     shown = np.minimum(gaps, _FAR * 1.1)
-    for (robot, _), line in zip(scene.known, shown.T, strict=True):
-        axes.plot(times, line, **style.robot_line(robot), linewidth=0.9, zorder=3)
     row = int(np.argmin(gaps.min(axis=1)))
     least = float(gaps[row].min())
     top = min(_FAR, 1.08 * float(max(shown.max(), 0.2)))
     axes.axhline(0.0, color=style.LIMIT, linewidth=0.8)
     axes.set_ylim(-0.04 * top, top)
+    looks = [style.robot_line(robot) for robot, _ in scene.known]
+    draw_lines(axes, [(times, line) for line in shown.T], looks, 0.9)
     draw_extreme(axes, times[row], least, f"least {least:.2f} m at {times[row]:.1f} s", rise=9)
     axes.set_ylabel("footprint gap (m)", labelpad=2)

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from cavalcade.kernels import kernel, subroutine
 
 
-@njit(cache=True)
+@subroutine
 def angles_of(w, x, y, z):
     """Roll, pitch and yaw in rad of a unit quaternion: turned by yaw, then pitch, then roll."""
     roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
@@ -17,7 +18,7 @@ def angles_of(w, x, y, z):
     return roll, pitch, yaw
 
 
-@njit(cache=True)
+@kernel
 def planar_poses(qpos):
     """`(N, 3)` x, y in m and yaw in [-pi, pi] of states `(N, 19)` as MuJoCo has them."""
     poses = np.empty((qpos.shape[0], 3))
@@ -27,7 +28,7 @@ def planar_poses(qpos):
     return poses
 
 
-@njit(cache=True)
+@kernel
 def planar_velocities(qpos, qvel):
     """`(N, 3)` m/s, m/s and rad/s about the vertical, map frame, of states as MuJoCo has them."""
     velocities = np.empty((qpos.shape[0], 3))
@@ -42,7 +43,7 @@ def planar_velocities(qpos, qvel):
     return velocities
 
 
-@njit(cache=True)
+@kernel
 def find_falls(qpos, ground, lowest, most_tilt):
     """`(N,)` 0 for robots that stand, 1 for those that lean too much, 2 for those that are too low.
 

@@ -3,12 +3,23 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy.ndimage import binary_erosion
 
+from cavalcade.kernels import kernel, subroutine
 
-@njit(cache=True)
+
+@subroutine
+def holding(grid, low, high, left, right):
+    """How many cells of the rectangle are true."""
+    count = 0
+    for row in range(low, high):
+        for col in range(left, right):
+            count += grid[row, col]
+    return count
+
+
+@subroutine
 def widest(grid, row, col):
     """The rectangle that grows to both sides along the row first, then down and up."""
     rows, cols = grid.shape
@@ -18,9 +29,9 @@ def widest(grid, row, col):
     while right < cols and grid[row, right]:
         right += 1
     low, high = row, row + 1
-    while low > 0 and grid[low - 1, left:right].all():
+    while low > 0 and holding(grid, low - 1, low, left, right) == right - left:
         low -= 1
-    while high < rows and grid[high, left:right].all():
+    while high < rows and holding(grid, high, high + 1, left, right) == right - left:
         high += 1
     return low, high, left, right
 
@@ -35,7 +46,7 @@ def cover(grid: NDArray[np.bool_]) -> NDArray[np.int64]:
     return cover_wanted(grid, np.ascontiguousarray(grid.T), grid & ~inner)
 
 
-@njit(cache=True)
+@kernel
 def cover_wanted(grid, turned, wanted):
     """The rectangles that cover the `wanted` cells, of which those that are covered become False.
 
@@ -50,11 +61,13 @@ def cover_wanted(grid, turned, wanted):
                 continue
             a, b, c, d = widest(grid, row, col)
             e, f, g, h = widest(turned, col, row)
-            if wanted[g:h, e:f].sum() > wanted[a:b, c:d].sum():
+            if holding(wanted, g, h, e, f) > holding(wanted, a, b, c, d):
                 a, b, c, d = g, h, e, f
-            wanted[a:b, c:d] = False
+            for i in range(a, b):
+                for k in range(c, d):
+                    wanted[i, k] = False
             found.append((a, b, c, d))
     rectangles = np.empty((len(found), 4), np.int64)
-    for k, edges in enumerate(found):
-        rectangles[k] = edges
+    for k, (a, b, c, d) in enumerate(found):
+        rectangles[k, 0], rectangles[k, 1], rectangles[k, 2], rectangles[k, 3] = a, b, c, d
     return rectangles

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from cavalcade.kernels import kernel
 
 FOOT = 4  # index of `foot` in the parts
 OTHERS = 2  # what is no robot: ground 0, obstacle 1; robot k counts as 2 + k
@@ -22,7 +23,7 @@ MOTOR = np.dtype(
 """What a joint's motor can give, and where it is in MuJoCo's arrays."""
 
 
-@njit(cache=True)
+@kernel
 def limit_torques(wanted, motors, torque_speed, qvel, given, ctrl):
     """Cut torques to what motors can give.
 
@@ -49,7 +50,7 @@ def limit_torques(wanted, motors, torque_speed, qvel, given, ctrl):
             ctrl[motor.place] = torque
 
 
-@njit(cache=True)
+@kernel
 def keep_peaks(torques, peaks):
     """Keep in `peaks` `(N, 12)` each joint's torque of largest magnitude; `torques` are newer."""
     for k in range(peaks.shape[0]):
@@ -58,7 +59,7 @@ def keep_peaks(torques, peaks):
                 peaks[k, j] = torques[k, j]
 
 
-@njit(cache=True)
+@kernel
 def add_contacts(contacts, kinds, step, quiet, impulses, seen, begun):
     """Add a step's forces on feet, and list the contacts that begin.
 

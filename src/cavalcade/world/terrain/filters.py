@@ -8,10 +8,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from cavalcade.geometry import Array
+from cavalcade.kernels import kernel
 
 SMOOTH_RADIUS = 0.2
 """Of the mean that is the smoothed height, m."""
@@ -120,7 +120,7 @@ def disc(radius: float) -> Offsets:
     return np.ascontiguousarray(np.argwhere(near) - reach)
 
 
-@njit(cache=True)
+@kernel
 def mean_within(field: Array, offsets: Offsets) -> Array:
     """Mean over the cells at `offsets` that are on the grid, `(rows, cols)`."""
     rows, cols = field.shape
@@ -137,7 +137,7 @@ def mean_within(field: Array, offsets: Offsets) -> Array:
     return out
 
 
-@njit(cache=True)
+@kernel
 def normals_within(field: Array, offsets: Offsets, cell: float) -> Array:
     """Upward normals of the planes that fit the heights around each cell best, `(rows, cols, 3)`.
 
@@ -186,7 +186,7 @@ def normals_within(field: Array, offsets: Offsets, cell: float) -> Array:
     return out
 
 
-@njit(cache=True)
+@kernel
 def relax(field: Array, cells: NDArray[np.int64], sweeps: int, tolerance: float) -> None:
     """Make `cells` `(K, 2)` row, col the means of their neighbours, in place (Gauss-Seidel).
 

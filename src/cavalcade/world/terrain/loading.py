@@ -2,7 +2,7 @@
 
 Keys of a description, beside `file`: `resolution` (m between heights), `height` (m of black and
 white of a picture), `scale` (m of one unit of any other file), `origin` (pose of the lower-left
-corner in the map frame), `first_row` and `holes`; see docs/terrain.md.
+corner in the map frame), `first_row` and `holes`; see docs/how-to/terrain.md.
 """
 
 from __future__ import annotations

@@ -13,11 +13,11 @@ import math
 from pathlib import Path
 
 import numpy as np
-from numba import njit
 
 from cavalcade.errors import MapError
 from cavalcade.files import read_bytes
 from cavalcade.geometry import Array
+from cavalcade.kernels import kernel, subroutine
 from cavalcade.world.terrain.ply import parse_ply
 from cavalcade.world.terrain.samples import Samples
 from cavalcade.world.terrain.terrain import MAX_HEIGHT, check_terrain_size
@@ -109,7 +109,7 @@ def _text_stl(content: bytes) -> Array:
     return np.array(corners, dtype=np.float64).reshape(-1, 3, 3)
 
 
-@njit(cache=True)
+@kernel
 def covered_cells(triangles: Array, cell: float, rows: int, cols: int) -> float:
     """How many cells the triangles' bounding rectangles cover together, one by one.
 
@@ -122,7 +122,7 @@ def covered_cells(triangles: Array, cell: float, rows: int, cols: int) -> float:
     return total
 
 
-@njit(cache=True)
+@subroutine
 def _window(corners: Array, cell: float, rows: int, cols: int) -> tuple[int, int, int, int]:
     """Half-open rows and columns of the cells whose centres a triangle's rectangle holds."""
     x0 = min(corners[0, 0], corners[1, 0], corners[2, 0])
@@ -137,7 +137,7 @@ def _window(corners: Array, cell: float, rows: int, cols: int) -> tuple[int, int
     return r0, r1, c0, c1
 
 
-@njit(cache=True)
+@kernel
 def highest_surface(triangles: Array, cell: float, rows: int, cols: int) -> Array:
     """Heights `(rows, cols)` m of the highest triangle over each centre; nan where there is none.
 

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numba import njit
 
 from cavalcade.errors import MapError
 from cavalcade.files import read_bytes, read_head
 from cavalcade.geometry import Array
+from cavalcade.kernels import kernel
 from cavalcade.world._images import decode_png, png_size
 from cavalcade.world.terrain.filters import filled
 from cavalcade.world.terrain.terrain import check_terrain_size, checked_heights, sample
@@ -99,7 +99,7 @@ def to_grid(samples: Samples, cell: float, holes: bool = True) -> Array:
     return out
 
 
-@njit(cache=True)
+@kernel
 def resample(field: Array, step: float, out: Array, cell: float, x0: float, y0: float) -> None:
     """Fill `out` `(rows, cols)` of cells `cell` from a grid of samples `step` apart.
 

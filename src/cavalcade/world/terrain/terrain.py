@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.errors import MapError
 from cavalcade.geometry import Array
+from cavalcade.kernels import kernel, subroutine
 from cavalcade.world.occupancy import MAX_EXTENT, OccupancyMap, PlacedGrid, checked_origin
 from cavalcade.world.terrain.filters import make_layers
 
@@ -199,7 +199,7 @@ def _numbers(value: object, key: str) -> Array:
         raise MapError("expected a grid of numbers", key=key) from None
 
 
-@njit(cache=True)
+@subroutine
 def sample(field: Array, cell: float, x: float, y: float) -> float:
     """Bilinear value of a grid at one point.
 
@@ -221,7 +221,7 @@ def sample(field: Array, cell: float, x: float, y: float) -> float:
     return low + t * (high - low)
 
 
-@njit(cache=True)
+@kernel
 def sample_many(field: Array, cell: float, points: Array, out: Array) -> None:
     """`sample` at points `(N, 2)` x, y into `out` `(N,)`."""
     for k in range(points.shape[0]):

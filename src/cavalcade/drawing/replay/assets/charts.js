@@ -39,6 +39,17 @@ function layChart({ name, limit }) {
     line.forEach((v, i) => pen.lineTo(px(series.time[i]), py(v)));
     pen.strokeStyle = palette(k); pen.stroke();
   });
+  // Where several run together, each is on top in turns.
+  const near = 1.5 * high / (height - TOP - BOTTOM), turn = (i) => Math.floor(40 * (series.time[i] - begin) / (end - begin || 1));
+  lines.forEach((line, k) => {
+    pen.beginPath();
+    for (let i = 1; i < line.length; i++) {
+      const beside = lines.map((other) => Number(Math.abs(other[i] - line[i]) < near)), count = (some) => some.reduce((a, b) => a + b, 0);
+      if (count(beside) < 2 || turn(i) % count(beside) !== count(beside.slice(0, k))) continue;
+      pen.moveTo(px(series.time[i - 1]), py(line[i - 1])); pen.lineTo(px(series.time[i]), py(line[i]));
+    }
+    pen.strokeStyle = palette(k); pen.stroke();
+  });
   pen.restore();
   pen.strokeStyle = ink.bad; pen.setLineDash([5, 3]); level(limit); pen.setLineDash([]);
 }

@@ -58,8 +58,8 @@ const rows = robots.map((robot, k) => {
   return { row, chip, cells: COLUMNS.map(([, kind]) => element("td", row, "", kind)) };
 });
 
-// A tag with its number above each robot, one with its slot's below where it is sent.
-const tags = robots.map(() => element("b", id("labels"))), slotTags = robots.map(() => element("i", id("labels")));
+// A tag with its number above each robot and below where it is sent.
+const tags = robots.map(() => element("b", id("labels"))), goalTags = robots.map(() => element("i", id("labels")));
 function placeTag(tag, matrix, place, seen, down) {
   const [x, y, , w] = apply(matrix, place), inside = seen && w > 0 && Math.abs(x) < 1.05 && Math.abs(y) < 1.05;
   tag.style.display = inside ? "" : "none";
@@ -87,8 +87,8 @@ function fillTeam(view, time) {
     const up = camera.top ? [-Math.cos(camera.turn) * 0.2, -Math.sin(camera.turn) * 0.2, 0] : [0, 0, physics ? 0.2 : 0.28];
     placeTag(tag, view, add(state.place, up), shown.labels, -110);
     const role = formation && phaseAt(time).state !== "inactive" ? phaseAt(time).roles[k] : -1;
-    if (role >= 0) { put(slotTags[k], String(role + 1)); slotTags[k].style.color = colour; }
-    placeTag(slotTags[k], view, role >= 0 ? onGround(goalAt(k, time)) : [0, 0, 0], role >= 0 && shown.labels && shown.goals, 35);
+    if (role >= 0) { put(goalTags[k], String(robots[k].index)); goalTags[k].style.color = colour; }
+    placeTag(goalTags[k], view, role >= 0 ? onGround(goalAt(k, time)) : [0, 0, 0], role >= 0 && shown.labels && shown.goals, 35);
   });
 }
 

@@ -1,0 +1,88 @@
+"""Compiled functions that exist only as part of what calls them.
+
+`numba.njit` optimises every function it compiles down to machine code, with a wrapper for calls
+from Python, and then once more as part of each caller. For functions that only compiled code
+calls, half of that work is thrown away. Here it is left out, by numba's own extension points: a
+library of code without machine code, a compiler class with one more pass, and a dispatcher.
+"""
+
+import functools
+
+import numba
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import CompilerBase, DefaultPassBuilder
+from numba.core.compiler_machinery import LoweringPass, register_pass
+from numba.core.registry import CPUDispatcher
+from numba.core.typed_passes import NativeLowering
+
+from cavalcade.kernels.cache import KernelCache, options_of
+
+
+class _LinkedLibrary(JITCodeLibrary):
+    """Code for others to link: with what it calls, not optimised before it is part of a kernel."""
+
+    def finalize(self):
+        self._raise_if_finalized()
+        for library in dict.fromkeys(self._linking_libraries):
+            self._final_module.link_in(library._get_module_for_linking(), preserve=True)
+        self._finalize_dynamic_globals()
+        self._finalized = True
+
+
+@register_pass(mutates_CFG=False, analysis_only=False)
+class _NameForCallers(LoweringPass):
+    """Gives the lowered code a key by which callers find it, where machine code has an address."""
+
+    _name = "cavalcade_name_for_callers"
+
+    def __init__(self):
+        LoweringPass.__init__(self)
+
+    def run_pass(self, state):
+        lowered = state["cr"]
+        key = object()
+        state.targetctx.insert_user_function(key, lowered.fndesc, [state.library])
+        state["cr"] = lowered._replace(cfunc=key)
+        return True
+
+
+class _SubroutineCompiler(CompilerBase):
+    """The usual pipeline that ends with lowered code."""
+
+    def define_pipelines(self):
+        # Said only here: numba shares compiled parts of numpy among functions of the same flags,
+        # of which it has taken its copy by now.
+        flags = self.state.flags
+        flags.no_compile = flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
+        self.state.library = _LinkedLibrary(
+            self.state.targetctx.codegen(), self.state.func_id.func_qualname
+        )
+        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        passes.add_pass_after(_NameForCallers, NativeLowering)
+        passes.finalize()
+        return [passes]
+
+
+class SubroutineDispatcher(CPUDispatcher):
+    """A compiled function for kernels; a call from Python, as tests do, goes through a kernel."""
+
+    def __init__(self, py_func, locals=None, targetoptions=None):
+        super().__init__(py_func, locals, targetoptions, pipeline_class=_SubroutineCompiler)
+
+    def add_overload(self, cres):
+        """Keep it for callers; there is no machine code that Python could call."""
+        self.overloads[tuple(cres.signature.args)] = cres
+
+    def _compile_for_args(self, *args, **kws):
+        return self._from_python
+
+    @functools.cached_property
+    def _from_python(self):
+        subroutine = self
+
+        def call(*args):
+            return subroutine(*args)
+
+        around = numba.njit(call)
+        around._cache = KernelCache(self.py_func, options_of(self))
+        return around
