@@ -29,7 +29,7 @@ from cavalcade.geometry.boxes import footprints_meet
 from cavalcade.lattice.collision import Margins, pose_free
 from cavalcade.lattice.deadline import Deadline
 from cavalcade.lattice.motion_limits import footprint, metre_cost, motion_limits, team_limits
-from cavalcade.lattice.planner import MARGINS, NOBODY, SpaceTimePlanner, TimedPath
+from cavalcade.lattice.planner import FOOTING, MARGINS, NOBODY, SpaceTimePlanner, TimedPath
 from cavalcade.lattice.primitives import DURATION
 
 _ATTEMPT = 200
@@ -65,6 +65,8 @@ def solve_joint(
     starts, goals = np.array(problem.starts), np.array(problem.goals)
     share = _ITERATIONS * len(limits)
     levels = MARGINS if _crowded(problem, lattice) else MARGINS[:-1]
+    if not problem.ground.flat:
+        levels = (*MARGINS[:-1], FOOTING)
 
     def searched(margins: Margins, attempt: int) -> Paths | None:
         """What one pair of trees finds within so many extensions."""

@@ -18,6 +18,7 @@ from cavalcade.kinodynamic import BodyPlan, BodySettings, plan_body
 from cavalcade.lattice.collision import Margins, Others, move_free, place_free, pose_free
 from cavalcade.lattice.motion_limits import footprint
 from cavalcade.lattice.planner import (
+    FOOTING,
     MARGINS,
     NOBODY,
     TRACK_STEP,
@@ -127,7 +128,8 @@ class FlatPlanner(RobotPlanner):
 
     def _levels(self, robot: int, others: Others) -> list[Margins]:
         """The margins that start and goal keep; the least only where they keep no others."""
-        return [m for m in MARGINS[:-1] if self._keeps(robot, others, m)] or [MARGINS[-1]]
+        kept = [m for m in MARGINS[:-1] if self._keeps(robot, others, m)] or [MARGINS[-1]]
+        return kept if self.problem.ground.flat else [*kept, FOOTING]
 
     def _keeps(self, robot: int, others: Others, margins: Margins) -> bool:
         """Whether start and goal keep the margins: otherwise no search with them can end well."""

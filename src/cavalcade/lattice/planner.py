@@ -74,6 +74,9 @@ Two bodies that meet at 1.5 m/s come nearer by half of 1.5 m/s times the step in
 tests that both find the margin kept: that is never more than the margin. Likewise a corner 0.4 m
 from the centre swings by half the step in angle between two tests of the ground."""
 
+FOOTING = Margins(0.0, 0.003, 0.02, 0.001, 0.004, 1)
+"""What is left to try on uneven ground: bodies may touch cells on which no foot may stand."""
+
 
 @dataclass(frozen=True, eq=False)
 class TimedPath:
