@@ -27,6 +27,7 @@ from .geometry.trajectory import Trajectory as Trajectory
 from .jobs.running import JobResult as JobResult
 from .jobs.running import plan as plan
 from .jobs.running import run as run
+from .jobs.warming import warm_up as warm_up
 from .kinodynamic import BodySettings as BodySettings
 from .kinodynamic import plan_body as plan_body
 from .lattice import make_ground as make_ground

@@ -165,10 +165,11 @@ def _pid(folder: Path) -> int:
     raise AssertionError("no worker began")
 
 
-def test_the_first_alone(tiny_plan: Definition) -> None:
-    """While kernels are compiled, the first trial has the machine and more time."""
+def test_what_is_prepared_comes_first(tiny_plan: Definition) -> None:
+    """What compiles kernels for all trials has the machine, and more time."""
     engine = _Recorded()
-    assert len(list(dispatch(engine, tiny_plan.trials, 5.0, first_alone=True))) == 12
+    lines = list(dispatch(engine, tiny_plan.trials, 5.0, prepare=(print, ())))
+    assert len(lines) == 12
     assert engine.most_at_first == 1
     assert engine.limits[0] > 100.0
     assert set(engine.limits[1:]) == {5.0}

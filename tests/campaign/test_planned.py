@@ -19,7 +19,7 @@ from cavalcade.campaign.runner import run_campaign
 from cavalcade.campaign.suite import parse_suite
 from cavalcade.campaign.trial import TIMES, Trial, trials_of, without_times
 from cavalcade.campaign.trial_runner import lost_line, replay, run_trial, run_trial_into
-from cavalcade.campaign.warming import warmth_of
+from cavalcade.campaign.warming import needs_of_all
 from cavalcade.checking import check
 from cavalcade.checking.plans import read_plan
 from cavalcade.coordination.result import TeamPlan
@@ -186,13 +186,13 @@ def test_a_replay_gives_the_plan() -> None:
 
 
 def test_what_has_to_be_warm() -> None:
-    plans = define_campaign("smoke-plans")
-    found = warmth_of(plans.trials)
-    assert set(found) == {
-        *((name, False) for name in ("auto", "cbs", "joint", "sequential", "cbs-published")),
-        ("auto", True),
-    }
-    assert warmth_of(define_campaign("smoke").trials) == ()
+    found = needs_of_all(define_campaign("smoke-plans").trials)
+    assert {(needs.kind, needs.backend) for needs in found} == {("individual", None)}
+    assert {needs.method for needs in found} == {"auto", "cbs", "joint", "sequential"}
+    assert {needs.variant for needs in found} == {"cavalcade", "published"}
+    assert {needs.uneven for needs in found} == {False, True}
+    driven = needs_of_all(define_campaign("smoke").trials)
+    assert {(needs.kind, needs.backend) for needs in driven} == {("formation", "ideal")}
 
 
 def test_a_campaign_and_one_of_its_trials_again(

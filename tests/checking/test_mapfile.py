@@ -62,14 +62,19 @@ def test_unknown_counts_as_the_scenario_says(write_map, free):
 @pytest.mark.parametrize("negate", [0, 1])
 @pytest.mark.parametrize("unknown", ["occupied", "free"])
 @pytest.mark.parametrize("opaque", [True, False])
+@pytest.mark.parametrize("thresholds", [(0.196, 0.65), (0.5, 0.5), (0.0, 0.0), (1.0, 1.0)])
 @pytest.mark.filterwarnings("ignore:.*free_thresh")
-def test_it_reads_every_grey_as_the_world_does(write_map, mode, negate, unknown, opaque):
+def test_it_reads_every_grey_as_the_world_does(
+    write_map, mode, negate, unknown, opaque, thresholds
+):
     grey = np.arange(256, dtype=np.uint8).reshape(16, 16)
     picture = grey
     if not opaque:
         alpha = np.where(np.arange(256).reshape(16, 16) % 3 == 0, 120, 255).astype(np.uint8)
         picture = np.stack([grey, grey, grey, alpha], axis=2)
-    file = write_map(picture, mode=mode, negate=negate)
+    low, high = thresholds
+    changes = {"mode": mode, "negate": negate, "free_thresh": low, "occupied_thresh": high}
+    file = write_map(picture, **changes)
     ground = read_ros_map(file, unknown == "free")
     np.testing.assert_array_equal(cells_of(ground), load_map(file, unknown=unknown).occupied)
 

@@ -73,5 +73,10 @@ def test_figures_are_those_of_the_description():
     ],
 )
 def test_legs_of_another_kind_are_refused(robot, words):
-    with pytest.raises(InputError, match=words):
+    with pytest.raises(InputError, match=words) as caught:
         robot_parameters(robot)
+    assert caught.value.key == robot.name
+    # Of a user's own MuJoCo model the file was not named.
+    with pytest.raises(InputError, match=words) as caught:
+        robot_parameters(replace(robot, file="mine.xml"))
+    assert str(caught.value).startswith(f"mine.xml: {robot.name}: ")

@@ -36,6 +36,7 @@ def test_robots_need_a_description_for_physics_and_for_nothing_else(name: str) -
     assert "\n" not in line
 
 
+@pytest.mark.filterwarnings("ignore::cavalcade.scenario.ScenarioWarning")
 @pytest.mark.parametrize("rate", [2.5, 500])
 def test_planners_are_asked_before_robots_stop_and_once_per_step_of_physics_at_most(
     data: Data, rate: float

@@ -73,25 +73,60 @@ def test_places_states_and_types(write: Callable[[Any], Path], problem: Data) ->
     }
     assert (scenario.planner.method, scenario.world.resolution) == ("auto", 0.025)
     assert scenario.execution.timeout >= 180.0
-    # Nowhere narrower than there, and whole cells; wider only where a body needs it.
+    # Centres may be where they may be there: 0.4 m, the largest body, and a whole cell.
     world = build_world(scenario)
     low = np.array(world.map.origin[:2])
     high = low + world.map.size
-    assert low == pytest.approx([-2.2, 0.0])  # the goal of the sphere
-    assert high == pytest.approx([3.05, 5.025])  # that of the double integrator, a whole cell
-    assert "widened" in scenario.description
+    assert low == pytest.approx([-2.425, -0.425])
+    assert high == pytest.approx([3.425, 5.425])
+    assert "centres there within x -2 to 3, y 0 to 5.01 m" in scenario.description
 
 
-def test_without_need_the_ground_stays_as_it_is(
+@pytest.mark.parametrize("bound", [1.0, 1.01, 1.0125, 1.024999999, 1.025, 1.3])
+@pytest.mark.parametrize(
+    ("kind", "rest", "radius"),
+    [
+        ("double_integrator_0", (0, 0), 0.15),
+        ("unicycle_first_order_0_sphere", (0.3,), 0.4),
+        ("unicycle_first_order_0", (0.46,), 0.2796),  # turned so that a corner points outwards
+    ],
+)
+def test_the_border_does_not_lie_on_bodies_whose_centres_are_on_the_published_bounds(
+    write: Callable[[Any], Path], bound: float, kind: str, rest: tuple[float, ...], radius: float
+) -> None:
+    ends = {"start": [bound, 0.0, *rest], "goal": [-bound, 0.0, *rest]}
+    problem = {
+        "environment": {"min": [-bound, -bound], "max": [bound, bound], "obstacles": []},
+        "robots": [{"type": kind, **ends}],
+    }
+    scenario = import_problem(write(problem))
+    world = build_world(scenario)  # which refuses starts that touch the border
+    low = np.array(world.map.origin[:2])
+    for side in (-low, low + world.map.size):
+        beside = side - bound - radius
+        assert (beside >= 0.0009).all()
+        assert (beside <= 0.0261).all()
+
+
+def test_centres_beyond_the_published_bounds_are_refused(
     write: Callable[[Any], Path], problem: Data
 ) -> None:
-    problem["robots"] = problem["robots"][:1]
-    problem["environment"].update(min=[-2, 0], max=[3, 5], obstacles=[])
-    scenario = import_problem(write(problem))
-    assert scenario.world.empty is not None
-    assert scenario.world.empty.size == (5.0, 5.0)
-    assert scenario.world.empty.origin == (-2.0, 0.0)
-    assert "widened" not in scenario.description
+    problem["robots"][4]["goal"] = [3.0, 0.5]
+    import_problem(write(problem))
+    problem["robots"][4]["goal"] = [3.001, 0.5]
+    with pytest.raises(ScenarioError, match=r"robots\[4\].goal: expected a centre within"):
+        import_problem(write(problem))
+
+
+def test_names_of_db_lacam(write: Callable[[Any], Path], problem: Data) -> None:
+    before = import_problem(write(problem))
+    for robot, name in zip(
+        problem["robots"],
+        ("unicycle1_v0", "unicycle1_sphere_v0", "unicycle2_v0", "integrator2_2d_v0"),
+        strict=False,
+    ):
+        robot["type"] = name
+    assert import_problem(write(problem)) == before
 
 
 def test_what_is_imported_can_be_written_and_read(

@@ -47,6 +47,7 @@ def test_defaults_of_individual_goals_are_written_out(single: Data, tmp_path: Pa
         "leaps": True,
         "improve": 0,
         "margin": None,  # the backend's own
+        "despeckle": 0.0,
         "budget": {"iterations": None, "seconds": None},
     }
     assert load_scenario(tmp_path / "s.yaml") == scenario

@@ -24,6 +24,8 @@ from cavalcade.scenario import (
 )
 from cavalcade.scenario.shipped import LIBRARY
 
+pytestmark = pytest.mark.filterwarnings("ignore::cavalcade.scenario.ScenarioWarning")
+
 _FEW = settings(
     max_examples=150,
     deadline=None,

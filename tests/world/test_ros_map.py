@@ -47,10 +47,10 @@ def occupancy_as_nav2(grey, mode, negate, occupied_thresh, free_thresh, alpha=25
     one = np.float32(1)
     occ = np.float32(grey) / np.float32(255)
     occ = occ if negate else one - occ
-    if occ <= np.float32(free_thresh):
-        return 0
     if occ >= np.float32(occupied_thresh):
         return 100
+    if occ <= np.float32(free_thresh):
+        return 0
     if mode == "trinary":
         return -1
     return int(
@@ -60,13 +60,25 @@ def occupancy_as_nav2(grey, mode, negate, occupied_thresh, free_thresh, alpha=25
 
 @pytest.mark.parametrize("mode", ["trinary", "scale", "raw"])
 @pytest.mark.parametrize("negate", [0, 1])
-@pytest.mark.parametrize("thresholds", [(0.65, 0.196), (0.9, 0.1), (1.0, 0.0), (0.2, 0.19)])
+@pytest.mark.parametrize("thresholds", [
+    *((0.65, 0.196), (0.9, 0.1), (1.0, 0.0), (0.2, 0.19)),
+    *((0.0, 0.0), (1.0, 1.0), (0.5, 0.5), (0.65, 0.65), (0.2, 0.2), (100 / 255, 100 / 255)),
+])  # fmt: skip
+@pytest.mark.filterwarnings("ignore:.*free_thresh")
 def test_every_grey_as_nav2(tmp_path, mode, negate, thresholds):
     occupied, free = thresholds
     path = write(tmp_path, mode=mode, negate=negate, occupied_thresh=occupied, free_thresh=free)
     expected = [
         [occupancy_as_nav2(int(g), mode, negate, occupied, free) for g in row] for row in EVERY_GREY
     ]
+    assert load_map(path).grid[::-1].tolist() == expected
+
+
+@pytest.mark.parametrize("thresholds", [(0.65, 0.65), (0.1, 0.9), (65, "wide"), (None, None)])
+def test_thresholds_of_raw_maps_were_looked_at(tmp_path, thresholds):
+    occupied, free = thresholds
+    path = write(tmp_path, mode="raw", occupied_thresh=occupied, free_thresh=free)
+    expected = [[g if g <= 100 else -1 for g in row] for row in EVERY_GREY.tolist()]
     assert load_map(path).grid[::-1].tolist() == expected
 
 
@@ -168,6 +180,7 @@ coordinate = st.floats(-1e5, 1e5)
     st.sampled_from(["occupied", "free"]),
     st.booleans(),
 )
+@pytest.mark.filterwarnings("ignore:.*a yaw of")
 def test_a_saved_map_loads_back_equal(tmp_path, grid, resolution, origin, image, unknown, trinary):
     array = np.array(grid)
     if trinary:
@@ -235,7 +248,7 @@ def test_two_thousand_squared_loads(tmp_path, image):
         ({"origin": "{}"}, "origin"),
         ({"occupied_thresh": 65}, "occupied_thresh"),
         ({"free_thresh": -0.1}, "free_thresh"),
-        ({"free_thresh": 0.65}, "free_thresh"),
+        ({"free_thresh": 0.651}, "free_thresh"),
         ({"negate": "maybe"}, "negate"),
         ({"mode": "ternary"}, "mode"),
         ({"mode": "[raw]"}, "mode"),

@@ -18,7 +18,7 @@ DRAWING = 60.0
 """Time to sample the world of a trial that was lost, s."""
 
 COMPILING = 600.0
-"""Added to the time limit while the numerical kernels are being compiled, s."""
+"""The time limit of what compiles the numerical kernels for all trials, s."""
 
 _WAIT = 0.5
 _PREPARING = "."
@@ -55,7 +55,6 @@ def dispatch(
     limit: float,
     *,
     work: Work = run_trial,
-    first_alone: bool = False,
     prepare: tuple[Work, tuple[Any, ...]] | None = None,
     tick: Callable[[], None] = lambda: None,
 ) -> Iterator[Line]:
@@ -67,8 +66,6 @@ def dispatch(
     Args:
         engine: Started.
         limit: Of wall clock per trial, s.
-        first_alone: Let the first trial finish before the others start, with more time: it
-            compiles the numerical kernels for all.
         prepare: A function and its arguments: a job that has to end, however it does, before the
             first trial begins; it may take `COMPILING` s.
     """
@@ -79,18 +76,16 @@ def dispatch(
         engine.submit(_PREPARING, *prepare, COMPILING)
         while not engine.collect(_WAIT):
             tick()
-    alone = first_alone
     exhausted = False
     while True:
-        while engine.room > 0 and not (alone and under_way):
+        while engine.room > 0:
             job = again.popleft() if again else next(coming, None)
             if job is None:
                 exhausted = True
                 break
             under_way[job.trial.id] = job
             if job.outcome is None:
-                time = limit + COMPILING if alone else limit
-                engine.submit(job.trial.id, work, (job.trial,), time)
+                engine.submit(job.trial.id, work, (job.trial,), limit)
             else:
                 arguments = (job.trial, job.outcome, job.detail)
                 engine.submit(job.trial.id, lost_line, arguments, DRAWING)
@@ -99,7 +94,6 @@ def dispatch(
         for ended in engine.collect(_WAIT):
             job = under_way.pop(ended.key)
             if ended.fate == "done":
-                alone = False
                 yield ended.value
             elif job.outcome is not None:  # not even its world can be sampled
                 yield failure_line(job.trial, job.outcome, job.detail)

@@ -16,7 +16,9 @@ from cavalcade.campaign.samplers import EXPECTED
 from cavalcade.campaign.store import Store
 from cavalcade.campaign.trial import Line
 from cavalcade.campaign.trial_runner import replay, run_trial
-from cavalcade.campaign.warming import warm_all, warmth_of
+from cavalcade.campaign.warming import needs_of_all, warm_all
+from cavalcade.jobs.reporter import Reporter
+from cavalcade.jobs.warming import warm
 
 
 class CampaignInterrupted(KeyboardInterrupt):
@@ -65,23 +67,22 @@ def run_campaign(
     with Store(out, definition, resume=resume, warn=warnings.append) as store:
         left = in_turns([trial for trial in definition.trials if trial.id not in store.done])
         total, name = len(definition.trials), definition.suite.name
+        needs = needs_of_all(left) if work is run_trial else ()
         reporter = CampaignReporter(name, total, total - len(left), quiet=quiet)
         for text in warnings:
             reporter.warn(text)
         try:
+            with Reporter(quiet) as before:
+                warm(needs, before)
             with reporter:
                 if left:
-                    warmth = warmth_of(left) if work is run_trial else ()
-                    formations = any(not trial.sampler.individual_goals for trial in left)
-                    first_alone = _compiles(reporter, formations, bool(warmth))
                     with engine:
                         for line in dispatch(
                             engine,
                             left,
                             definition.suite.time_limit,
                             work=work,
-                            first_alone=first_alone,
-                            prepare=(warm_all, (warmth,)) if warmth else None,
+                            prepare=(warm_all, (needs,)) if needs else None,
                             tick=reporter.tick,
                         ):
                             store.append(line)
@@ -99,22 +100,6 @@ def run_campaign(
         except KeyboardInterrupt:
             raise CampaignInterrupted(store.count(), total) from None
     return CampaignResult(_summary(definition, lines), files)
-
-
-def _compiles(reporter: CampaignReporter, formations: bool, plans: bool) -> bool:
-    """Whether the first trial has to compile the numerical kernels; says if that takes a while.
-
-    Those of trials with individual goals, if there are such `plans`, are prepared for.
-    """
-    from cavalcade.jobs.reporter import kernels_are_cached
-
-    first = formations and not kernels_are_cached()
-    long = "about 20 s" if first else ""
-    if plans and not kernels_are_cached("coordination", "conflicts.find_conflicts"):
-        long = "a few minutes"
-    if long:
-        reporter.say(f"compiling the numerical kernels, once after installation ({long}) ...")
-    return first
 
 
 def _summary(definition: Definition, lines: Sequence[Line]) -> dict[str, Any]:

@@ -54,13 +54,16 @@ def run_trial_into(
     Raises:
         OutputError, OSError: `out` cannot be written.
     """
+    from cavalcade.scenario import ScenarioWarning
     from cavalcade.world import MapWarning
 
     known = _Known(trial)
     try:
         with warnings.catch_warnings():
-            # What is said of a map's thresholds has been said to whoever chose the map.
+            # What is said of a map's thresholds has been said to whoever chose the map, and
+            # variants are compared on scenarios that not all of them make something of.
             warnings.simplefilter("ignore", MapWarning)
+            warnings.simplefilter("ignore", ScenarioWarning)
             if trial.sampler.individual_goals and trial.backend != "mujoco":
                 return _planned(known, out, force, quiet)
             return _carried_out(known, out, force, quiet)
@@ -116,11 +119,9 @@ def _carried_out(
 
 def _planned(known: _Known, out: Path | None, force: bool, quiet: bool) -> tuple[Line, JobResult]:
     from cavalcade.campaign.judging import judged_plan, measured_plan
-    from cavalcade.campaign.warming import warm
     from cavalcade.jobs import plan
 
     scenario = known.sample()
-    warm(known.trial.variant, scenario.world.has_heights)
     result = plan(scenario, out, force=force, quiet=quiet)
     verdict = judged_plan(result, known.instance.expected)
     return known.judged(verdict, measured_plan(result), result), result

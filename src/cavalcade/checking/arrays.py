@@ -17,6 +17,7 @@ from cavalcade.checking.report import Report, make_report
 from cavalcade.checking.solids import Scene, Solid, outline
 from cavalcade.checking.tracks import Track
 from cavalcade.errors import InputError
+from cavalcade.geometry import as_floats
 from cavalcade.robots import RobotModel
 from cavalcade.scenario import Obstacle
 
@@ -49,7 +50,7 @@ def check_motion(
             map, or both.
         RecordingError: The map file cannot be read.
     """
-    tracks = _tracks(np.asarray(time, dtype=float), np.asarray(poses, dtype=float), len(models))
+    tracks = _tracks(as_floats(time, "time"), as_floats(poses, "poses"), len(models))
     ground = _ground(size, map)
     scene = Scene(tuple(_solid(k, words) for k, words in enumerate(obstacles)), ground)
     return make_report(*judge_planar(scene, tracks, tuple(models)))

@@ -133,10 +133,13 @@ def _free_cells(
         return np.where(known, free, unknown_is_free)
     occupancy = shade if words.get("negate") else np.float32(1.0) - shade
     low, high = np.float32(words["free_thresh"]), np.float32(words["occupied_thresh"])
-    free = occupancy <= low
-    between = ~free & (occupancy < high)
+    below = occupancy < high
+    free = below & (occupancy <= low)
+    between = below & ~free
     if mode == "scale":
-        share = np.floor((occupancy - low) / (high - low) * np.float32(100.0) + np.float32(0.5))
+        # Where the two are equal, nothing lies between them.
+        span = max(high - low, np.float32(1e-9))
+        share = np.floor((occupancy - low) / span * np.float32(100.0) + np.float32(0.5))
         free = free | between & (share < _OCCUPIED_FROM)
         known = opaque
     else:

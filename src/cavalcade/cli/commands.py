@@ -95,6 +95,22 @@ def check(
 
 
 @app.command()
+def warm(
+    everything: Annotated[
+        bool, typer.Option("--all", help="Uneven ground, physics and all variants, too.")
+    ] = False,
+    quiet: options.Quiet = False,
+) -> None:
+    """Compile ahead what runs and plans need, with progress."""
+    from cavalcade.jobs import warming
+    from cavalcade.jobs.reporter import Reporter
+
+    with Reporter(quiet) as reporter:
+        warming.warm(warming.all_needs(everything), reporter)
+        reporter.say("all kernels are ready")
+
+
+@app.command()
 def scenarios(as_json: options.Json = False) -> None:
     """List the shipped scenarios."""
     from cavalcade.scenario import scenario_descriptions

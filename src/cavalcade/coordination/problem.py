@@ -9,7 +9,13 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from cavalcade.errors import InputError
-from cavalcade.geometry import inverse_transform_points, rotation, transform_points
+from cavalcade.geometry import (
+    Array,
+    as_floats,
+    inverse_transform_points,
+    rotation,
+    transform_points,
+)
 from cavalcade.geometry.trajectory import Trajectory
 from cavalcade.lattice.ground import Ground, make_ground
 from cavalcade.robots import RobotModel, robot_model
@@ -101,12 +107,10 @@ class TeamProblem:
 
     def __post_init__(self) -> None:
         for name in ("starts", "goals"):
-            poses = getattr(self, name)
+            poses = _poses(getattr(self, name), name).tolist()
             if len(poses) != len(self.models):
                 raise InputError(f"expected {len(self.models)} poses, not {len(poses)}", key=name)
-            object.__setattr__(
-                self, name, tuple((float(x), float(y), float(a)) for x, y, a in poses)
-            )
+            object.__setattr__(self, name, tuple((x, y, yaw) for x, y, yaw in poses))
 
     @classmethod
     def on_map(
@@ -132,14 +136,15 @@ class TeamProblem:
         """
         team = tuple(robot_model(one) if isinstance(one, str) else one for one in models)
 
-        def local(poses: Sequence[Pose]) -> tuple[Pose, ...]:
-            table = np.array(poses, dtype=float).reshape(-1, 3)
+        def local(poses: Sequence[Pose], key: str) -> tuple[Pose, ...]:
+            table = _poses(poses, key)
             table[:, :2] = inverse_transform_points(map.origin, table[:, :2])
             table[:, 2] -= map.origin[2]
             return tuple((x, y, yaw) for x, y, yaw in table.tolist())
 
         ground = make_ground(map, terrain, shapes)
-        return cls(ground, team, local(starts), local(goals), map.origin, tuple(shapes))
+        begin, end = local(starts, "starts"), local(goals, "goals")
+        return cls(ground, team, begin, end, map.origin, tuple(shapes))
 
     def part(self, robots: Sequence[int]) -> TeamProblem:
         """The problem of these robots alone."""
@@ -161,7 +166,19 @@ class TeamProblem:
         return replace(trajectory, position=position, velocity=velocity, yaw=yaw)
 
 
+def _poses(values: object, key: str) -> Array:
+    """Finite poses `(N, 3)`."""
+    table = as_floats(values, key)
+    if not table.size:
+        return np.empty((0, 3))
+    if table.ndim != 2 or table.shape[1] != 3 or not np.isfinite(table).all():
+        raise InputError("expected finite poses (x, y, yaw)", key=key)
+    return table
+
+
 def problem_of(scenario: Scenario, world: World) -> TeamProblem:
     """The problem that a scenario with a goal for each robot poses in its world."""
-    models, starts, goals = scenario.models, scenario.starts, scenario.goals
-    return TeamProblem.on_map(world.base, models, starts, goals, world.terrain, world.shapes)
+    seen, shapes = world.map_with(()), world.shapes
+    return TeamProblem.on_map(
+        seen, scenario.models, scenario.starts, scenario.goals, world.terrain, shapes
+    )

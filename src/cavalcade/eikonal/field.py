@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.eikonal import _descent, _march
 from cavalcade.errors import InputError
-from cavalcade.geometry import Array
+from cavalcade.geometry import Array, as_floats
 
 _ALL: NDArray[np.int64] = np.empty(0, np.int64)
 _FARTHEST = 1e12  # cells
@@ -24,7 +24,7 @@ class TravelGrid:
     Points `(N, 2)` are x, y in m, measured from the lower-left corner of cell [0, 0].
 
     Args:
-        speed: `(rows, cols)` m/s; cells with a speed of 0 are blocked.
+        speed: `(rows, cols)` m/s; cells with a speed of 0, and masked ones, are blocked.
         cell: Cell size, m.
         beside: Another grid, whose work space is used if it has the same size: large arrays
             that are new cost more than a short march. The two cannot march at the same time then.
@@ -35,10 +35,8 @@ class TravelGrid:
     """
 
     def __init__(self, speed: ArrayLike, cell: float, beside: TravelGrid | None = None) -> None:
-        try:
-            speed = np.asarray(speed, dtype=float)
-        except (TypeError, ValueError):
-            raise InputError("expected (rows, cols) numbers", key="speed") from None
+        # Nobody knows how fast one goes in cells that are masked: they are walls.
+        speed = as_floats(np.ma.filled(speed, 0) if np.ma.isMaskedArray(speed) else speed, "speed")
         if speed.ndim != 2 or speed.size == 0:
             raise InputError(f"expected (rows, cols) speeds, got shape {speed.shape}", key="speed")
         try:
@@ -97,10 +95,7 @@ class TravelGrid:
             targets: [row, col] cells at which the march may stop once all are settled; None
                 settles every cell that can be reached.
         """
-        try:
-            points = np.atleast_2d(np.asarray(sources, dtype=float))
-        except (TypeError, ValueError):
-            raise InputError("expected points (N, 2) in m", key="point") from None
+        points = np.atleast_2d(as_floats(sources, "point"))
         if points.ndim != 2 or points.shape[1] != 2:
             raise InputError(f"expected points (N, 2) in m, got shape {points.shape}", key="point")
         places = [self._place(point) for point in points]
@@ -156,15 +151,12 @@ class TravelGrid:
 
     def _cells(self, cells: ArrayLike, key: str) -> NDArray[np.int64]:
         """[row, col] cells as an array `(N, 2)`."""
-        try:
-            places = np.asarray(cells)
-            with np.errstate(invalid="ignore"):
-                whole = places.astype(np.int64)
-            same = bool((whole == places).all())
-        except (TypeError, ValueError, OverflowError):
-            raise InputError("expected [row, col] cells", key=key) from None
+        places = as_floats(cells, key)
         if places.size == 0:
             return np.empty((0, 2), np.int64)
+        with np.errstate(invalid="ignore"):
+            whole = places.astype(np.int64)
+        same = bool((whole == places).all())
         if whole.ndim == 1:
             whole = whole[None]
         if not same or whole.ndim != 2 or whole.shape[1] != 2:
@@ -334,7 +326,7 @@ def arrival_times(
     straight line, where it is free: near a source the scheme is at its worst.
 
     Args:
-        speed: `(rows, cols)` m/s; 0 blocks a cell.
+        speed: `(rows, cols)` m/s; 0 blocks a cell, and so does a mask.
         sources: [row, col] cells from whose centres the front starts. A blocked source holds the
             time 0 itself but starts nothing.
         cell: Cell size, m.

@@ -16,7 +16,7 @@ def surface_distance(occupied: NDArray[np.bool_], cell: float, border: bool = Tr
     """Distance from each cell's centre to the nearest occupied cell's surface.
 
     Args:
-        occupied: `(rows, cols)`.
+        occupied: `(rows, cols)`; masked cells are occupied.
         cell: Cell size, m.
         border: Whether all ground beyond the grid counts as occupied.
 
@@ -24,7 +24,7 @@ def surface_distance(occupied: NDArray[np.bool_], cell: float, border: bool = Tr
         `(rows, cols)` m; 0 in occupied cells, inf everywhere if there is nothing occupied. Exact:
         distances are to the occupied squares, not to their centres.
     """
-    occupied = np.ascontiguousarray(occupied, dtype=np.bool_)
+    occupied = np.ascontiguousarray(np.ma.filled(occupied, True), dtype=np.bool_)
     if not border:
         return square_distance(occupied, float(cell))
     padded = np.pad(occupied, 1, constant_values=True)

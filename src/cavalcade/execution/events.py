@@ -220,4 +220,4 @@ class _Obstacles:
     def _still_map(self) -> OccupancyMap:
         """Fixed ones are rasterised once; the others are added to that map as they stand."""
         fixed = [span.obstacle.to_dict() for span in self._world.spans if span.fixed]
-        return self._world.base.with_shapes(map(shape_from_mapping, fixed))
+        return self._world.map_with(map(shape_from_mapping, fixed))

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.errors import InputError
 from cavalcade.fleet.protocol import Observation
-from cavalcade.geometry import Array, wrap_angle
+from cavalcade.geometry import Array, as_floats, wrap_angle
 
 
 @dataclass(frozen=True)
@@ -98,9 +98,10 @@ class RadioFleet:
         Raises:
             InputError: Another shape, or a value that is not finite; nothing is sent then.
         """
-        wanted = np.array(commands, dtype=float)
+        wanted = as_floats(commands, "commands")
         if wanted.shape != self._commands.shape or not np.isfinite(wanted).all():
-            raise InputError(f"expected finite commands of shape {self._commands.shape}")
+            text = f"expected finite commands of shape {self._commands.shape}"
+            raise InputError(text, key="commands")
         if self._instant:
             deaf = self._silent | self._disabled
             self._commands = np.where(deaf[:, None], 0.0, wanted)
@@ -187,7 +188,7 @@ class RadioFleet:
 
 def start_poses(poses: ArrayLike, robots: int) -> Array:
     """Start poses as an array `(robots, 3)` of their own, which must be finite."""
-    start = np.array(poses, dtype=float)
+    start = as_floats(poses, "poses")
     if start.shape != (robots, 3) or not robots or not np.isfinite(start).all():
         raise InputError(
             f"expected one finite pose (x, y, yaw) per robot, shape ({robots}, 3)", key="poses"

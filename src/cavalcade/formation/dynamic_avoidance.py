@@ -80,7 +80,6 @@ class ManoeuvreSearch:
         both = np.sqrt(2.0)
         wider = error * np.array([1.0, both, both, 1.0, 1.0])
         self._gaps = Gaps(*(np.array(_GAPS[:5]) + wider).tolist())
-        self._get_ready()
 
     def simple(
         self, simple: list[Manoeuvre], before: Manoeuvre | None, scene: Scene
@@ -143,8 +142,8 @@ class ManoeuvreSearch:
         )  # fmt: skip
         return states[:, :3]
 
-    def _get_ready(self) -> None:
-        """Load or compile the kernels: no cycle may wait for that when something sets out."""
+    def get_ready(self) -> None:
+        """Call all kernels once."""
         rest, one = np.zeros(3), Manoeuvre(np.array([1.0, 0.0]), True, 1)
         free = Surroundings(np.ones((2, 2)), 1.0, *ObstacleBoxes.none())
         self._judged([one], Scene(rest, rest, free, np.empty((0, STEPS, 3)), 0.0))
@@ -194,6 +193,10 @@ class DynamicAvoidance:
     def __init__(self, model: RobotModel, speed: float, error: float = 0.0) -> None:
         self._search = ManoeuvreSearch(model, speed, error)
         self._manoeuvres: dict[int, Manoeuvre] = {}
+
+    def get_ready(self) -> None:
+        """Load or compile the kernels: no cycle may wait for that when something sets out."""
+        self._search.get_ready()
 
     def forget(self) -> None:
         """Choose all manoeuvres anew."""

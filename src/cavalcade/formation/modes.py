@@ -86,6 +86,11 @@ class Navigator:
             self._waypoint = 0
             self.restart()
 
+    def expect_boxes(self) -> None:
+        """Say that something beside the map will have to be avoided."""
+        if self._variant.improved:
+            self._avoidance.get_ready()
+
     def restart(self) -> None:
         """Begin the present goal anew: it, the shape or the team has changed."""
         self._state = "partial" if len(self.goals) else "inactive"

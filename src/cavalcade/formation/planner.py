@@ -6,6 +6,7 @@ Cluttered Environments", with deadlock resolution and a safety filter of our own
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -30,6 +31,7 @@ from cavalcade.formation.shapes import Formation
 from cavalcade.formation.team import Team
 from cavalcade.geometry import (
     Array,
+    as_floats,
     inverse_transform_points,
     rotation,
     transform_points,
@@ -38,6 +40,7 @@ from cavalcade.geometry import (
 from cavalcade.recording.status import PlannerStatus
 from cavalcade.robots import RobotModel, robot_model
 from cavalcade.world import OccupancyMap
+from cavalcade.world.shapes import plain_number
 
 
 class FormationPlanner:
@@ -121,11 +124,11 @@ class FormationPlanner:
 
     def set_goal(self, pose: Sequence[float] | ArrayLike) -> None:
         """Drive the formation's centre to a pose (x, y, yaw), from the next cycle on."""
-        self.set_goals([np.asarray(pose, dtype=float)])
+        self.set_goals(as_floats(pose, "goal")[None])
 
     def set_goals(self, goals: Sequence[Sequence[float]] | ArrayLike) -> None:
         """Drive through poses `(G, 3)` in their order; they replace all earlier goals."""
-        poses = np.array(goals, dtype=float)
+        poses = as_floats(goals, "goal")
         if poses.size == 0:
             self.cancel()
             return
@@ -186,6 +189,8 @@ class FormationPlanner:
 
     def set_dynamic_obstacles(self, obstacles: Sequence[DynamicObstacle]) -> None:
         """Say what moves now and how fast; an empty list when nothing moves any more."""
+        if len(obstacles) and not self._obstacles:
+            self._mode.expect_boxes()
         self._obstacles = tuple(obstacles)
 
     def step(self, poses: ArrayLike, time: float, stamps: ArrayLike | None = None) -> Array:
@@ -203,15 +208,17 @@ class FormationPlanner:
         Raises:
             InputError: Poses or stamps of the wrong shape, or not finite.
         """
-        poses = np.array(poses, dtype=float)
+        poses = as_floats(poses, "poses")
         if poses.shape != (self._team.size, 3):
             raise InputError(
                 f"expected ({self._team.size}, 3) poses, got {poses.shape}", key="poses"
             )
-        if not (np.isfinite(poses).all() and np.isfinite(time)):
-            raise InputError("expected finite poses and time", key="poses")
+        if not np.isfinite(poses).all():
+            raise InputError("expected finite poses", key="poses")
+        if not math.isfinite(plain_number(time, "time")):
+            raise InputError("expected a finite time", key="time")
         if stamps is not None:
-            stamps = np.array(stamps, dtype=float)
+            stamps = as_floats(stamps, "stamps")
             if stamps.shape != (len(poses),) or not np.isfinite(stamps).all():
                 raise InputError(f"expected ({len(poses)},) finite times", key="stamps")
         origin = self._map.origin

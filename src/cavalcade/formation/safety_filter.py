@@ -34,7 +34,7 @@ from cavalcade.formation._least_change import (
 )
 from cavalcade.formation.dynamic_obstacles import DynamicObstacle, obstacle_boxes
 from cavalcade.formation.estimation import Imperfections
-from cavalcade.geometry import Array, inverse_transform_points, rotation
+from cavalcade.geometry import Array, as_floats, inverse_transform_points, rotation
 from cavalcade.robots import RobotModel, robot_model
 from cavalcade.robots.motion import limits_of
 from cavalcade.world import OccupancyMap
@@ -92,8 +92,9 @@ class SafetyInputs(NamedTuple):
         Raises:
             InputError: Arrays that do not fit together, or are not finite.
         """
-        arrays = [np.array(a, dtype=float) for a in (poses, velocities, commands)]
-        for name, array in zip(("poses", "velocities", "commands"), arrays, strict=True):
+        given = {"poses": poses, "velocities": velocities, "commands": commands}
+        arrays = [as_floats(value, key) for key, value in given.items()]
+        for name, array in zip(given, arrays, strict=True):
             shape = (len(np.atleast_1d(arrays[0])), 3)
             if array.shape != shape or not np.isfinite(array).all():
                 raise InputError("expected finite (N, 3) numbers, N the same for all", key=name)

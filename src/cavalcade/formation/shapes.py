@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import minimum_spanning_tree
 
 from cavalcade.errors import InputError
 from cavalcade.formation.settings import SIMULATION_SPRINGS, SpringLaw, Springs
-from cavalcade.geometry import Array, transform_points
+from cavalcade.geometry import Array, as_floats, transform_points
 
 SHAPES = ("square", "line", "column", "wedge", "triangle", "circle", "custom")
 _SIDE = 1.15  # pairs up to this multiple of the least distance are sides
@@ -171,7 +171,7 @@ class Formation:
 
     @classmethod
     def _of(cls, name: str, slots: ArrayLike, springs: Springs) -> Formation:
-        points = np.array(slots, dtype=float)
+        points = as_floats(slots, "slots")
         if points.ndim != 2 or points.shape[1:] != (2,) or len(points) == 0:
             raise InputError(f"expected (N, 2) slots, got shape {points.shape}", key="slots")
         if not np.isfinite(points).all():

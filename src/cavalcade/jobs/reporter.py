@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import sys
 import time as clock
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-import cavalcade
 from cavalcade.jobs.share import ShareDone
 from cavalcade.recording.frames import Frame
 from cavalcade.scenario import Scenario
@@ -20,8 +18,15 @@ if TYPE_CHECKING:
     from rich.progress import Progress as Bar
     from rich.progress import ProgressColumn
 
+    from cavalcade.kernels.progress import Compilation
+
 PLAIN_PERIOD = 10.0
 """Where there is no terminal, a line is printed this often, s of simulated time."""
+
+COMPILING_PERIOD = 5.0
+"""The same while kernels are compiled, s of wall time."""
+
+_COMPILING = "Compiling, once after installation"
 
 _TELLING = 0.05
 """How long the rest will take is told once this share is done."""
@@ -38,6 +43,7 @@ class Reporter:
         self._console: Console | None = None
         self._bar: Bar | None = None
         self._task: Any = None
+        self._compiling: float | None = None
 
     def __enter__(self) -> Self:
         if not self._quiet:
@@ -53,6 +59,39 @@ class Reporter:
         """One line."""
         if self._console is not None:
             self._console.print(text, markup=False)
+
+    @contextmanager
+    def compiling(self, modules: Iterable[str], unused: Iterable[str] = ()) -> Iterator[None]:
+        """While the kernels of modules, without those of `unused` ones, are compiled or loaded.
+
+        Nothing is said where all of them are on disk.
+        """
+        from cavalcade.kernels.progress import Compilation, watched
+
+        with watched(Compilation(modules, unused, self._tell_compiling)):
+            yield
+        if self._bar is not None:
+            self._bar.update(self._task, completed=1.0, told="", refresh=True)
+        self.close()
+
+    def _tell_compiling(self, compilation: Compilation) -> None:
+        if self._console is None:
+            return
+        text = f"{compilation.kernels} functions"
+        if compilation.share > 0.0:
+            text += f", about {duration(compilation.seconds_left)} left"
+        if not self._console.is_terminal:
+            now = clock.monotonic()
+            if self._compiling is None or now - self._compiling >= COMPILING_PERIOD:
+                self._compiling = now
+                self.say(f"{_COMPILING}: {compilation.share:.0%}, {text}")
+        elif self._bar is None:
+            from rich.progress import TextColumn
+
+            told = TextColumn("{task.percentage:.0f} %, {task.fields[told]}", markup=False)
+            self._show_bar([told], 5, description=_COMPILING, total=1.0, told=text)
+        else:
+            self._bar.update(self._task, completed=compilation.share, told=text)
 
     def close(self) -> None:
         """Take the bar away."""
@@ -104,8 +143,6 @@ class JobReporter(Reporter):
         limit = scenario.planner.budget.seconds
         if limit is not None:
             text += f", at most {limit:g} s"
-        if self._console is not None and not kernels_are_cached("coordination", "*"):
-            text += "; compiling the numerical kernels, once after installation (a minute or two)"
         if self._console is None or not self._console.is_terminal:
             self.say(text)
             yield
@@ -187,23 +224,6 @@ def duration(seconds: float) -> str:
     if hours:
         return f"{hours} h {minutes:02d} min"
     return f"{minutes} min {rest:02d} s" if minutes else f"{rest} s"
-
-
-def kernels_are_cached(part: str = "fleet", kernel: str = "ideal.advance_team") -> bool:
-    """Whether an earlier run has left compiled kernels, wherever numba keeps them.
-
-    A guess for the user's information only: after an update some kernels may be compiled anew.
-    `kernel`: module and name of one of the package's that every job uses; `*` for any.
-    """
-    package = Path(cavalcade.__file__).parent
-    named = os.environ.get("NUMBA_CACHE_DIR")
-    if named:
-        folders = [Path(named)]
-    else:
-        folders = [package / part / "__pycache__"]
-        if not os.access(package, os.W_OK):
-            folders.append(Path.home() / ".cache" / "numba")
-    return any(any(folder.rglob(f"{kernel}-*.nbi")) for folder in folders if folder.is_dir())
 
 
 def result_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:

@@ -17,8 +17,9 @@ from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import Trajectory
 from cavalcade.jobs.output_folder import FIGURES, PLAN, RECORDING, REPLAY, OutputFolder
 from cavalcade.jobs.planning import Coordinator, make_plan
-from cavalcade.jobs.reporter import JobReporter, kernels_are_cached
+from cavalcade.jobs.reporter import JobReporter
 from cavalcade.jobs.tasks import TASKS, PolicyMaker
+from cavalcade.jobs.warming import needs_of, warm
 from cavalcade.metrics.plan_summary import PlanResult
 from cavalcade.metrics.summary import Summary
 from cavalcade.recording.frames import FrameSink, Recording
@@ -139,7 +140,9 @@ def run(
         reporter = stack.enter_context(JobReporter(loaded.name, quiet))
         resolved = resolve_scenario(loaded)
         world = build_world(resolved)
-        reporter.say(_preparing(resolved))
+        reporter.say(f"{resolved.name}: {len(resolved.robots)} robots")
+        backend = resolved.execution.backend if fleet is None else "ideal"
+        warm([needs_of(resolved, backend)], reporter)
         reporter.expect(resolved)
         task = TASKS[resolved.task.kind](resolved, world, reporter, planner)
         robots = task.make_fleet() if fleet is None else fleet
@@ -217,6 +220,7 @@ def plan(
         reporter = stack.enter_context(JobReporter(loaded.name, quiet))
         resolved = resolve_scenario(loaded)
         world = build_world(resolved)
+        warm([needs_of(resolved, None)], reporter)
         made = make_plan(resolved, world, coordinator, reporter)
         result = JobResult(resolved, world, made.summary, None, made)
         if folder is not None:
@@ -270,13 +274,3 @@ def _loaded(
         raise InputError(f"expected a whole number from 0 on, got {seed!r}", key="seed")
     execution = scenario.execution.model_copy(update={"seed": seed})
     return scenario.model_copy(update={"execution": execution})
-
-
-def _preparing(scenario: Scenario) -> str:
-    what = f"{scenario.name}: {len(scenario.robots)} robots"
-    duration = "" if kernels_are_cached() else "about 20 s"
-    if scenario.execution.backend == "mujoco" and not kernels_are_cached("locomotion", "_team.*"):
-        duration = "about a minute"
-    if not duration:
-        return what
-    return f"{what}; compiling the numerical kernels, once after installation ({duration}) ..."

@@ -18,7 +18,7 @@ from numba.core.dispatcher import Dispatcher
 
 from cavalcade.kernels.cache import LOADED, KernelCache, code_objects, reached_from
 
-_RATE = 1.0e-3
+_RATE = 0.6e-3
 """What a byte of code takes before anything is known of the machine, s."""
 
 _TRUST = 0.1
@@ -29,15 +29,21 @@ class Compilation:
     """What is compiled and loaded while it is watched.
 
     Args:
-        packages: Where the kernels are that are going to be used.
+        modules: Modules and packages with the kernels that are going to be used,
+        unused: but for these functions, by module and name, and those that these modules define.
         tell: Called whenever a function is begun or done.
 
     Attributes:
         kernels: How many functions have been compiled so far; 0 where all were on disk.
     """
 
-    def __init__(self, packages: Iterable[str], tell: Callable[[Compilation], None]) -> None:
-        self._packages = tuple(packages)
+    def __init__(
+        self,
+        modules: Iterable[str],
+        unused: Iterable[str],
+        tell: Callable[[Compilation], None],
+    ) -> None:
+        self._modules, self._unused = tuple(modules), frozenset(unused)
         self._tell = tell
         self._left: dict[FunctionType, int] | None = None
         self._total = 0
@@ -64,7 +70,11 @@ class Compilation:
         if self._left is not None:
             return
         self._began = clock.perf_counter()
-        kernels = _kernels_in(self._packages)
+        kernels = {
+            kernel
+            for kernel in _kernels_in(self._modules)
+            if self._unused.isdisjoint(_names(kernel.py_func))
+        }
         functions = {reached for kernel in kernels for reached in reached_from(kernel.py_func)}
         self._left = {each: _length(each) for each in functions - self._ready}
         self._total = sum(self._left.values())
@@ -126,10 +136,10 @@ def _is_ours(dispatcher: Dispatcher) -> bool:
     return dispatcher.py_func.__module__.startswith("cavalcade.")
 
 
-def _kernels_in(packages: Iterable[str]) -> set[Dispatcher]:
-    """All kernels that modules and packages, by name, define."""
+def _kernels_in(names: Iterable[str]) -> set[Dispatcher]:
+    """All kernels that modules, or those of packages, define or use."""
     found = set()
-    for name in packages:
+    for name in names:
         package = importlib.import_module(name)
         inside = pkgutil.iter_modules(getattr(package, "__path__", ()), f"{name}.")
         for module in (package, *(importlib.import_module(each.name) for each in inside)):
@@ -137,6 +147,10 @@ def _kernels_in(packages: Iterable[str]) -> set[Dispatcher]:
                 if isinstance(value, Dispatcher) and isinstance(value._cache, KernelCache):
                     found.add(value)
     return found
+
+
+def _names(function: FunctionType) -> tuple[str, str]:
+    return function.__module__, f"{function.__module__}.{function.__qualname__}"
 
 
 def _length(function: FunctionType) -> int:

@@ -62,7 +62,8 @@ class LegControl:
         self._states, self._leaps = self._team["state"], self._team["leap"]
         for number, model in enumerate(models):
             if model.description is None:
-                raise InputError(f"there is no description of the legs of {model.name}")
+                text = f"there is no description of the legs of {model.name}"
+                raise InputError(text, key=f"models[{number}]")
             self._robots[number] = robot_parameters(model.description)
             height = model.description.stand_height
             self._gaits[number] = settings.row(model.description.mass, height)

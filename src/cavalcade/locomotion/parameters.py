@@ -8,7 +8,14 @@ from numpy.typing import ArrayLike
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array
 from cavalcade.locomotion.records import ROBOT, Row
-from cavalcade.robots.description import JOINTS, LEGS, Inertial, QuadrupedDescription, combined
+from cavalcade.robots.description import (
+    JOINTS,
+    LEGS,
+    Inertial,
+    LegDescription,
+    QuadrupedDescription,
+    combined,
+)
 
 _STRAIGHT = 5e-3  # m
 
@@ -61,17 +68,25 @@ def _check_legs(description: QuadrupedDescription) -> None:
     """Refuse legs whose places `_kinematics` would get wrong."""
     offsets = description.joint_offsets
     for number, (name, leg) in enumerate(zip(LEGS, description.legs, strict=True)):
-        for joint, axis, part in zip(leg.joints, AXES, JOINTS, strict=True):
-            if np.abs(np.array(joint.axis) - axis).max() > _STRAIGHT:
-                letter = "xy"[int(np.argmax(axis))]
-                raise InputError(f"expected the {part} joint of leg {name} to turn about {letter}")
-        thigh, calf, foot = offsets[number, 1:]
-        if np.abs(thigh[[0, 2]]).max() > _STRAIGHT:
-            raise InputError(f"expected the thigh of leg {name} beside its hip, along y")
-        if max(abs(calf[0]), abs(foot[0])) > _STRAIGHT or max(calf[2], foot[2]) >= 0.0:
-            raise InputError(f"expected leg {name} to hang straight down when its angles are zero")
-        if np.abs(offsets[number, 2:, 2] - offsets[0, 2:, 2]).max() > _STRAIGHT:
-            raise InputError(f"expected leg {name} to be as long as {LEGS[0]}")
+        problem = _problem_of_leg(name, leg, offsets[number])
+        if problem is None and np.abs(offsets[number, 2:, 2] - offsets[0, 2:, 2]).max() > _STRAIGHT:
+            problem = f"expected leg {name} to be as long as {LEGS[0]}"
+        if problem is not None:
+            raise InputError(problem, file=description.file or None, key=description.name)
+
+
+def _problem_of_leg(name: str, leg: LegDescription, offsets: Array) -> str | None:
+    """What is wrong with a leg whose joints and foot lie at `offsets` `(4, 3)` of the last, m."""
+    for joint, axis, part in zip(leg.joints, AXES, JOINTS, strict=True):
+        if np.abs(np.array(joint.axis) - axis).max() > _STRAIGHT:
+            letter = "xy"[int(np.argmax(axis))]
+            return f"expected the {part} joint of leg {name} to turn about {letter}"
+    thigh, calf, foot = offsets[1:]
+    if np.abs(thigh[[0, 2]]).max() > _STRAIGHT:
+        return f"expected the thigh of leg {name} beside its hip, along y"
+    if max(abs(calf[0]), abs(foot[0])) > _STRAIGHT or max(calf[2], foot[2]) >= 0.0:
+        return f"expected leg {name} to hang straight down when its angles are zero"
+    return None
 
 
 def _about(axis: tuple[float, float, float], angle: float) -> Array:

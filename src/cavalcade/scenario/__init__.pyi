@@ -1,3 +1,4 @@
+from .advice import ScenarioWarning as ScenarioWarning
 from .dumping import dump_scenario as dump_scenario
 from .ground import Obstacle as Obstacle
 from .importing import import_problem as import_problem

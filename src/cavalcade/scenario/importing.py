@@ -1,19 +1,20 @@
 """Problem files of other projects as scenarios.
 
-So far those of db-CBS (Moldagalieva et al., 2023; github.com/IMRCLab/db-CBS): boxes in a
-rectangle, robots of a type with start and goal states. They bound the robots' centres; we bound
-bodies, so the ground is widened as far as the bodies at starts and goals need.
+So far those of db-CBS (Moldagalieva et al., 2023; github.com/IMRCLab/db-CBS) and of db-LaCAM,
+which has the same format: boxes in a rectangle, robots of a type with start and goal states. The
+rectangle bounds the robots' centres there; our ground bounds bodies. It is wider by the largest
+body, so that every centre may be where it may be there.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from cavalcade.errors import ScenarioError
-from cavalcade.geometry import rectangle_corners
+from cavalcade.geometry import CLEARANCE
 from cavalcade.robots import RobotModel, robot_model
 from cavalcade.scenario.loading import parse_scenario
 from cavalcade.scenario.messages import short
@@ -32,12 +33,17 @@ _TYPES: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "unicycle_second_order_0": ("unicycle-2", ("x", "y", "yaw", "v", "w")),
     "single_integrator_0": ("single-integrator", ("x", "y")),
     "double_integrator_0": ("double-integrator", ("x", "y", "vx", "vy")),
+    "unicycle1_v0": ("unicycle", ("x", "y", "yaw")),
+    "unicycle1_sphere_v0": ("unicycle-sphere", ("x", "y", "yaw")),
+    "unicycle2_v0": ("unicycle-2", ("x", "y", "yaw", "v", "w")),
+    "integrator2_2d_v0": ("double-integrator", ("x", "y", "vx", "vy")),
 }
-"""Their robots: our model and what their states hold."""
+"""Their robots, by the names of db-CBS and of db-LaCAM: our model and what their states hold."""
 
 _LEAST_TIME, _TIME_PER_METRE = 180.0, 20.0
 _STILL = 1e-6
 
+Corner = tuple[float, float]
 Pose = tuple[float, float, float]
 
 
@@ -74,17 +80,21 @@ def _from_db_cbs(data: dict[str, Any], name: str) -> dict[str, Any]:
     if not isinstance(data["robots"], list) or not data["robots"]:
         raise ScenarioError("expected a list of robots", key="robots")
     robots = [_robot(item, k) for k, item in enumerate(data["robots"])]
-    origin, size, widened = _ground(low, high, robots)
+    for k, (_, *ends) in enumerate(robots):
+        for end, pose in zip(("start", "goal"), ends, strict=True):
+            if any(not low[i] - _STILL <= pose[i] <= high[i] + _STILL for i in (0, 1)):
+                text = "expected a centre within environment.min and environment.max"
+                raise ScenarioError(text, key=f"robots[{k}].{end}")
+    bodies = [model for model, _, _ in robots]
+    origin, size = _ground(low, high, max(_radius(model) for model in bodies))
     farthest = max(math.dist(start[:2], goal[:2]) for _, start, goal in robots)
     empty: dict[str, Any] = {"size": size}
     if origin != (0.0, 0.0):
         empty["origin"] = list(origin)
-    note = ", widened by what bodies at starts and goals need" if widened else ""
     return {
         "version": 1,
         "name": name,
-        "description": f"db-CBS problem of {len(robots)} robots; the ground bounds bodies, "
-        f"there centres{note}",
+        "description": f"db-CBS problem of {len(robots)} robots{_about_bounds(low, high, bodies)}",
         "world": {"empty": empty, "resolution": RESOLUTION, "obstacles": boxes},
         "robots": [
             {"model": model.name, "start": list(start), "goal": list(goal)}
@@ -95,7 +105,7 @@ def _from_db_cbs(data: dict[str, Any], name: str) -> dict[str, Any]:
     }
 
 
-def _corner(environment: dict[str, Any], name: str) -> tuple[float, float]:
+def _corner(environment: dict[str, Any], name: str) -> Corner:
     key = f"environment.{name}"
     values = _numbers(environment.get(name), key)
     if len(values) == 3:
@@ -153,29 +163,29 @@ def _numbers(value: Any, key: str) -> list[float]:
     return [float(item) for item in value]
 
 
-def _ground(
-    low: tuple[float, float],
-    high: tuple[float, float],
-    robots: list[tuple[RobotModel, Pose, Pose]],
-) -> tuple[tuple[float, float], tuple[float, float], bool]:
-    """Origin and size of the ground in m, whole cells, and whether bodies made it wider."""
-    origin, size, widened = [], [], False
-    for axis in (0, 1):
-        bodies = [_extent(model, pose, axis) for model, *poses in robots for pose in poses]
-        first = min(low[axis], *(body[0] for body in bodies))
-        last = max(high[axis], *(body[1] for body in bodies))
-        widened = widened or first < low[axis] or last > high[axis]
+def _radius(model: RobotModel) -> float:
+    """How far a body reaches from its centre at most, m."""
+    return model.length / 2.0 if model.round else math.hypot(model.length, model.width) / 2.0
+
+
+def _about_bounds(low: Corner, high: Corner, models: Sequence[RobotModel]) -> str:
+    """What is said of the ground; by how much centres of narrow bodies may leave the bounds."""
+    text = f"; centres there within x {low[0]:g} to {high[0]:g}, y {low[1]:g} to {high[1]:g} m"
+    radius = max(_radius(model) for model in models)
+    beyond = radius - min(min(model.length, model.width) for model in models) / 2.0
+    text += f", so the ground is {radius:.3g} m wider on each side"
+    if beyond > RESOLUTION:
+        text += f"; narrow bodies can leave the bounds by {beyond:.2g} m"
+    return text
+
+
+def _ground(low: Corner, high: Corner, radius: float) -> tuple[Corner, Corner]:
+    """Origin and size, m, of whole cells on which centres reach the published bounds."""
+    origin, size = [], []
+    for first, last in zip(low, high, strict=True):
         # Outwards to whole cells; what rounding added to an even number is taken off again.
-        start = math.floor(first / RESOLUTION + 1e-6)
-        stop = math.ceil(last / RESOLUTION - 1e-6)
+        start = math.floor((first - radius - CLEARANCE) / RESOLUTION + 1e-6)
+        stop = math.ceil((last + radius + CLEARANCE) / RESOLUTION - 1e-6)
         origin.append(round(start * RESOLUTION, 6))
         size.append(round((stop - start) * RESOLUTION, 6))
-    return (origin[0], origin[1]), (size[0], size[1]), widened
-
-
-def _extent(model: RobotModel, pose: Pose, axis: int) -> tuple[float, float]:
-    """Least and largest coordinate of a body along an axis, m."""
-    if model.round:
-        return pose[axis] - model.length / 2.0, pose[axis] + model.length / 2.0
-    corners = rectangle_corners(pose, model.length, model.width)[:, axis]
-    return float(corners.min()), float(corners.max())
+    return (origin[0], origin[1]), (size[0], size[1])

@@ -9,6 +9,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from cavalcade.errors import ScenarioError
+from cavalcade.scenario.advice import warn_of
 from cavalcade.scenario.messages import scenario_error
 from cavalcade.scenario.model import Scenario
 from cavalcade.scenario.overrides import Overrides, apply_overrides
@@ -51,6 +52,9 @@ def parse_scenario(data: Mapping[str, Any], file: str | Path | None = None) -> S
 
     Raises:
         ScenarioError: It does not fit the schema.
+
+    Warns:
+        ScenarioWarning: A value is probably not what was meant, or has no effect.
     """
     base = Path.cwd() if file is None else Path(file).resolve().parent
     try:
@@ -58,7 +62,9 @@ def parse_scenario(data: Mapping[str, Any], file: str | Path | None = None) -> S
         scenario = Scenario.model_validate(data, context={"base": base})
     except ValidationError as error:
         raise scenario_error(error, Scenario, file) from None
-    return scenario.with_file(None if file is None else Path(file))
+    scenario = scenario.with_file(None if file is None else Path(file))
+    warn_of(scenario)
+    return scenario
 
 
 def scenario_schema() -> dict[str, Any]:

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Self
 
-from pydantic import PrivateAttr, field_validator, model_validator
+from pydantic import PrivateAttr, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from cavalcade.errors import ScenarioError
@@ -28,9 +28,9 @@ class Scenario(Parts):
 
     @field_validator("name", "description")
     @classmethod
-    def _printable(cls, text: str) -> str:
+    def _printable(cls, text: str, info: ValidationInfo) -> str:
         text = text.strip()
-        if not text.isprintable():
+        if not text.isprintable() or (info.field_name == "name" and not text):
             raise expected("expected one line of text")
         return text
 

@@ -72,7 +72,7 @@ class Parts(Section):
 UNUSED_KEYS: dict[Kind, tuple[str, ...]] = {
     "formation": TEAM_KEYS,
     "individual": FORMATION_KEYS,
-    "commands": (*FORMATION_KEYS, *TEAM_KEYS),
+    "commands": ("despeckle", *FORMATION_KEYS, *TEAM_KEYS),
 }
 """Keys of `planner` that mean nothing to a kind of task."""
 
@@ -206,6 +206,12 @@ def _refuse(scenario: Parts, why: str) -> None:
     for key in UNUSED_KEYS[scenario.task.kind]:
         if getattr(scenario.planner, key) != PlannerSection.model_fields[key].default:
             raise expected(why, key=f"planner.{key}")
+    world = scenario.world
+    if scenario.planner.despeckle > 0.0 and world.map is None and world.movingai is None:
+        raise expected(
+            f"is for worlds from map files; a world of {world.kind} has no specks",
+            key="planner.despeckle",
+        )
 
 
 def _check_ground(world: WorldSection, key: str, model: RobotModel) -> None:

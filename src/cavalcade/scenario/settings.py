@@ -123,6 +123,9 @@ class PlannerSection(Section):
         improve: Iterations spent on a better plan once there is one; 0 by default.
         margin (m): By how much bodies are inflated: 0 by default for ideal robots, 0.05 for walking
             ones, which sway.
+        despeckle (m): Groups of obstacle cells that fit into a square of this side are taken out
+            of the map that the planner is given; the world keeps them, and what drives over one
+            has collided.
         budget: Limits on planning.
         preset: Parameters of one of the paper's two experiments.
         lookahead (s): Normalised time from the leader to the partial goal.
@@ -146,6 +149,7 @@ class PlannerSection(Section):
     leaps: Annotated[bool, Strict()] | None = None
     improve: Annotated[int, Strict(), Field(ge=0, le=10**9)] | None = None
     margin: Annotated[Number, Field(ge=0, le=1)] | None = None
+    despeckle: Annotated[Number, Field(ge=0, le=1)] = 0.0
     budget: Budget = Budget()
     preset: Literal["simulation", "laboratory"] | None = None
     lookahead: Annotated[Number, Field(gt=0, le=1e4)] | None = None

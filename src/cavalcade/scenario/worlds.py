@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -42,13 +42,15 @@ class World:
     """The ground of one scenario before anything has happened.
 
     Attributes:
-        map: `base` with all `shapes` rasterised: what a planner is given at the start.
-        base: The source alone, without obstacle shapes; to rasterise them anew when they move.
+        map: `seen` with all `shapes` rasterised: what a planner is given at the start.
+        base: The source alone, without obstacle shapes: what is truly there.
         shapes: The exact obstacles at the start, map frame, m: `world.obstacles` in the file's
             order, then those of a `generate` or `barn` source.
         spans: Every obstacle over time, first those of `shapes` in the same order, then those
             that events bring.
         terrain: The heights, on the grid of `map`; None for level ground.
+        seen: `base` as planners see it, without the specks that `planner.despeckle` takes away;
+            to rasterise shapes anew when they move. None is `base` itself.
     """
 
     map: OccupancyMap
@@ -56,6 +58,11 @@ class World:
     shapes: tuple[Shape, ...]
     spans: tuple[ObstacleSpan, ...]
     terrain: Terrain | None = None
+    seen: OccupancyMap | None = None
+
+    def map_with(self, shapes: Iterable[Shape]) -> OccupancyMap:
+        """What a planner is given while these shapes stand there."""
+        return (self.base if self.seen is None else self.seen).with_shapes(shapes)
 
 
 def build_world(scenario: Scenario) -> World:
@@ -80,7 +87,8 @@ def build_world(scenario: Scenario) -> World:
                 _shape(scenario, said, f"execution.events[{index}].{kind}")
     spans = obstacle_spans(scenario)
     check_starts(scenario, base, shapes, terrain)
-    return World(base.with_shapes(shapes), base, shapes, spans, terrain)
+    seen = base.despeckled(scenario.planner.despeckle)
+    return World(seen.with_shapes(shapes), base, shapes, spans, terrain, seen)
 
 
 def _ground(scenario: Scenario) -> tuple[OccupancyMap, Terrain | None]:

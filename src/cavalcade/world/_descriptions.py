@@ -7,14 +7,19 @@ from pathlib import Path
 from typing import Any
 
 from cavalcade.errors import MapError
-from cavalcade.files import read_bytes
+from cavalcade.files import read_bytes, read_head
 from cavalcade.yaml_text import parse_yaml
 
 _MAX_BYTES = 100_000
+_PICTURES = (b"\x89PN", b"P2\n", b"P5\n", b"P2 ", b"P5 ", b"\xff\xd8\xff", b"GIF", b"II*", b"MM\0")
+"""Beginnings of PNG, PGM, JPEG, GIF and TIFF."""
 
 
 def load_mapping(path: Path, such_as: str = "image and resolution") -> dict[str, Any]:
     """The mapping that a YAML file holds; `such_as` names some of its keys for the error."""
+    head = read_head(path, 8)
+    if b"\0" in head or head[:3] in _PICTURES:
+        raise MapError(f"expected a description in YAML with {such_as}, not a picture", file=path)
     document = parse_yaml(read_bytes(path, _MAX_BYTES), file=path, kind=MapError)
     if not isinstance(document, dict):
         raise MapError(f"expected a mapping of keys such as {such_as}", file=path)

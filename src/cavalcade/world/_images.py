@@ -1,14 +1,17 @@
 """Map pictures: PGM and PNG to 8-bit grey and back, row 0 at the top.
 
-Sizes are checked in the header, before memory is taken for the picture. PNG is Pillow's. PGM is
-read here: Pillow takes pixel by pixel what is text or has another largest grey than 255, rounds it
-otherwise, and lets pass what exceeds the largest grey.
+Sizes are checked in the header, before memory is taken for the picture. PNG is Pillow's, but for
+colours of 16 bits, which that one cuts to 8: these are pypng's. PGM is read here: Pillow takes
+pixel by pixel what is text or has another largest grey than 255, rounds it otherwise, and lets pass
+what exceeds the largest grey.
 """
 
 from __future__ import annotations
 
 import io
 import re
+import warnings
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +19,7 @@ from numpy.typing import NDArray
 
 from cavalcade.errors import MapError
 from cavalcade.files import read_bytes, read_head
+from cavalcade.geometry import Array
 from cavalcade.world.occupancy import check_cell_count
 
 Pixels = NDArray[np.uint8]
@@ -27,6 +31,9 @@ _PGM_HEADER = re.compile(
 )
 _HEAD = 65_536
 """Bytes in which a header must have ended."""
+
+_LUMINANCE = (0.299, 0.587, 0.114)
+"""Of red, green and blue (ITU-R BT.601)."""
 
 _BYTES_PER_PIXEL = 16
 """More than any picture needs: text with spaces and comments, or 16 bits in four channels."""
@@ -147,3 +154,31 @@ def decode_png(content: bytes, path: Path) -> tuple[NDArray[np.uint8 | np.uint16
     except Exception:
         # The decoder answers damaged pictures with errors of about ten unrelated types.
         raise MapError("the PNG picture is truncated or damaged", file=path) from None
+
+
+def has_deep_colours(head: bytes) -> bool:
+    """Whether a PNG has 16 bits in each of several channels."""
+    return len(head) > 25 and head[24] == 16 and head[25] in (2, 4, 6)
+
+
+def decode_deep_colours(content: bytes, path: Path) -> tuple[Array, NDArray[np.bool_]]:
+    """Brightness `(height, width)`, 0 to 65535, of such a PNG, and where it is transparent."""
+    import png
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            width, height, rows, _ = png.Reader(bytes=content).asDirect()
+            table = np.stack([np.asarray(row) for row in islice(rows, height)])
+    except MemoryError:
+        raise
+    except Exception:
+        # As Pillow's, the decoder's errors are of many types.
+        raise MapError("the PNG picture is truncated or damaged", file=path) from None
+    if len(table) != height:
+        raise MapError("the PNG picture is truncated or damaged", file=path)
+    channels = table.reshape(height, width, -1).astype(np.float64)
+    count = channels.shape[2]
+    grey = channels[..., 0] if count < 3 else channels[..., :3] @ _LUMINANCE
+    transparent = channels[..., -1] < 32768 if count in (2, 4) else np.zeros(grey.shape, bool)
+    return grey, transparent

@@ -6,13 +6,13 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.errors import MapError
-from cavalcade.geometry import Array, inverse_transform_points, transform_points
+from cavalcade.geometry import Array, as_floats, inverse_transform_points, transform_points
 from cavalcade.world.raster import rasterise
 from cavalcade.world.shapes import Shape, plain_number
 
@@ -77,7 +77,7 @@ class OccupancyMap(PlacedGrid):
 
     Args:
         grid: `(rows, cols)` integers: 0 free, 100 occupied, -1 unknown, 1 to 99 in between; or
-            bool, True for occupied. Copied, and read-only afterwards.
+            bool, True for occupied. Masked cells are unknown. Copied, and read-only afterwards.
         resolution: Side of a cell, m.
         origin: Pose (x m, y m, yaw rad) of the lower-left corner of cell [0, 0] in the map frame.
         unknown: Whether cells of value -1 count as `occupied` or `free`.
@@ -134,7 +134,7 @@ class OccupancyMap(PlacedGrid):
         Raises:
             MapError: A point is not finite.
         """
-        array = np.asarray(points, dtype=float)
+        array = as_floats(points, "points")
         if not np.isfinite(array).all():
             raise MapError("points must be finite", key="points")
         local = self.to_local(array)
@@ -149,8 +149,8 @@ class OccupancyMap(PlacedGrid):
 
     def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
         """Whether points `(N, 2)` of the map frame lie on the map, `(N,)`; False for nan."""
-        array = np.asarray(points, dtype=float)
-        inside: NDArray[np.bool_] = np.isfinite(array).all(axis=1)
+        array = as_floats(points, "points")
+        inside: NDArray[np.bool_] = np.asarray(np.isfinite(array).all(axis=1))
         local = self.to_local(array[inside])
         inside[inside] = (local >= 0.0).all(axis=1) & (local <= self.size).all(axis=1)
         return inside
@@ -159,6 +159,37 @@ class OccupancyMap(PlacedGrid):
         """This map with every cell occupied that one of the shapes (map frame) touches."""
         touched = rasterise(shapes, self.rows, self.cols, self.resolution, self.origin)
         return replace(self, grid=np.where(touched, np.int8(OCCUPIED), self.grid))
+
+    def despeckled(self, size: float) -> OccupancyMap:
+        """This map without specks: small groups of obstacle cells become free.
+
+        Mapping leaves single cells and clusters of a few where nothing stands. A group are cells
+        that touch each other at sides or corners; where unknown counts as occupied, these belong
+        to it. Groups at the border stay, as what lies beyond is occupied.
+
+        Args:
+            size: Groups that fit into a square of this side, along the map's axes, are specks, m.
+
+        Raises:
+            MapError: The size is negative or not finite.
+        """
+        side = _finite(size, "size")
+        if side < 0.0:
+            raise MapError("expected a length that is not negative", key="size")
+        cells = math.floor(side / self.resolution + 1e-6)
+        if cells < 1:
+            return self
+        from scipy.ndimage import find_objects, label
+
+        groups = label(np.pad(self.occupied, 1, constant_values=True), np.ones((3, 3)))[0]
+        boxes = find_objects(groups)
+        small = np.zeros(len(boxes) + 1, dtype=bool)
+        for number, (rows, cols) in enumerate(boxes, start=1):
+            small[number] = max(rows.stop - rows.start, cols.stop - cols.start) <= cells
+        specks = small[groups[1:-1, 1:-1]] & self.occupied
+        # A map of one cell is as small as a speck, but at its border.
+        specks &= groups[1:-1, 1:-1] != groups[0, 0]
+        return replace(self, grid=np.where(specks, np.int8(FREE), self.grid))
 
     def __repr__(self) -> str:
         return (
@@ -224,12 +255,13 @@ def _finite(value: object, key: str) -> float:
 def _checked_grid(grid: object) -> NDArray[np.int8]:
     """An own, read-only int8 copy of the occupancy values."""
     try:
-        array = np.asarray(grid)
+        given: Any = np.ma.asarray(grid)
     except ValueError:
         raise MapError("rows differ in length", key="grid") from None
-    if array.ndim != 2:
-        raise MapError(f"expected two dimensions (rows, cols), not {array.ndim}", key="grid")
-    check_cell_count(*array.shape)
+    if given.ndim != 2:
+        raise MapError(f"expected two dimensions (rows, cols), not {given.ndim}", key="grid")
+    check_cell_count(*given.shape)
+    array = np.asarray(given.filled(0))
     if array.dtype == bool:
         result = np.where(array, np.int8(OCCUPIED), np.int8(FREE))
     elif np.issubdtype(array.dtype, np.integer):
@@ -238,5 +270,6 @@ def _checked_grid(grid: object) -> NDArray[np.int8]:
         result = array.astype(np.int8)
     else:
         raise MapError(f"expected integers or bool, not {array.dtype}", key="grid")
+    result[np.ma.getmaskarray(given)] = UNKNOWN
     result.setflags(write=False)
     return result

@@ -5,7 +5,10 @@ inclusive): with `occ = 1 - grey / 255`, or `grey / 255` if `negate` is set,
 
 - `trinary`: `occ >= occupied_thresh` is 100, `occ <= free_thresh` is 0, the rest is unknown;
 - `scale`: the rest is scaled to 0..100 between the two thresholds;
-- `raw`: the grey itself, 0 to 100; all else is unknown. `negate` and opacity have no effect.
+- `raw`: the grey itself, 0 to 100; all else is unknown. Thresholds, `negate` and opacity have no
+  effect.
+
+The two thresholds may be equal: then nothing is unknown, and what is exactly there is occupied.
 
 In the first two modes a pixel that is not fully opaque is unknown. Row 0 of a picture is its top,
 row 0 of a map is its bottom.
@@ -24,6 +27,7 @@ from numpy.typing import NDArray
 
 from cavalcade.errors import MapError
 from cavalcade.files import write_file
+from cavalcade.geometry import beyond_a_turn
 from cavalcade.world._descriptions import choice, load_mapping, number, numbers, required
 from cavalcade.world._images import encode_pgm, encode_png, read_grey
 from cavalcade.world.occupancy import (
@@ -82,10 +86,12 @@ def load_map(path: str | Path, unknown: Unknown | None = None) -> OccupancyMap:
         MapError: A file is missing or malformed; the message names file and key.
 
     Warns:
-        MapWarning: `free_thresh` turns the grey that stands for unknown ground into free ground.
+        MapWarning: `free_thresh` turns the grey that stands for unknown ground into free ground,
+            or the origin's yaw seems to be in degrees.
     """
     path = Path(path)
     description = _read_description(path)
+    warn_of_degrees(path, description.origin[2])
     picture = path.parent / description.image
     if not _exists(picture):
         raise MapError(f"no such file: {description.image}", file=path, key="image")
@@ -109,6 +115,13 @@ def load_map(path: str | Path, unknown: Unknown | None = None) -> OccupancyMap:
         description.origin,
         description.unknown if unknown is None else unknown,
     )
+
+
+def warn_of_degrees(path: Path, yaw: float) -> None:
+    """Warn of an origin that is turned by more than a turn."""
+    if beyond_a_turn(yaw):
+        text = f"a yaw of {yaw:g} rad is more than a turn; expected radians, not degrees"
+        warnings.warn(f"{path}: origin: {text}", MapWarning, stacklevel=3)
 
 
 def save_map(
@@ -164,22 +177,19 @@ def save_map(
 def _read_description(path: Path) -> _Description:
     document = load_mapping(path)
     try:
-        description = _Description(
+        mode = choice(document, "mode", MODES, "trinary")
+        return _Description(
             image=_image(document, "image"),
             resolution=checked_resolution(number(document, "resolution")),
             origin=checked_origin(numbers(document, "origin")),
-            mode=choice(document, "mode", MODES, "trinary"),
+            mode=mode,
             negate=_flag(document, "negate"),
-            free_thresh=_threshold(document, "free_thresh"),
-            occupied_thresh=_threshold(document, "occupied_thresh"),
+            **_thresholds(document, mode),
             unknown=choice(document, "unknown", get_args(Unknown), "occupied"),
         )
     except MapError as error:
         # The parts know the key; the file is known here.
         raise error.at(file=path, key=error.key) from None
-    if description.free_thresh >= description.occupied_thresh:
-        raise MapError("must be less than occupied_thresh", file=path, key="free_thresh")
-    return description
 
 
 def _image(document: dict[str, Any], key: str) -> str:
@@ -196,11 +206,17 @@ def _flag(document: dict[str, Any], key: str) -> bool:
     return bool(value)
 
 
-def _threshold(document: dict[str, Any], key: str) -> float:
-    threshold = number(document, key)
-    if not 0.0 <= threshold <= 1.0:
-        raise MapError("expected a number from 0 to 1", key=key)
-    return threshold
+def _thresholds(document: dict[str, Any], mode: Mode) -> dict[str, float]:
+    """The two thresholds; those of raw maps are of no account, whatever is said."""
+    if mode == "raw":
+        return dict(zip(("free_thresh", "occupied_thresh"), _THRESHOLDS["raw"], strict=True))
+    found = {key: number(document, key) for key in ("free_thresh", "occupied_thresh")}
+    for key, threshold in found.items():
+        if not 0.0 <= threshold <= 1.0:
+            raise MapError("expected a number from 0 to 1", key=key)
+    if found["free_thresh"] > found["occupied_thresh"]:
+        raise MapError("must not be more than occupied_thresh", key="free_thresh")
+    return found
 
 
 def _occupancy_of_grey(description: _Description) -> NDArray[np.int8]:
@@ -215,10 +231,10 @@ def _occupancy_of_grey(description: _Description) -> NDArray[np.int8]:
     table = np.full(256, UNKNOWN, dtype=np.int8)
     if description.mode == "scale":
         span = np.float32(description.occupied_thresh - description.free_thresh)
-        between = (occ > low) & (occ < high)
+        between = (occ > low) & (occ < high)  # none if they are equal
         table[between] = np.floor((occ[between] - low) / span * np.float32(100.0) + 0.5)
-    table[occ >= high] = OCCUPIED
     table[occ <= low] = FREE
+    table[occ >= high] = OCCUPIED
     return table
 
 

@@ -12,10 +12,16 @@ from dataclasses import MISSING, dataclass, fields, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cavalcade.errors import InputError
-from cavalcade.geometry import Array, inverse_transform_points, polygons, rectangle_corners
+from cavalcade.geometry import (
+    Array,
+    as_floats,
+    inverse_transform_points,
+    polygons,
+    rectangle_corners,
+)
 
 MAX_COORDINATE = 1e6
 """Largest coordinate or length of a shape, m; beyond it arithmetic loses the millimetres."""
@@ -245,13 +251,13 @@ def _pair(value: object, key: str) -> tuple[float, float]:
 
 
 def _displaced(point: tuple[float, float], offset: ArrayLike) -> tuple[float, float]:
-    dx, dy = np.asarray(offset, dtype=float)
+    dx, dy = _pair(offset, "offset")
     return point[0] + float(dx), point[1] + float(dy)
 
 
 def _points(points: ArrayLike) -> Array:
     """Points as a finite float array `(N, 2)`."""
-    array: NDArray[np.float64] = np.asarray(points, dtype=float)
+    array = as_floats(points, "points")
     if array.ndim != 2 or array.shape[1] != 2:
         raise InputError(f"expected points of shape (N, 2), not {array.shape}", key="points")
     if not np.isfinite(array).all():

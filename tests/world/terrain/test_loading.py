@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import png
 import pytest
 import yaml
 from hypothesis import HealthCheck, given, settings
@@ -16,7 +18,7 @@ from PIL import Image
 
 from cavalcade.errors import MapError
 from cavalcade.geometry import Array
-from cavalcade.world import load_terrain
+from cavalcade.world import MapWarning, load_terrain
 
 Write = Callable[..., Path]
 
@@ -55,7 +57,9 @@ def _refused(path: Path, cell: float = 0.05) -> str:
 def _survives(path: Path) -> None:
     """A terrain or one line."""
     try:
-        said = repr(load_terrain(path))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", MapWarning)
+            said = repr(load_terrain(path))
     except MapError as error:
         said = str(error)
     assert "\n" not in said
@@ -78,6 +82,53 @@ class TestPictures:
         Image.fromarray(grey).save(tmp_path / "p.png")
         terrain = load_terrain(described(file="p.png", resolution=0.05, height=0.4))
         assert terrain.height == pytest.approx(0.4 * grey[::-1] / 65535.0, abs=1e-9)
+
+    @pytest.mark.parametrize("interlace", [False, True])
+    @pytest.mark.parametrize(("greyscale", "alpha"), [(0, 0), (0, 1), (1, 1), (1, 0)])
+    def test_colours_of_16_bits_were_cut_to_8(
+        self, tmp_path: Path, described: Write, greyscale: int, alpha: int, interlace: bool
+    ) -> None:
+        grey = np.random.default_rng(0).integers(0, 65536, (9, 7)).astype(np.uint16)
+        layers = [grey] * (1 if greyscale else 3) + [np.full_like(grey, 65535)] * alpha
+        if alpha:
+            layers[-1] = layers[-1].copy()
+            layers[-1][4, 2:4] = (32767, 32768)
+        table = np.stack(layers, axis=2)
+        writer = png.Writer(
+            7, 9, bitdepth=16, greyscale=bool(greyscale), alpha=bool(alpha), interlace=interlace
+        )
+        with (tmp_path / "p.png").open("wb") as stream:
+            writer.write(stream, table.reshape(9, -1).tolist())
+        terrain = load_terrain(described(file="p.png", resolution=0.05, height=10.0))
+        expected = 10.0 * grey[::-1] / 65535.0
+        holes = terrain.in_hole([[0.125, 0.225], [0.175, 0.225]])
+        if alpha:
+            assert holes[0]
+            assert terrain.height[4, 3] == pytest.approx(expected[4, 3], abs=1e-9)
+            expected[4, 2] = terrain.height[4, 2]
+        assert terrain.height == pytest.approx(expected, abs=1e-9)
+
+    def test_colours_of_16_bits_are_brought_to_their_luminance(
+        self, tmp_path: Path, described: Write
+    ) -> None:
+        rows = [[1000, 20000, 40000] * 4, [65535, 0, 0] * 4]
+        with (tmp_path / "p.png").open("wb") as stream:
+            png.Writer(4, 2, bitdepth=16, greyscale=False).write(stream, rows)
+        terrain = load_terrain(described(file="p.png", resolution=0.05, height=1.0))
+        assert terrain.height[0, 0] == pytest.approx(0.299)
+        assert terrain.height[1, 0] == pytest.approx((299 + 11740 + 4560) / 65535)
+
+    @pytest.mark.parametrize(("depth", "mark"), [(8, 0), (8, 255), (16, 0), (16, 65535), (16, 77)])
+    def test_a_grey_may_stand_for_missing_heights(
+        self, tmp_path: Path, described: Write, depth: int, mark: int
+    ) -> None:
+        grey = np.full((20, 20), 60, dtype=f"uint{depth}")
+        grey[5:8, 10:12] = mark
+        Image.fromarray(grey).save(tmp_path / "p.png")
+        said = {"file": "p.png", "resolution": 0.05, "height": 0.2 * (2**depth - 1) / 60}
+        terrain = load_terrain(described(**said, nodata=mark))
+        assert terrain.height == pytest.approx(np.full((20, 20), 0.2))
+        assert (terrain.traversability[12:15, 10:12] == 0.0).all()
 
     def test_what_is_transparent_is_a_hole(self, tmp_path: Path, described: Write) -> None:
         pixels = np.full((20, 20, 4), 255, dtype=np.uint8)
@@ -154,6 +205,101 @@ class TestTables:
         assert load_terrain(named) == terrain
 
 
+def _with_marks(mark: float, low: float = 0.0, high: float = 0.4) -> Array:
+    heights = np.linspace(low, high, 400).reshape(20, 20)
+    heights[5:8, 10:12] = mark
+    return heights
+
+
+class TestMissingHeights:
+    @pytest.mark.parametrize("kind", ["csv", "npz", "triple"])
+    @pytest.mark.parametrize("mark", [-9999.0, -32768.0, 1e20, -3.4028235e38, 0.0, -1.0])
+    def test_numbers_for_missing_heights_became_pits(
+        self, tmp_path: Path, described: Write, kind: str, mark: float
+    ) -> None:
+        heights = _with_marks(mark, 0.1)
+        said: dict[str, Any] = {"file": "h.csv", "nodata": mark}
+        if kind == "npz":
+            said["file"] = "h.npz"
+            np.savez(tmp_path / "h.npz", height=heights.astype(np.float32))
+        else:
+            np.savetxt(tmp_path / "h.csv", heights, "%.7g", ",")
+        if kind == "triple":
+            y, x = np.indices((20, 20)) * 0.05
+            np.savetxt(tmp_path / "x.csv", x, delimiter=",")
+            np.savetxt(tmp_path / "y.csv", y, delimiter=",")
+            said |= {"x": "x.csv", "y": "y.csv"}
+        else:
+            said["resolution"] = 0.05
+        terrain = load_terrain(described(**said))
+        assert terrain.height.min() >= 0.099
+        assert terrain.height.max() <= 0.401
+        assert (terrain.traversability[6, 10:12] == 0.0).all()
+        filled = load_terrain(described(**said, holes="fill"))
+        assert (filled.traversability > 0.0).all()
+
+    @pytest.mark.parametrize(
+        ("mark", "high", "warned"),
+        [
+            (-9999.0, 0.4, True),
+            (-9999.0, 900.0, True),
+            (-9999.0, 1200.0, False),  # it may well be one of them
+            (-99.0, 0.4, False),
+            (-101.0, 0.4, True),
+            (-101.0, 12.0, False),
+            (150.0, 0.4, True),
+            (0.4, 0.4, False),
+        ],
+    )
+    def test_numbers_that_look_like_missing_heights_are_warned_about(
+        self, tmp_path: Path, described: Write, mark: float, high: float, warned: bool
+    ) -> None:
+        np.savez(tmp_path / "h.npz", height=_with_marks(mark, 0.0, high))
+        path = described(file="h.npz", resolution=0.05)
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            terrain = load_terrain(path)
+        assert (mark in terrain.height) or not warned
+        assert [one.category for one in caught] == [MapWarning] * warned
+        if warned:
+            assert f"h.npz: heights of {mark:g} look as if" in str(caught[0].message)
+            assert f"nodata: {mark:g}" in str(caught[0].message)
+
+    def test_numbers_beyond_all_heights_are_named(self, tmp_path: Path, described: Write) -> None:
+        np.savez(tmp_path / "h.npz", height=_with_marks(-3.4028235e38))
+        line = _refused(described(file="h.npz", resolution=0.05))
+        assert "expected nodata: -3.40282e+38 in its description" in line
+
+    @pytest.mark.parametrize("value", ["none", ".nan", [1], ".inf"])
+    def test_nodata_is_a_number(self, tmp_path: Path, described: Write, value: Any) -> None:
+        np.savez(tmp_path / "h.npz", height=_heights())
+        line = _refused(described(file="h.npz", resolution=0.05, nodata=value))
+        assert "t.yaml: nodata: expected a finite number" in line
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("h.csv", b"1,2,3\n# and\n\n4,5\n", "h.csv: line 4: 2 numbers, where the lines"),
+        ("h.csv", b"1 2 3\n4 5 6 7\n", "h.csv: line 2: 4 numbers, where"),
+        ("h.csv", b"1,2\n3,x\n", "h.csv: line 2: expected numbers"),
+        ("h.csv", b"height,width\n3,4\n", "h.csv: line 1: expected numbers"),
+        ("dem.tif", b"II*\0" + bytes(40), "dem.tif: unknown format .tif; expected a description"),
+        ("dem.asc", b"ncols 4\n", "dem.asc: unknown format .asc; expected"),
+        ("dem", b"II*\0" + bytes(40), "dem: expected a description in YAML with file"),
+    ],
+)  # fmt: skip
+def test_messages_of_libraries_came_through(
+    tmp_path: Path, described: Write, name: str, content: bytes, message: str
+) -> None:
+    (tmp_path / name).write_bytes(content)
+    assert message in _refused(
+        described(file=name, resolution=0.05) if "csv" in name else tmp_path / name
+    )
+    if name == "dem.tif":
+        assert message in _refused(described(file=name, resolution=0.05))
+
+
 def test_coarser_cells_are_bilinear_finer_ones_averages(described: Write, tmp_path: Path) -> None:
     y, x = np.indices((40, 60)) * 0.1
     plane = 0.2 * x - 0.1 * y
@@ -212,9 +358,9 @@ def test_holes_keep_their_place_on_another_grid(tmp_path: Path) -> None:
         ({"file": "nan.csv", "resolution": 0.05}, "nan.csv: heights: expected at least one height"),
         (
             {"file": "odd.csv", "resolution": 0.05},
-            "odd.csv: expected lines of as many numbers each",
+            "odd.csv: line 2: 3 numbers, where the lines",
         ),
-        ({"file": "word.csv", "resolution": 0.05}, "word.csv: expected lines of as many numbers"),
+        ({"file": "word.csv", "resolution": 0.05}, "word.csv: line 2: expected numbers"),
         (
             {"file": "inf.csv", "resolution": 0.05},
             "inf.csv: heights: expected finite heights or nan",

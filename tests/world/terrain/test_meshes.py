@@ -85,6 +85,45 @@ def test_every_kind_of_stl_says_the_same() -> None:
     assert parse_mesh(binary_stl(triangles, b"solid x")) == pytest.approx(triangles, abs=1e-6)
 
 
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda text: text.replace(b"solid", b"Solid"),
+        lambda text: text.upper(),
+        lambda text: b"\xef\xbb\xbf" + text,
+        lambda text: b"\n \t" + text,
+        lambda text: text.replace(b"\n", b"\r\n"),
+        lambda text: text.replace(b"\n", b"\r"),
+        lambda text: text.replace(b"\n", b" "),
+        lambda text: text.replace(b"solid ground", b"solid"),
+        lambda text: text.replace(b"solid ground", b"solid vertex plate"),
+        lambda text: text.replace(b"solid ground", b"solid a facet normal of vertex 1 2 3 and 4"),
+        lambda text: text.replace(b"endsolid ground", b"endsolid vertex facet"),
+        lambda text: text + b"solid nothing\nendsolid nothing\n",
+        lambda text: text + b"\xff\xfe",
+        lambda text: text.replace(b"ground", "Gelände".encode()),
+    ],
+)
+def test_texts_of_stl_were_told_by_their_small_letters_and_names(
+    tmp_path: Path, change: Callable[[bytes], bytes]
+) -> None:
+    triangles = _mesh()
+    assert parse_mesh(change(text_stl(triangles))) == pytest.approx(triangles, abs=1e-6)
+    path = tmp_path / "ground.txt"  # told by its content
+    path.write_bytes(change(text_stl(_BOX)))
+    assert load_terrain(path).height.shape == (20, 20)
+
+
+@pytest.mark.parametrize("counts", [(4, 2), (2, 4), (3, 4, 3), (3, 2), (6,), (3, 0, 3), (1,)])
+def test_facets_of_other_than_three_corners_were_joined(counts: tuple[int, ...]) -> None:
+    facets = "".join(
+        "facet normal 0 0 1\nouter loop\n" + "vertex 1 2 3\n" * count + "endloop\nendfacet\n"
+        for count in counts
+    )
+    with pytest.raises(MapError, match="a facet of the STL mesh has not three corners"):
+        parse_mesh(f"solid\n{facets}endsolid\n".encode())
+
+
 @pytest.mark.parametrize("kind", _PLY)
 def test_faces_of_many_corners_are_fans(kind: str) -> None:
     header = (
@@ -221,6 +260,14 @@ def test_damaged_meshes_never_end_in_a_traceback(tmp_path: Path, data: st.DataOb
 
 class TestDataOfOthers:
     """Meshes of Quad-SDK; their tops lie at 0.1 m."""
+
+    def test_small_ones_that_failed(self, shared_data: Callable[[str], Path]) -> None:
+        for path in sorted(shared_data("cases/stl").glob("*.stl")):
+            if "4" in path.name:
+                with pytest.raises(MapError, match="has not three corners"):
+                    load_terrain(path)
+            else:
+                assert load_terrain(path).height.shape == (40, 40)
 
     @pytest.mark.parametrize(
         ("name", "top", "hole"),

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from cavalcade.errors import InputError
 from cavalcade.fleet.mujoco.engine import load_mujoco
 from cavalcade.fleet.mujoco.own_model import OwnModel, read_own_model, zero_state
 from cavalcade.locomotion.parameters import AXES
@@ -24,6 +25,25 @@ from cavalcade.robots.description import (
     combined,
 )
 from cavalcade.robots.model import RobotModel
+
+_LARGEST = {
+    "body_mass": 1e4,
+    "body_inertia": 1e4,
+    "body_pos": 100.0,
+    "body_ipos": 100.0,
+    "jnt_pos": 100.0,
+    "jnt_range": 1e3,
+    "jnt_actfrcrange": 1e5,
+    "actuator_forcerange": 1e5,
+    "actuator_ctrlrange": 1e5,
+    "actuator_gear": 1e4,
+    "geom_pos": 100.0,
+    "geom_size": 100.0,
+    "dof_damping": 1e4,
+    "dof_frictionloss": 1e4,
+    "dof_armature": 1e4,
+}
+"""Magnitudes of what is read of a model: kg, kg m², m, rad, N m, N m s/rad."""
 
 _BENT = 0.61
 """Height of a standing hip over the foot's centre, of the leg's length; as Go1 stands."""
@@ -43,6 +63,7 @@ def own_robot(file: str | Path, like: RobotModel) -> RobotModel:
         InputError: MuJoCo is missing, the file cannot be read, or it is no such quadruped.
     """
     own = read_own_model(file)
+    _check_figures(own.model, file)
     model, data = own.model, zero_state(own.model)
     # Body of the trunk and of the 12 links to index: 0, and `1 + 3 * leg + j`.
     bodied = (own.root, *own.joints)
@@ -76,6 +97,19 @@ def own_robot(file: str | Path, like: RobotModel) -> RobotModel:
         file=str(file),
     )
     return replace(like, name=description.name, source=str(file), description=description)
+
+
+def _check_figures(model: Any, file: str | Path) -> None:
+    """Refuse figures that no robot has: with them, forces and motion would overflow.
+
+    Raises:
+        InputError: It names the file and the attribute of MuJoCo's model.
+    """
+    for name, most in _LARGEST.items():
+        values = np.asarray(getattr(model, name), dtype=float)
+        # Written so that nan is refused, too.
+        if not (np.abs(values) <= most).all():
+            raise InputError(f"expected figures within ±{most:g}", file=file, key=name)
 
 
 def _joint(own: OwnModel, number: int, offset: Vector) -> JointDescription:

@@ -2,35 +2,54 @@
 
 Keys of a description, beside `file`: `resolution` (m between heights), `height` (m of black and
 white of a picture), `scale` (m of one unit of any other file), `origin` (pose of the lower-left
-corner in the map frame), `first_row` and `holes`; see docs/how-to/terrain.md.
+corner in the map frame), `first_row`, `nodata` and `holes`; see docs/how-to/terrain.md.
 """
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
+
+import numpy as np
 
 from cavalcade.errors import MapError
 from cavalcade.files import read_head
 from cavalcade.world._descriptions import as_float, choice, load_mapping, numbers
 from cavalcade.world._images import PNG_SIGNATURE
 from cavalcade.world.occupancy import checked_origin, checked_resolution
-from cavalcade.world.terrain.meshes import read_mesh
+from cavalcade.world.ros_map import MapWarning, warn_of_degrees
+from cavalcade.world.terrain.meshes import is_mesh, read_mesh
 from cavalcade.world.terrain.samples import (
     Samples,
+    likely_nodata,
     read_archive,
     read_picture,
     read_table,
     read_triple,
     to_grid,
+    without,
 )
-from cavalcade.world.terrain.terrain import RESOLUTION, Terrain, checked_cell
+from cavalcade.world.terrain.terrain import MAX_HEIGHT, RESOLUTION, Terrain, checked_cell
 
 Kind = Literal["picture", "archive", "mesh", "table", "description"]
 
-KEYS = ("file", "x", "y", "resolution", "height", "scale", "origin", "first_row", "holes")
+KEYS = (
+    "file",
+    "x",
+    "y",
+    "resolution",
+    "height",
+    "scale",
+    "origin",
+    "first_row",
+    "nodata",
+    "holes",
+)
 """Keys of a description."""
+
+_FORMATS = "a description in YAML, or a PNG, NPZ, CSV, STL or PLY file"
 
 _TABLES = ("x_data.csv", "y_data.csv", "z_data.csv")
 
@@ -49,18 +68,25 @@ def load_terrain(path: str | Path, resolution: float = RESOLUTION) -> Terrain:
     path = Path(path)
     cell = checked_cell(resolution)
     try:
-        if path.is_dir():
-            return _terrain(read_triple(*(path / name for name in _TABLES)), cell, {})
-        kind = _kind_of(path)
-        if kind == "description":
-            return _described(path, cell)
-        if kind in ("picture", "table"):
-            raise MapError(f"a {kind} needs a description in YAML with file and resolution")
-        return _terrain(_read(kind, path, cell, {}), cell, {})
+        # Numbers of damaged files overflow, or are signals; what comes of them is looked at.
+        with np.errstate(over="ignore", invalid="ignore"):
+            return _loaded(path, cell)
     except MapError as error:
         raise (error.at(file=path, key=error.key) if error.file is None else error) from None
     except MemoryError:
         raise MapError("is too large for the memory there is", file=path) from None
+
+
+def _loaded(path: Path, cell: float) -> Terrain:
+    if path.is_dir():
+        samples = read_triple(*(path / name for name in _TABLES))
+        return _terrain(_known(samples, {}, path), cell, {})
+    kind = _kind_of(path)
+    if kind == "description":
+        return _described(path, cell)
+    if kind in ("picture", "table"):
+        raise MapError(f"a {kind} needs a description in YAML with file and resolution")
+    return _terrain(_read(kind, path, cell, {}), cell, {})
 
 
 def _described(path: Path, cell: float) -> Terrain:
@@ -72,12 +98,15 @@ def _described(path: Path, cell: float) -> Terrain:
     try:
         if "x" in said or "y" in said:
             samples = read_triple(_name(said, "x", path), _name(said, "y", path), file)
+            samples = _known(samples, said, file)
         else:
             kind = _kind_of(file)
             if kind == "description":
                 raise MapError("expected a PNG, NPZ, CSV, STL or PLY file", key="file")
             samples = _read(kind, file, cell, said)
-        return _terrain(samples, cell, said)
+        terrain = _terrain(samples, cell, said)
+        warn_of_degrees(path, terrain.origin[2])
+        return terrain
     except MapError as error:
         if error.file is not None:
             raise
@@ -88,7 +117,7 @@ def _described(path: Path, cell: float) -> Terrain:
 def _read(kind: Kind, file: Path, cell: float, said: dict[str, Any]) -> Samples:
     if kind == "picture":
         low, high = _range(said)
-        samples = read_picture(file)
+        samples = read_picture(file, _nodata(said))
         samples = replace(samples, heights=low + (high - low) * samples.heights)
         return _turned(samples, said, "top")
     if "height" in said:
@@ -97,13 +126,31 @@ def _read(kind: Kind, file: Path, cell: float, said: dict[str, Any]) -> Samples:
     if not 1e-6 <= scale <= 1e6:
         raise MapError("expected a number from 1e-6 to 1e6", key="scale")
     if kind == "mesh":
-        for key in ("resolution", "first_row"):
+        for key in ("resolution", "first_row", "nodata"):
             if key in said:
                 raise MapError("a mesh has none", key=key)
         return read_mesh(file, cell, scale)
     samples = read_archive(file) if kind == "archive" else read_table(file)
+    samples = _known(samples, said, file, scale)
     samples = replace(samples, heights=scale * samples.heights)
     return _turned(samples, said, "bottom")
+
+
+def _nodata(said: dict[str, Any]) -> float | None:
+    """What stands for missing heights in the file, if the description says so."""
+    return as_float(said["nodata"], "nodata") if "nodata" in said else None
+
+
+def _known(samples: Samples, said: dict[str, Any], file: Path, scale: float = 1.0) -> Samples:
+    """The heights without those that only mark missing ones; a warning where nobody said which."""
+    nodata = _nodata(said)
+    if nodata is None and (mark := likely_nodata(samples.heights)) is not None:
+        text = f"heights of {mark:g} look as if they stood for missing ones"
+        hint = f"expected nodata: {mark:g} in its description, if so"
+        if scale * abs(mark) > MAX_HEIGHT:
+            raise MapError(f"{text}; {hint}", file=file)
+        warnings.warn(f"{file}: {text}; {hint}", MapWarning, stacklevel=2)
+    return without(samples, nodata)
 
 
 def _terrain(samples: Samples, cell: float, said: dict[str, Any]) -> Terrain:
@@ -124,9 +171,13 @@ def _kind_of(file: Path) -> Kind:
     if head.startswith(b"PK\x03\x04"):
         return "archive"
     suffix = file.suffix.lower()
-    if head.startswith((b"ply\n", b"ply\r", b"solid")) or suffix == ".stl":
+    if is_mesh(head) or suffix == ".stl":
         return "mesh"
-    return "table" if suffix in (".csv", ".txt") else "description"
+    if suffix in (".csv", ".txt"):
+        return "table"
+    if suffix not in ("", ".yaml", ".yml"):
+        raise MapError(f"unknown format {suffix[:20]}; expected {_FORMATS}", file=file)
+    return "description"
 
 
 def _turned(samples: Samples, said: dict[str, Any], usual: str) -> Samples:

@@ -10,6 +10,7 @@ something behind the last facet, or cut off before their `endsolid`.
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +31,10 @@ _MAX_WORK = 2e9
 
 _MAX_EXTENT = 1e6
 _HEADER, _FACET = 84, 50
+_PLY, _BOM = (b"ply\n", b"ply\r"), b"\xef\xbb\xbf"
+
+_NAME = re.compile(rb"^[ \t]*(?:end)?solid\b[^\n]*?(?=\bfacet\s+normal\s+[-+.\d]|$)", re.MULTILINE)
+"""`solid` with a name, up to the end of the line or the first facet."""
 
 
 def read_mesh(path: Path, cell: float, scale: float = 1.0) -> Samples:
@@ -71,16 +76,22 @@ def parse_mesh(content: bytes) -> Array:
     Raises:
         MapError: Neither, or damaged.
     """
-    if content.startswith((b"ply\n", b"ply\r")):
+    if content.startswith(_PLY):
         return parse_ply(content)
     # Some binary files begin with `solid`, too: only their length tells.
     if len(content) >= _HEADER:
         count = int.from_bytes(content[80:84], "little")
-        if len(content) == _HEADER + _FACET * count or not content.lstrip().startswith(b"solid"):
+        if len(content) == _HEADER + _FACET * count or not is_mesh(content):
             return _binary_stl(content, count)
-    if content.lstrip().startswith(b"solid"):
+    if is_mesh(content):
         return _text_stl(content)
     raise MapError("expected a mesh: STL or PLY")
+
+
+def is_mesh(content: bytes) -> bool:
+    """Whether this is the beginning of a PLY file or of an STL file in text."""
+    beginning = content[:512].removeprefix(_BOM).lstrip()[:5].lower()
+    return content.startswith(_PLY) or beginning == b"solid"
 
 
 def _binary_stl(content: bytes, count: int) -> Array:
@@ -95,17 +106,23 @@ def _binary_stl(content: bytes, count: int) -> Array:
 
 
 def _text_stl(content: bytes) -> Array:
-    words = content.split()
-    try:
-        corners = [
-            [float(words[k + 1]), float(words[k + 2]), float(words[k + 3])]
-            for k, word in enumerate(words)
-            if word == b"vertex"
-        ]
-    except (ValueError, IndexError):
-        raise MapError("expected three numbers after each `vertex` of the STL mesh") from None
-    if len(corners) % 3:
-        raise MapError("a facet of the STL mesh has not three corners")
+    """Words in any case; what follows `solid` and `endsolid` in their lines is a name."""
+    text = content.removeprefix(_BOM).replace(b"\r", b"\n").lower()
+    words = _NAME.sub(b" ", text).split()
+    corners: list[list[float]] = []
+    begun = 0  # corners before this facet
+    for k, word in enumerate([*words, b"facet"]):
+        if word == b"vertex":
+            try:
+                corners.append([float(number) for number in words[k + 1 : k + 4]])
+            except ValueError:
+                corners.append([])
+            if len(corners[-1]) != 3:
+                raise MapError("expected three numbers after each `vertex` of the STL mesh")
+        elif word == b"facet":
+            if len(corners) not in (begun + 3, 0):
+                raise MapError("a facet of the STL mesh has not three corners")
+            begun = len(corners)
     return np.array(corners, dtype=np.float64).reshape(-1, 3, 3)
 
 

@@ -4,18 +4,23 @@ from __future__ import annotations
 
 import io
 import math
-import re
 import zipfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cavalcade.errors import MapError
 from cavalcade.files import read_bytes, read_head
 from cavalcade.geometry import Array
 from cavalcade.kernels import kernel
-from cavalcade.world._images import decode_png, png_size
+from cavalcade.world._images import (
+    decode_deep_colours,
+    decode_png,
+    has_deep_colours,
+    png_size,
+)
 from cavalcade.world.terrain.filters import filled
 from cavalcade.world.terrain.terrain import check_terrain_size, checked_heights, sample
 
@@ -29,6 +34,9 @@ _EVEN = 1e-3
 """Distances of samples may differ by this share of themselves."""
 
 _NAMES = ("height", "elevation", "z")
+
+_USUAL_NODATA = (-9999.0, -99999.0, -32767.0, -32768.0, 32767.0, -3.4028235e38, 3.4028235e38)
+"""What tools for maps of the earth write where they have no height."""
 
 
 @dataclass(frozen=True)
@@ -123,19 +131,65 @@ def block_means(field: Array, size: int) -> Array:
     return total / (size * size)
 
 
-def read_picture(path: Path) -> Samples:
+def read_picture(path: Path, nodata: float | None = None) -> Samples:
     """Brightness 0 (black) to 1 (white) of a PNG of 8 or 16 bits; nan where it is transparent.
+
+    Args:
+        path: The picture.
+        nodata: Grey, 0 to 255 or 65535, that stands for missing heights.
 
     Raises:
         MapError: Not such a picture, damaged or too large.
     """
-    width, height = png_size(read_head(path, 64), path)
+    head = read_head(path, 64)
+    width, height = png_size(head, path)
     check_sample_count(height, width)
-    values, alpha = decode_png(read_bytes(path, 16 * width * height + 1_000_000), path)
-    heights = values.astype(np.float64) / np.iinfo(values.dtype).max
-    if alpha is not None:
-        heights[alpha < 128] = np.nan
+    content = read_bytes(path, 16 * width * height + 1_000_000)
+    values: Array
+    if has_deep_colours(head):
+        values, missing = decode_deep_colours(content, path)
+        white = 65535
+    else:
+        grey, alpha = decode_png(content, path)
+        values, white = grey.astype(np.float64), int(np.iinfo(grey.dtype).max)
+        missing = np.zeros(grey.shape, bool) if alpha is None else alpha < 128
+    if nodata is not None:
+        missing |= _equal(values, nodata)
+    heights = values / white
+    heights[missing] = np.nan
     return Samples(heights[::-1])
+
+
+def without(samples: Samples, nodata: float | None) -> Samples:
+    """The same heights, nan where they are `nodata`; None if no number says that."""
+    if nodata is None:
+        return samples
+    missing = _equal(samples.heights, nodata)
+    return replace(samples, heights=np.where(missing, np.nan, samples.heights))
+
+
+def _equal(values: Array, nodata: float) -> NDArray[np.bool_]:
+    """Where values are a number, but for the digits that a text or single precision cuts off."""
+    equal: NDArray[np.bool_] = np.abs(values - nodata) <= 1e-6 * abs(nodata)
+    return equal
+
+
+def likely_nodata(heights: Array) -> float | None:
+    """The value that looks as if it stood for missing heights, if one does.
+
+    It is the lowest or the highest of them, far from all others: ten times as far as these are
+    apart, and it is either a usual mark or at least 100 away.
+    """
+    known = heights[np.isfinite(heights)]
+    for extreme in (known.min(initial=np.inf), known.max(initial=-np.inf)):
+        others = known[~_equal(known, extreme)]
+        if not others.size:
+            continue
+        gap = float(np.abs(others - extreme).min())
+        usual = any(_equal(extreme, mark) for mark in _USUAL_NODATA)
+        if gap >= max(0.0 if usual else 100.0, 10.0 * float(np.ptp(others))):
+            return float(extreme)
+    return None
 
 
 def read_table(path: Path) -> Samples:
@@ -231,19 +285,33 @@ def _numbers(path: Path) -> Array:
         text = read_bytes(path, MAX_BYTES).decode("utf-8-sig")
     except UnicodeDecodeError:
         raise MapError("expected a text file of numbers", file=path) from None
-    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    lines = {
+        number: line
+        for number, line in enumerate(text.splitlines(), start=1)
+        if line.strip() and not line.startswith("#")
+    }
     if not lines:
         raise MapError("there is no number in it", file=path)
-    mark = next((mark for mark in (",", ";") if mark in lines[0]), None)
-    check_sample_count(len(lines), lines[0].count(mark) + 1 if mark else len(lines[0].split()))
-    if mark is not None:
-        # An end of line after the last separator closes the field, it opens no new one.
-        empty = re.compile(rf"(?:^|(?<={mark}))[ \t]*(?={mark})")
-        lines = [empty.sub("nan", line.rstrip().removesuffix(mark)) or "nan" for line in lines]
-    try:
-        numbers = np.loadtxt(lines, delimiter=mark, ndmin=2, comments=None)
-    except ValueError as error:
-        reason = " ".join(str(error).split())[:120]
-        raise MapError(f"expected lines of as many numbers each: {reason}", file=path) from None
-    check_sample_count(*numbers.shape)
-    return np.asarray(numbers, dtype=np.float64)
+    first = next(iter(lines.values()))
+    mark = next((mark for mark in (",", ";") if mark in first), None)
+    width = len(_fields(first, mark))
+    check_sample_count(len(lines), width)
+    table = np.empty((len(lines), width))
+    for row, (number, line) in enumerate(lines.items()):
+        fields = _fields(line, mark)
+        if len(fields) != width:
+            text = f"{len(fields)} numbers, where the lines before have {width}"
+            raise MapError(text, file=path, key=f"line {number}")
+        try:
+            table[row] = fields
+        except ValueError:
+            raise MapError("expected numbers", file=path, key=f"line {number}") from None
+    return table
+
+
+def _fields(line: str, mark: str | None) -> list[str]:
+    """The fields of a line between marks, or white space; `nan` where there is nothing."""
+    if mark is None:
+        return line.split()
+    # An end of line after the last separator closes the field, it opens no new one.
+    return [field.strip() or "nan" for field in line.rstrip().removesuffix(mark).split(mark)]

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cavalcade.errors import MapError
-from cavalcade.geometry import Array
+from cavalcade.errors import InputError, MapError
+from cavalcade.geometry import Array, as_floats
 from cavalcade.kernels import kernel, subroutine
 from cavalcade.world.occupancy import MAX_EXTENT, OccupancyMap, PlacedGrid, checked_origin
 from cavalcade.world.terrain.filters import make_layers
@@ -87,8 +87,8 @@ class Terrain(PlacedGrid):
         """The terrain of raw heights.
 
         Args:
-            heights: `(rows, cols)` m; nan in holes and where nothing is known: spanned from
-                around, and no foot may stand there.
+            heights: `(rows, cols)` m; nan, or a mask, in holes and where nothing is known:
+                spanned from around, and no foot may stand there.
             resolution: Side of a cell, m.
             origin: Pose of the lower-left corner of cell [0, 0].
 
@@ -194,8 +194,8 @@ def _layer(value: object, name: str, dimensions: int) -> Array:
 
 def _numbers(value: object, key: str) -> Array:
     try:
-        return np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
+        return as_floats(value, key)
+    except InputError:
         raise MapError("expected a grid of numbers", key=key) from None
 
 

@@ -1,0 +1,227 @@
+"""All kernels that a job takes, compiled or loaded before it begins, by a rehearsal.
+
+A rehearsal is a small job of the same kind that lasts a moment. Nothing is compiled within a
+control cycle or a time budget then, and what is compiled is seen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from cavalcade.errors import InputError
+from cavalcade.execution.loop import carry_out
+from cavalcade.formation import FormationPlanner
+from cavalcade.formation.settings import VARIANTS
+from cavalcade.jobs.planning import make_plan
+from cavalcade.jobs.reporter import JobReporter, Reporter
+from cavalcade.jobs.tasks import TASKS
+from cavalcade.scenario import (
+    Scenario,
+    build_world,
+    load_scenario,
+    parse_scenario,
+    resolve_scenario,
+)
+
+_MEASURED = (
+    "cavalcade.geometry.string_pulling",
+    "cavalcade.metrics.clearance",
+)
+_FORMATION = ("cavalcade.eikonal", "cavalcade.formation", "cavalcade.robots.motion")
+_PLANS = ("cavalcade.lattice", "cavalcade.coordination", "cavalcade.locomotion.footholds")
+_UNEVEN = ("cavalcade.kinodynamic", "cavalcade.world.terrain.filters")
+_PHYSICS = ("cavalcade.locomotion.control", "cavalcade.fleet.mujoco")
+"""Where the kernels of jobs are, for the estimate of what there is to do."""
+
+_RARE = (
+    "cavalcade.coordination.joint",
+    "cavalcade.geometry.distances.cells_clearance",
+    "cavalcade.geometry.string_pulling.string_pulled_length",
+    "cavalcade.eikonal._descent.nearest_reached",
+)
+_SURFACE = ("cavalcade.lattice.surface", "cavalcade.coordination.conflicts.first_conflict")
+_MOVING = ("cavalcade.formation._evasive_motion",)
+"""Those of them that few jobs take: compiled when they are."""
+
+
+@dataclass(frozen=True)
+class Needs:
+    """What decides which kernels a job takes.
+
+    Attributes:
+        kind: Of the task: `formation`, `individual` or `commands`.
+        backend: That carries it out; None where nothing is carried out.
+        variant, method: The planner's.
+        uneven: Its ground has heights.
+        moving: Something may move on the way.
+    """
+
+    kind: str
+    backend: str | None = "ideal"
+    variant: str = "cavalcade"
+    method: str = "auto"
+    uneven: bool = False
+    moving: bool = False
+
+    @property
+    def modules(self) -> tuple[str, ...]:
+        """Where its kernels are."""
+        kinds: dict[str, tuple[str, ...]] = {"formation": _FORMATION, "individual": _PLANS}
+        found = kinds.get(self.kind, ())
+        if self.uneven:
+            found += _UNEVEN
+        if self.backend is not None:
+            found += _PHYSICS if self.backend == "mujoco" else ("cavalcade.fleet.ideal",)
+        return found + _MEASURED
+
+    @property
+    def unused(self) -> tuple[str, ...]:
+        """What it does not take of these."""
+        surface = () if self.uneven else _SURFACE
+        return _RARE + surface if self.moving else _RARE + surface + _MOVING
+
+
+def needs_of(scenario: Scenario, backend: str | None) -> Needs:
+    """What a job of the scenario takes, carried out by a backend or, if None, only planned."""
+    return Needs(
+        scenario.task.kind,
+        backend,
+        scenario.planner.variant,
+        scenario.planner.method,
+        scenario.world.has_heights,
+        bool(scenario.execution.events),
+    )
+
+
+def warm_up(*whats: Scenario | str | Path | FormationPlanner | Needs, quiet: bool = True) -> None:
+    """Compile or load the kernels that jobs or a control loop of your own will call.
+
+    The first time on a machine this takes from some seconds to a minute. Call it before a loop
+    that has to keep a rate.
+
+    Args:
+        whats: Scenarios, loaded or by name or file, for runs and plans of them; a
+            `FormationPlanner` for loops around it; nothing for all that formations take.
+        quiet: Print nothing; otherwise the progress.
+
+    Raises:
+        InputError: A scenario cannot be read.
+    """
+    wanted = [needs for what in whats for needs in _needs(what)]
+    with Reporter(quiet) as reporter:
+        warm(wanted or [Needs("formation", moving=True)], reporter)
+
+
+def warm(wanted: Iterable[Needs], reporter: Reporter) -> None:
+    """The same for needs, each of them once in a process, with the progress said."""
+    wanted = list(dict.fromkeys(wanted))
+    modules = dict.fromkeys(module for needs in wanted for module in needs.modules)
+    unused = set.intersection(*(set(needs.unused) for needs in wanted)) if wanted else ()
+    with reporter.compiling(modules, unused):
+        for needs in wanted:
+            _rehearse(needs)
+
+
+def all_needs(everything: bool) -> list[Needs]:
+    """What formations and plans on even ground take; with `everything`, what any job does."""
+    formation = Needs("formation", moving=True)
+    found = [formation, Needs("individual")]
+    if not everything:
+        return found
+    found += [replace(formation, variant=name) for name in VARIANTS]
+    found += [Needs("individual", None, uneven=True)]
+    found += [Needs("individual", None, "published", method) for method in ("cbs", "joint")]
+    try:
+        from cavalcade.fleet.mujoco.engine import load_mujoco
+
+        load_mujoco()
+    except InputError:  # an extra that not everybody has
+        return found
+    return [*found, *(Needs(kind, "mujoco") for kind in TASKS)]
+
+
+def _needs(what: Scenario | str | Path | FormationPlanner | Needs) -> list[Needs]:
+    if isinstance(what, Needs):
+        return [what]
+    if isinstance(what, FormationPlanner):
+        return [Needs("formation", None, what.variant.name, moving=True)]
+    scenario = what if isinstance(what, Scenario) else load_scenario(what)
+    needs = needs_of(scenario, scenario.execution.backend)
+    return [needs, replace(needs, backend=None)] if scenario.goals else [needs]
+
+
+@cache
+def _rehearse(needs: Needs) -> None:
+    """Do a job that takes the same kernels, once in a process."""
+    scenario = resolve_scenario(parse_scenario(_rehearsal(needs)))
+    world = build_world(scenario)
+    if needs.backend is None and scenario.goals:
+        make_plan(scenario, world)
+        return
+    task = TASKS[needs.kind](scenario, world, JobReporter(scenario.name, quiet=True))
+    robots = task.make_fleet()
+    policy = task.make_policy(robots)
+    done = carry_out(scenario, world, policy, robots, budget=task.budget)
+    if needs.backend is not None:
+        task.summarise(policy, done)
+
+
+def _rehearsal(needs: Needs) -> dict[str, Any]:
+    """The scenario of a rehearsal, as its file would say it."""
+    said: dict[str, Any] = {
+        "version": 1,
+        "name": "rehearsal",
+        "world": {"empty": {"size": [6.0, 4.0]}},
+        "execution": {"backend": needs.backend or "ideal", "timeout": 0.5},
+    }
+    return said | _REHEARSALS[needs.kind](needs, said["execution"])
+
+
+def _formation(needs: Needs, execution: dict[str, Any]) -> dict[str, Any]:
+    # The box is in the way: robots look for paths round it.
+    box = {"center": [2.2, 2.0], "size": [0.2, 1.2]}
+    execution |= {"noise": {"position": 0.01}, "delay": {"mean": 0.1}}
+    if needs.moving:
+        circle = {"center": [3.5, 0.6], "radius": 0.2}
+        move = {"circle": circle, "to": [0.5, 0.6], "speed": 1.0}
+        execution["events"] = [{"at": 0.1, "move": move}]
+    return {
+        "world": {"empty": {"size": [6.0, 4.0]}, "obstacles": [{"box": box}]},
+        "robots": [{"model": "go1", "start": [1.0, y, 0.0]} for y in (1.6, 2.4)],
+        "task": {"formation": {"shape": "line", "spacing": 0.8}, "goals": [[4.5, 2.0, 0.0]]},
+        "planner": {"variant": needs.variant},
+    }
+
+
+def _individual(needs: Needs, execution: dict[str, Any]) -> dict[str, Any]:
+    model, turned = "go1" if needs.backend == "mujoco" else "spirit", 3.14159
+    found: dict[str, Any] = {
+        "robots": [
+            {"model": model, "start": [1.0, 2.0, 0.0], "goal": [5.0, 2.0, 0.0]},
+            {"model": model, "start": [5.0, 2.0, turned], "goal": [1.0, 2.0, turned]},
+        ],
+        "task": {"goals": "individual"},
+        "planner": {
+            "variant": needs.variant,
+            "method": needs.method,
+            "budget": {"iterations": 20_000},
+        },
+    }
+    if needs.uneven:
+        found["world"] = {"generate": {"kind": "step", "size": [6.0, 4.0], "height": 0.1}}
+    return found
+
+
+def _commands(needs: Needs, execution: dict[str, Any]) -> dict[str, Any]:
+    execution["timeout"] = 2.0
+    return {
+        "robots": [{"model": "go1", "start": [1.0, 2.0, 0.0]}],
+        "task": {"commands": [{"at": 0.0, "velocity": [0.2, 0.0, 0.0]}]},
+    }
+
+
+_REHEARSALS = {"formation": _formation, "individual": _individual, "commands": _commands}
