@@ -29,6 +29,7 @@ SAYS = {
     "15_leg_control_alone": "swings with",
     "16_predictive_control_alone": "brake with",
     "17_check_arrays": "clean, closest",
+    "18_own_loop_at_20_hz": "arrived after",
 }
 
 WRITES = {

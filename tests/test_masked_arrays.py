@@ -11,8 +11,9 @@ from cavalcade.eikonal import TravelGrid, arrival_times, surface_distance
 from cavalcade.errors import InputError
 from cavalcade.fleet import IdealFleet
 from cavalcade.formation import Formation, FormationPlanner, SafetyInputs
-from cavalcade.geometry import as_floats
+from cavalcade.lattice.ground import make_ground
 from cavalcade.robots import robot_model
+from cavalcade.values import number_array, real_array
 from cavalcade.world import Circle, OccupancyMap, Terrain
 
 _FILLS = (0, 1, 5)
@@ -91,7 +92,7 @@ def _uses(poses, key):
         "fleet": lambda: IdealFleet([GO1] * 4, poses),
         "send": lambda: IdealFleet([GO1] * 4, POSES).send(poses),
         "problem": lambda: TeamProblem.on_map(ROOM, ["go1"] * 4, poses, POSES),
-        "parts": lambda: TeamProblem(None, (GO1,) * 4, POSES, poses),
+        "parts": lambda: TeamProblem(make_ground(ROOM), (GO1,) * 4, POSES, poses),
         "slots": lambda: Formation.custom([row[:2] for row in poses]),
         "places": lambda: ROOM.cell_of([row[:2] for row in poses]),
         "distance": lambda: Circle((0.0, 0.0), 1.0).distance([row[:2] for row in poses]),
@@ -146,7 +147,8 @@ def test_times_that_are_no_numbers(time):
 
 def test_numbers_of_any_kind_are_taken():
     for values in ([1, 2], (1.0, 2), np.array([1, 2], np.uint8), np.float32([1, 2])):
-        assert as_floats(values, "x").tolist() == [1.0, 2.0]
+        assert real_array(values, "x", "numbers").tolist() == [1.0, 2.0]
+        assert number_array(values, "x", (2,), "two numbers").tolist() == [1.0, 2.0]
     own = np.zeros(2)
-    as_floats(own, "x")[0] = 1.0
+    number_array(own, "x", (2,), "two numbers")[0] = 1.0
     assert own[0] == 0.0

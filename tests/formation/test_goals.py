@@ -113,8 +113,8 @@ class TestPlan:
         assert (CLUTTER.speed_at(plan.places) > 0.0).all()
         assert min(gaps(tools, CLUTTER, plan.places, goal[2])) > 0.02
         # Nearer placements, tried one by one, put a slot into the inflated zone, or a body so
-        # close to an obstacle that its discs (8 cm longer) in cells (half of one off) have no room.
-        least = 0.06 + 0.081 + CELL * math.sqrt(0.5)
+        # close to an obstacle that its discs (8 cm longer) have no room.
+        least = 0.06 + 0.081
         steps = np.arange(-plan.moved, plan.moved + CELL, CELL)
         wanted = plan.places - (plan.pose[:2] - goal[:2])
         for dx in steps:
@@ -133,7 +133,8 @@ class TestPlan:
             for yaw in (math.pi / 2, 0.0)
         )  # fmt: skip
         assert along.moved == 0.0
-        assert facing.moved == pytest.approx(0.10, abs=CELL)
+        # Its discs reach 0.406 m to the front, and 0.06 m are to spare there.
+        assert facing.moved == pytest.approx(0.406 + 0.06 - 0.35, abs=CELL)
         assert facing.pose[0] < 11.65
         assert min(gaps(tools, OPEN, facing.places, 0.0)) > 0.02
 
@@ -165,6 +166,24 @@ class TestPlan:
     def test_a_goal_far_out_of_reach_of_any_placement_cuts_everyone_off(self):
         plan = GoalPlan(CLUTTER, np.array([30.0, 3.0, 0.0]), SQUARE, self.START, COVER)
         assert plan.cut_off.tolist() == [0, 1, 2, 3]
+        assert plan.problem == "it is off the map"
+
+    @pytest.mark.parametrize(
+        ("goal", "problem"),
+        [
+            ((8.01, 3.0), ""),  # beyond the border, but moved to where it fits
+            ((11.5, 3.0), "it is off the map"),
+            ((4.2, 3.0), "the shape fits nowhere within 3 m of it"),
+            ((3.8, 3.0), ""),
+        ],
+    )
+    def test_a_goal_off_the_map_was_called_unreachable(self, goal, problem):
+        block = Box((3.5, 3.0), (4.0, 6.0))
+        maps = maps_of() if goal[0] > 8.0 else maps_of(block, size=(5.5, 6.0))
+        alone, start = np.zeros((1, 2)), np.array([[0.75, 3.0]])
+        plan = GoalPlan(maps, np.array([*goal, 0.0]), alone, start, COVER)
+        assert plan.problem == problem
+        assert (len(plan.cut_off) > 0) == (problem != "")
 
     def test_only_who_is_walled_in_is_cut_off(self):
         cell = [Box((1.0, 4.0 + dy), (1.3, 0.1)) for dy in (-0.6, 0.6)]

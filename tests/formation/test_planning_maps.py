@@ -105,6 +105,19 @@ def test_off_the_map_nobody_may_drive():
     assert maps.speed_at(points).tolist() == [0.0, 0.0, 0.0, 1.0]
 
 
+@pytest.mark.parametrize("cell", [0.02, 0.05, 0.25, 0.5])
+def test_the_distance_of_a_point_was_that_of_its_cell(cell):
+    occupied = np.zeros((30, 40), dtype=bool)
+    occupied[12, 17] = occupied[20, 30] = True
+    maps = PlanningMaps(occupied, cell, FormationSettings())
+    low = np.array([[17.0, 12.0], [30.0, 20.0]])
+    for point in np.random.default_rng(0).uniform((0.0, 0.0), (40.0, 30.0), (60, 2)):
+        out = np.maximum(np.maximum(low - point, point - low - 1.0), 0.0)
+        exact = min(*np.hypot(*out.T), *point, *((40.0, 30.0) - point))
+        assert maps.distance_at(point * cell) == pytest.approx(exact * cell, abs=1e-12)
+    assert maps.distance_at(np.array([-0.1, 1.0])) == 0.0
+
+
 class TestRegions:
     MAP = OccupancyMap.empty((8.0, 4.0), CELL).with_shapes([Box((4.0, 2.0), (0.4, 4.0))])
     GROUND = PlanningMaps(MAP.occupied, CELL, FormationSettings())

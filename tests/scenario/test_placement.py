@@ -28,13 +28,13 @@ def _build(data: Data, *starts: list[float]) -> None:
 @pytest.mark.parametrize(
     ("start", "message"),
     [
-        ([4.0, 2.0, 0.0], "stands in world.obstacles[0]"),
+        ([4.0, 2.0, 0.0], "stands in world.obstacles[0] at ("),
         ([6.4, 4.0, 0.0], "stands in world.obstacles[1]"),
         ([3.2, 4.2, 0.0], "stands in world.obstacles[2]"),
         ([3.8, 4.6, math.pi / 4], "stands in world.obstacles[2]"),
         ([0.3, 2.5, 0.0], "reaches beyond the map"),
         ([9.0, 2.5, 0.0], "reaches beyond the map"),
-        ([2.0, 4.9, 0.0], "reaches beyond the map"),
+        ([2.0, 4.9, 0.0], "reaches beyond the map, which spans x from 0 to "),
     ],
 )
 def test_starts_in_obstacles_or_outside(data: Data, start: list[float], message: str) -> None:
@@ -76,7 +76,9 @@ def test_two_robots_need_two_places(data: Data, other: list[float], overlap: boo
     if not overlap:
         _build(data, [2.0, 1.0, 0.0], other)
         return
-    with pytest.raises(ScenarioError, match=r"robots\[1\]\.start: .* overlaps robot 0"):
+    with pytest.raises(
+        ScenarioError, match=r"robots\[1\]\.start: .* overlaps robot 0 at \(2\.000, 1\.000\)"
+    ):
         _build(data, [2.0, 1.0, 0.0], other)
 
 
@@ -88,6 +90,41 @@ def test_occupied_cells_of_a_map_are_obstacles(tmp_path: Path, data: Data) -> No
     _build(data, [1.0, 1.0, 0.0], [2.67, 2.1, 0.0])
     with pytest.raises(ScenarioError, match="stands in an obstacle of the map"):
         _build(data, [1.0, 1.0, 0.0], [2.68, 2.1, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("start", "problem"),
+    [
+        ([2.75, 2.13, 0.0], "an obstacle of the map at (3.025, 2.125) (8 cells of 0.05 m)"),
+        ([5.0, 3.0, 0.0], "an obstacle of the map at (5.125, 3.025) (one cell of 0.05 m)"),
+        ([4.95, 3.16, 0.0], "an obstacle of the map at (5.125, 3.025) (one cell of 0.05 m)"),
+    ],
+)
+def test_a_start_on_a_speck_was_not_told_where_it_is(
+    tmp_path: Path, data: Data, start: list[float], problem: str
+) -> None:
+    grid = np.zeros((100, 160), dtype=bool)
+    grid[40:44, 60:64] = True  # x 3.0 to 3.2, y 2.0 to 2.2
+    grid[60, 102] = True
+    save_map(OccupancyMap(grid, 0.05), tmp_path / "m.yaml")
+    data["world"] = {"map": str(tmp_path / "m.yaml")}
+    with pytest.raises(ScenarioError) as caught:
+        _build(data, [1.0, 1.0, 0.0], start)
+    assert "robots[1].start: the robot at (" in str(caught.value)
+    assert f"stands in {problem}; expected free ground" in str(caught.value)
+
+
+def test_a_place_on_a_turned_map_is_one_of_the_map_frame(tmp_path: Path, data: Data) -> None:
+    grid = np.zeros((100, 160), dtype=bool)
+    grid[40, 60] = True
+    origin = (1.0, -2.0, math.pi / 2)
+    save_map(OccupancyMap(grid, 0.05, origin), tmp_path / "m.yaml")
+    data["world"] = {"map": str(tmp_path / "m.yaml")}
+    x, y = transform_points(origin, [(3.025, 2.025)])[0]
+    with pytest.raises(ScenarioError, match=rf"at \({x:.3f}, {y:.3f}\) \(one cell"):
+        _build(data, [x, y, 0.0])
+    with pytest.raises(ScenarioError, match="between its corners"):
+        _build(data, [9.0, 9.0, 0.0])
 
 
 _SHAPES = st.one_of(

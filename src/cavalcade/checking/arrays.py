@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -16,10 +15,10 @@ from cavalcade.checking.mapfile import Ground, read_ros_map
 from cavalcade.checking.report import Report, make_report
 from cavalcade.checking.solids import Scene, Solid, outline
 from cavalcade.checking.tracks import Track
-from cavalcade.errors import InputError
-from cavalcade.geometry import as_floats
+from cavalcade.errors import InputError, RecordingError
 from cavalcade.robots import RobotModel
 from cavalcade.scenario import Obstacle
+from cavalcade.values import instances_of, number_array, path_of
 
 
 def check_motion(
@@ -50,18 +49,20 @@ def check_motion(
             map, or both.
         RecordingError: The map file cannot be read.
     """
-    tracks = _tracks(as_floats(time, "time"), as_floats(poses, "poses"), len(models))
+    models = instances_of(models, RobotModel, "models")
+    obstacles = instances_of(obstacles, Mapping, "obstacles", "a list of mappings")
+    tracks = _tracks(time, poses, len(models))
     ground = _ground(size, map)
     scene = Scene(tuple(_solid(k, words) for k, words in enumerate(obstacles)), ground)
-    return make_report(*judge_planar(scene, tracks, tuple(models)))
+    return make_report(*judge_planar(scene, tracks, models))
 
 
-def _tracks(time: np.ndarray, poses: np.ndarray, robots: int) -> tuple[Track, ...]:
-    if time.ndim != 1 or len(time) < 2 or not np.isfinite(time).all():
-        raise InputError("expected (T,) finite seconds, two or more", key="time")
-    if poses.shape != (len(time), robots, 3) or not np.isfinite(poses).all():
-        text = f"expected finite poses of shape ({len(time)}, {robots}, 3), got {poses.shape}"
-        raise InputError(text, key="poses")
+def _tracks(times: ArrayLike, places: ArrayLike, robots: int) -> tuple[Track, ...]:
+    time = number_array(times, "time", (None,), "(T,) finite seconds, two or more")
+    if len(time) < 2 or not (np.diff(time) > 0.0).all():
+        raise InputError("expected (T,) finite seconds that increase, two or more", key="time")
+    shape = (len(time), robots, 3)
+    poses = number_array(places, "poses", shape, f"finite poses of shape {shape}")
     yaw = np.unwrap(poses[..., 2], axis=0)
     return tuple(
         Track(time, np.column_stack((poses[:, robot, :2], yaw[:, robot])))
@@ -73,9 +74,9 @@ def _ground(size: tuple[float, float] | None, map: str | Path | None) -> Ground:
     if (size is None) == (map is None):
         raise InputError("expected either size or map", key="size")
     if map is not None:
-        return read_ros_map(Path(map), False)
-    width, height = (float(side) for side in size or ())
-    if not (0.0 < width < math.inf and 0.0 < height < math.inf):
+        return read_ros_map(path_of(map, "map", RecordingError), False)
+    width, height = number_array(size, "size", (2,), "width and height in m").tolist()
+    if not (width > 0.0 and height > 0.0):
         raise InputError("expected width and height in m", key="size")
     return Ground((width, height), (0.0, 0.0, 0.0))
 

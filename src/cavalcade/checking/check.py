@@ -29,6 +29,7 @@ from cavalcade.checking.tracks import Track, disordered, incomplete, misplaced, 
 from cavalcade.errors import InputError, RecordingError
 from cavalcade.robots import RobotModel
 from cavalcade.scenario import Scenario, load_scenario, resolve_scenario
+from cavalcade.values import path_of
 
 OWN_SPEEDING = 0.05
 """Robots on the way to goals of their own may exceed speed and yaw rate by this fraction."""
@@ -51,7 +52,7 @@ def check(directory: str | Path) -> Report:
     Raises:
         RecordingError: One of them, or the map file that the scenario names, cannot be read.
     """
-    folder = Path(directory)
+    folder = path_of(directory, "directory", RecordingError)
     if not folder.is_dir():
         raise RecordingError("there is no such folder", file=folder)
     scenario = _read_scenario(folder / "scenario.yaml")

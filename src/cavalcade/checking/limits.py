@@ -9,7 +9,7 @@ within one interval.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -100,8 +100,7 @@ def with_own_limits(model: RobotModel, leaps: bool) -> RobotModel:
     """
     if model.legs is not None and model.drive == "legged":
         force = model.legs.grf_max if leaps else 1.0
-        return replace(
-            model,
+        return model.with_limits(
             max_speed_x=model.legs.v_max,
             max_speed_y=model.legs.v_max,
             max_yaw_rate=model.legs.yaw_rate,
@@ -110,8 +109,7 @@ def with_own_limits(model: RobotModel, leaps: bool) -> RobotModel:
         )
     turning, second = model.drive.startswith("unicycle"), model.drive.endswith("-2")
     free = model.round and not turning
-    return replace(
-        model,
+    return model.with_limits(
         max_speed_y=model.max_speed_x * (SIDEWAYS if turning else 1.0),
         max_yaw_rate=math.inf if free else model.max_yaw_rate,
         max_acceleration=model.max_acceleration if second else math.inf,

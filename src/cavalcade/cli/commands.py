@@ -219,6 +219,10 @@ def _finish(name: str, result: JobResult, as_json: bool, otherwise: str) -> None
     """Print the summary if it was asked for, and say why a job did not succeed."""
     if as_json:
         options.print_json(result.summary)
+    if moved := result.summary.get("goal_moved_m"):
+        off = "" if result.goals_on_map else "; it is off the map"
+        text = f"{name}: the goal was moved by {moved:.2f} m to where the shape fits{off}"
+        print(f"cavalcade: {text}", file=sys.stderr)
     if not result.success:
         raise options.not_achieved(name, result.reason, result.summary.get("detail"), otherwise)
 

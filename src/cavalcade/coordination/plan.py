@@ -25,6 +25,7 @@ from cavalcade.errors import InputError
 from cavalcade.lattice.deadline import Deadline
 from cavalcade.lattice.planner import SpaceTimePlanner
 from cavalcade.robots import RobotModel
+from cavalcade.values import described, instance_of, whole_number
 
 METHODS = ("auto", "sequential", "joint", "cbs")
 
@@ -59,13 +60,16 @@ def plan_team(
         InputError: An unknown method, a budget of nothing, or robots without legs where only
             robots with legs can go.
     """
-    if method not in METHODS:
-        raise InputError(f"unknown method {method!r}", key="planner.method", choices=METHODS)
-    if seed < 0:
-        raise InputError("expected 0 or more", key="seed")
+    if not isinstance(method, str) or method not in METHODS:
+        raise InputError(
+            f"unknown method {described(method)}", key="planner.method", choices=METHODS
+        )
+    seed = whole_number(seed, "seed", 0)
+    instance_of(problem, TeamProblem, "problem")
     if not problem.models:
         raise InputError("expected at least one robot", key="robots")
-    settings = settings or PlanSettings()
+    settings = PlanSettings() if settings is None else settings
+    instance_of(settings, PlanSettings, "settings")
     published = settings.variant == "published"
     legged = all(model.legs is not None for model in problem.models)
     if not legged and (published or not problem.ground.flat):
@@ -107,7 +111,7 @@ def inflated(model: RobotModel, margin: float) -> RobotModel:
     """The robot with a footprint that is `margin` m wider on all sides."""
     if not margin:
         return model
-    return replace(model, length=model.length + 2.0 * margin, width=model.width + 2.0 * margin)
+    return model.with_limits(length=model.length + 2.0 * margin, width=model.width + 2.0 * margin)
 
 
 class _Call:

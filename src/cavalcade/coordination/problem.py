@@ -9,17 +9,21 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from cavalcade.errors import InputError
-from cavalcade.geometry import (
-    Array,
-    as_floats,
-    inverse_transform_points,
-    rotation,
-    transform_points,
-)
+from cavalcade.geometry import Array, inverse_transform_points, rotation, transform_points
 from cavalcade.geometry.trajectory import Trajectory
-from cavalcade.lattice.ground import Ground, make_ground
+from cavalcade.lattice.ground import Ground, check_ground, make_ground
 from cavalcade.robots import RobotModel, robot_model
-from cavalcade.world import OccupancyMap, Shape, Terrain
+from cavalcade.values import (
+    described,
+    instance_of,
+    instances_of,
+    number_array,
+    number_in,
+    plain_number,
+    pose_of,
+    whole_number,
+)
+from cavalcade.world import Box, Circle, OccupancyMap, Polygon, Shape, Terrain
 
 if TYPE_CHECKING:
     from cavalcade.scenario import Scenario, World
@@ -32,6 +36,13 @@ _CHOICES = {
     "constraints": ("timed", "static"),
     "conflict": ("costly", "earliest", "first"),
 }
+
+
+def _poses(poses: object, key: str) -> Array:
+    """Poses `(N, 3)`, of which there may be none."""
+    if isinstance(poses, (list, tuple)) and len(poses) == 0:
+        return np.empty((0, 3))
+    return number_array(poses, key, (None, 3), "poses (x, y, yaw)")
 
 
 @dataclass(frozen=True)
@@ -70,13 +81,20 @@ class PlanSettings:
 
     def __post_init__(self) -> None:
         for name, choices in _CHOICES.items():
-            if getattr(self, name) not in choices:
-                value = getattr(self, name)
-                raise InputError(f"unknown value {value!r}", key=f"planner.{name}", choices=choices)
-        if self.improve < 0:
-            raise InputError("expected 0 or more", key="planner.improve")
-        if not 0.0 <= self.margin <= 1.0:
+            value = getattr(self, name)
+            if not isinstance(value, str) or value not in choices:
+                raise InputError(
+                    f"unknown value {described(value)}", key=f"planner.{name}", choices=choices
+                )
+        whole_number(self.improve, "planner.improve", 0)
+        whole_number(self.iterations, "planner.budget.iterations")
+        if not 0.0 <= plain_number(self.margin, "planner.margin") <= 1.0:
             raise InputError("expected 0 to 1 m", key="planner.margin")
+        instance_of(self.leaps, bool, "planner.leaps", "True or False")
+        if self.seconds is not None:
+            plain_number(self.seconds, "planner.budget.seconds")  # its bounds: in `plan_team`
+        if self.distance is not None:
+            number_in(self.distance, "distance", 0.0, unit="m")
         if self.distance is not None and self.variant != "published":
             raise InputError(
                 "centres are kept apart by the published variant alone", key="distance"
@@ -106,11 +124,14 @@ class TeamProblem:
     shapes: tuple[Shape, ...] = ()
 
     def __post_init__(self) -> None:
+        check_ground(self.ground)
+        object.__setattr__(self, "models", instances_of(self.models, RobotModel, "models"))
+        object.__setattr__(self, "origin", pose_of(self.origin, "origin"))
         for name in ("starts", "goals"):
-            poses = _poses(getattr(self, name), name).tolist()
+            poses = _poses(getattr(self, name), name)
             if len(poses) != len(self.models):
                 raise InputError(f"expected {len(self.models)} poses, not {len(poses)}", key=name)
-            object.__setattr__(self, name, tuple((x, y, yaw) for x, y, yaw in poses))
+            object.__setattr__(self, name, tuple((x, y, yaw) for x, y, yaw in poses.tolist()))
 
     @classmethod
     def on_map(
@@ -134,7 +155,12 @@ class TeamProblem:
         Raises:
             InputError: An unknown model, or not a start and a goal for each robot.
         """
-        team = tuple(robot_model(one) if isinstance(one, str) else one for one in models)
+        solids = instances_of(shapes, Box | Circle | Polygon, "shapes", "a list of shapes")
+        ground = make_ground(map, terrain, solids)
+        what = "a list of RobotModel or their names"
+        team = tuple(
+            robot_model(one) for one in instances_of(models, str | RobotModel, "models", what)
+        )
 
         def local(poses: Sequence[Pose], key: str) -> tuple[Pose, ...]:
             table = _poses(poses, key)
@@ -142,12 +168,12 @@ class TeamProblem:
             table[:, 2] -= map.origin[2]
             return tuple((x, y, yaw) for x, y, yaw in table.tolist())
 
-        ground = make_ground(map, terrain, shapes)
-        begin, end = local(starts, "starts"), local(goals, "goals")
-        return cls(ground, team, begin, end, map.origin, tuple(shapes))
+        return cls(ground, team, local(starts, "starts"), local(goals, "goals"), map.origin, solids)
 
     def part(self, robots: Sequence[int]) -> TeamProblem:
         """The problem of these robots alone."""
+        chosen = instances_of(robots, int | np.integer, "robots", "a list of robots' numbers")
+        robots = [whole_number(k, "robots", 0, len(self.models) - 1) for k in chosen]
         return replace(
             self,
             models=tuple(self.models[k] for k in robots),
@@ -164,16 +190,6 @@ class TeamProblem:
         velocity[:, :2] = velocity[:, :2] @ rotation(self.origin[2]).T
         yaw = trajectory.yaw + self.origin[2]
         return replace(trajectory, position=position, velocity=velocity, yaw=yaw)
-
-
-def _poses(values: object, key: str) -> Array:
-    """Finite poses `(N, 3)`."""
-    table = as_floats(values, key)
-    if not table.size:
-        return np.empty((0, 3))
-    if table.ndim != 2 or table.shape[1] != 3 or not np.isfinite(table).all():
-        raise InputError("expected finite poses (x, y, yaw)", key=key)
-    return table
 
 
 def problem_of(scenario: Scenario, world: World) -> TeamProblem:

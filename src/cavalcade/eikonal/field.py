@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.eikonal import _descent, _march
 from cavalcade.errors import InputError
-from cavalcade.geometry import Array, as_floats
+from cavalcade.geometry import Array
+from cavalcade.values import described, instance_of, plain_number, real_array
 
 _ALL: NDArray[np.int64] = np.empty(0, np.int64)
 _FARTHEST = 1e12  # cells
@@ -36,15 +37,19 @@ class TravelGrid:
 
     def __init__(self, speed: ArrayLike, cell: float, beside: TravelGrid | None = None) -> None:
         # Nobody knows how fast one goes in cells that are masked: they are walls.
-        speed = as_floats(np.ma.filled(speed, 0) if np.ma.isMaskedArray(speed) else speed, "speed")
+        known = np.ma.filled(speed, 0) if np.ma.isMaskedArray(speed) else speed
+        speed = real_array(known, "speed", "(rows, cols) numbers")
         if speed.ndim != 2 or speed.size == 0:
             raise InputError(f"expected (rows, cols) speeds, got shape {speed.shape}", key="speed")
         try:
             self.cell = float(cell)
-        except (TypeError, ValueError):
-            raise InputError(f"expected a cell size in m, got {cell!r}", key="cell") from None
+        except (TypeError, ValueError, OverflowError):
+            self.cell = math.nan
         if not 0.0 < self.cell < np.inf:
-            raise InputError(f"expected a positive cell size in m, got {cell!r}", key="cell")
+            what = "a positive cell size in m"
+            raise InputError(f"expected {what}, got {described(cell)}", key="cell")
+        if beside is not None:
+            instance_of(beside, TravelGrid, "beside")
         self.rows, self.cols = speed.shape
         self._stride = self.cols + 2
         size = (self.rows + 2) * self._stride
@@ -95,7 +100,7 @@ class TravelGrid:
             targets: [row, col] cells at which the march may stop once all are settled; None
                 settles every cell that can be reached.
         """
-        points = np.atleast_2d(as_floats(sources, "point"))
+        points = np.atleast_2d(real_array(sources, "point", "points (N, 2) in m"))
         if points.ndim != 2 or points.shape[1] != 2:
             raise InputError(f"expected points (N, 2) in m, got shape {points.shape}", key="point")
         places = [self._place(point) for point in points]
@@ -151,12 +156,17 @@ class TravelGrid:
 
     def _cells(self, cells: ArrayLike, key: str) -> NDArray[np.int64]:
         """[row, col] cells as an array `(N, 2)`."""
-        places = as_floats(cells, key)
+        try:
+            places = np.asarray(cells)
+            if places.dtype.kind == "c":
+                raise TypeError
+            with np.errstate(invalid="ignore"):
+                whole = places.astype(np.int64)
+            same = bool((whole == places).all()) and not np.ma.is_masked(cells)
+        except (TypeError, ValueError, OverflowError):
+            raise InputError("expected [row, col] cells", key=key) from None
         if places.size == 0:
             return np.empty((0, 2), np.int64)
-        with np.errstate(invalid="ignore"):
-            whole = places.astype(np.int64)
-        same = bool((whole == places).all())
         if whole.ndim == 1:
             whole = whole[None]
         if not same or whole.ndim != 2 or whole.shape[1] != 2:
@@ -179,6 +189,9 @@ class TravelGrid:
             The path `(K, 2)` from start to goal, empty where there is none, and its time in s
             (inf where there is none).
         """
+        guess = plain_number(guess, "guess")
+        if math.isnan(guess):
+            raise InputError("expected a time in s, got nan", key="guess")
         begin, end = self._place(start), self._place(goal)
         if np.inf in (self._delay[self._index(*begin)], self._delay[self._index(*end)]):
             return np.empty((0, 2)), np.inf
@@ -188,7 +201,7 @@ class TravelGrid:
                 self._scratch = np.full(self._delay.size, np.inf)
             try:
                 count, reached, eta = _descent.local_path(
-                    begin, end, float(guess), self._padded, self._scratch, self._work,
+                    begin, end, guess, self._padded, self._scratch, self._work,
                     self._points, self._stamps,
                 )  # fmt: skip
             except MemoryError:
@@ -208,7 +221,7 @@ class TravelGrid:
         try:
             x, y = pair
             x, y = float(x), float(y)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise InputError("expected a point (x, y) in m", key="point") from None
         u, v = x / self.cell, y / self.cell
         if -_FARTHEST < u < _FARTHEST and -_FARTHEST < v < _FARTHEST:
@@ -241,6 +254,9 @@ class TravelGrid:
 
     def _nearest(self, point: ArrayLike, values: Array, reach: float) -> Array | None:
         u, v = self._place(point)
+        reach = plain_number(reach, "reach")
+        if not reach >= 0.0:
+            raise InputError(f"expected a distance in m, got {reach:g}", key="reach")
         rings = int(min(reach / self.cell, self.rows + self.cols)) + 1
         found = _descent.nearest_reached(u, v, values, self.rows, self.cols, rings)
         if found < 0:
@@ -283,7 +299,10 @@ class ArrivalField:
     def reaches(self, cells: Sequence[tuple[int, int]]) -> bool:
         """Whether the march came to all of these [row, col] cells of the grid."""
         stride = self.grid._stride
-        return all(self._times[(r + 1) * stride + c + 1] < np.inf for r, c in cells)
+        try:
+            return all(self._times[(r + 1) * stride + c + 1] < np.inf for r, c in cells)
+        except (TypeError, ValueError, IndexError, OverflowError):
+            raise InputError("expected [row, col] cells of the grid", key="cells") from None
 
     def nearest_reached(self, point: ArrayLike, reach: float = np.inf) -> Array | None:
         """The centre of the nearest reached cell `(2,)`, or None if none lies within `reach` m."""

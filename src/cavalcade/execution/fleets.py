@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -45,8 +44,7 @@ def tracking_model(model: RobotModel, leaps: bool) -> RobotModel:
     """
     if model.drive == "legged" and model.legs is not None:
         legs = model.legs
-        return replace(
-            model,
+        return model.with_limits(
             max_speed_x=legs.v_max,
             max_speed_y=legs.v_max,
             max_yaw_rate=legs.yaw_rate,
@@ -57,14 +55,12 @@ def tracking_model(model: RobotModel, leaps: bool) -> RobotModel:
     if model.drive.startswith("unicycle"):
         # The limit is that of the speed; in a bend the velocity turns besides.
         bend = model.max_speed_x * model.max_yaw_rate
-        return replace(
-            model,
+        return model.with_limits(
             max_speed_y=_SIDEWAYS,
             max_acceleration=math.hypot(model.max_acceleration, bend) if second else math.inf,
             max_yaw_acceleration=model.max_yaw_acceleration if second else math.inf,
         )
-    return replace(
-        model,
+    return model.with_limits(
         max_speed_y=model.max_speed_x,
         max_acceleration=model.max_acceleration if second else math.inf,
         max_yaw_acceleration=math.inf,

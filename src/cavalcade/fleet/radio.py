@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.errors import InputError
 from cavalcade.fleet.protocol import Observation
-from cavalcade.geometry import Array, as_floats, wrap_angle
+from cavalcade.geometry import Array, wrap_angle
+from cavalcade.values import number_array
 
 
 @dataclass(frozen=True)
@@ -98,10 +99,8 @@ class RadioFleet:
         Raises:
             InputError: Another shape, or a value that is not finite; nothing is sent then.
         """
-        wanted = as_floats(commands, "commands")
-        if wanted.shape != self._commands.shape or not np.isfinite(wanted).all():
-            text = f"expected finite commands of shape {self._commands.shape}"
-            raise InputError(text, key="commands")
+        shape = self._commands.shape
+        wanted = number_array(commands, "commands", shape, f"finite commands of shape {shape}")
         if self._instant:
             deaf = self._silent | self._disabled
             self._commands = np.where(deaf[:, None], 0.0, wanted)
@@ -188,9 +187,5 @@ class RadioFleet:
 
 def start_poses(poses: ArrayLike, robots: int) -> Array:
     """Start poses as an array `(robots, 3)` of their own, which must be finite."""
-    start = as_floats(poses, "poses")
-    if start.shape != (robots, 3) or not robots or not np.isfinite(start).all():
-        raise InputError(
-            f"expected one finite pose (x, y, yaw) per robot, shape ({robots}, 3)", key="poses"
-        )
-    return start
+    what = f"one finite pose (x, y, yaw) per robot, shape ({robots}, 3)"
+    return number_array(poses, "poses", (robots, 3), what)

@@ -12,6 +12,13 @@ import numpy as np
 
 from cavalcade.kernels import subroutine
 
+_NEAR = 3.0
+"""Cells: nearer to an obstacle than this, distances are exact."""
+_EXCESS = 0.65
+"""Bilinear interpolation overstates distances d of at least `_NEAR` cells by less than this times
+cell² a (1 - a) / d, a being the place between two centres: the distance to a point is as curved as
+a circle around it, and the bound holds for the nearest point of what stands."""
+
 
 class DistanceMap(NamedTuple):
     """What stands.
@@ -118,10 +125,50 @@ class Gap(NamedTuple):
 
 
 @subroutine
-def distance_at(map, x, y):
-    """Bilinear distance to the nearest obstacle at a point, m, and its gradient `(2,)`.
+def nearest_square(map, x, y, bound):
+    """The occupied cell nearest to a point, as a square.
 
-    Beyond the border it is negative: all ground out there is occupied.
+    Returns:
+        Its distance, m, 0 inside; and its point nearest to (x, y), m. Without one within `bound` m
+        the distance is `bound`.
+    """
+    distance, cell = map.distances, map.cell
+    rows, cols = distance.shape
+    best, qx, qy = bound, x, y
+    row = int(math.floor(y / cell))
+    span = int(math.ceil(bound / cell)) + 1
+    for k in range(2 * span + 1):  # the own row, then those above and below it
+        r = row + (k + 1) // 2 if k % 2 == 1 else row - k // 2
+        dy = max(max(r * cell - y, y - (r + 1) * cell), 0.0)
+        if r < 0 or r >= rows or dy >= best:
+            continue
+        reach = math.sqrt(best * best - dy * dy)
+        c = max(int(math.floor((x - reach) / cell)), 0)
+        last = min(int(math.floor((x + reach) / cell)), cols - 1)
+        while c <= last:
+            away = distance[r, c]
+            if away > 0.0:  # free, and so are the cells up to that distance from its centre
+                c += max(int(away / cell + 0.5), 1)
+                continue
+            dx = max(max(c * cell - x, x - (c + 1) * cell), 0.0)
+            found = math.hypot(dx, dy)
+            if found < best:
+                best = found
+                qx = min(max(x, c * cell), (c + 1) * cell)
+                qy = min(max(y, r * cell), (r + 1) * cell)
+            c += 1
+    return best, qx, qy
+
+
+@subroutine
+def distance_at(map, x, y):
+    """Distance to the nearest obstacle at a point, m, and which way it grows: `(2,)`.
+
+    Never more than there is, whatever the size of the cells: exact up to some `_NEAR` cells, by
+    interpolation between the centres of cells, less what that may promise too much, farther off.
+    The gradient is the interpolant's, whose length tells ridges, but for the last cell before an
+    obstacle, where it has no meaning. Beyond the border the distance is negative: all ground out
+    there is occupied.
     """
     distance, cell = map.distances, map.cell
     rows, cols = distance.shape
@@ -134,8 +181,15 @@ def distance_at(map, x, y):
     value = (d00 * (1 - a) + d01 * a) * (1 - b) + (d10 * (1 - a) + d11 * a) * b
     gx = ((d01 - d00) * (1 - b) + (d11 - d10) * b) / cell
     gy = ((d10 - d00) * (1 - a) + (d11 - d01) * a) / cell
-    # The outermost half cell and what lies beyond: measure to the border itself.
+    # Along the border, too, the nearest of the four centres is less than a cell away.
     edge = min(min(x, cols * cell - x), min(y, rows * cell - y))
+    if value >= _NEAR * cell:
+        value -= _EXCESS * cell * cell * max(a * (1 - a), b * (1 - b)) / value
+    elif edge > 0.0:
+        value, qx, qy = nearest_square(map, x, y, min(min(d00, d01), min(d10, d11)) + 1.5 * cell)
+        if 0.0 < value < cell and (qx != x or qy != y):
+            gx, gy = (x - qx) / value, (y - qy) / value
+    # Nothing beyond the border is in the map: measure to the border itself.
     if edge < value:
         value = edge
         gx = 1.0 if edge == x else (-1.0 if edge == cols * cell - x else 0.0)

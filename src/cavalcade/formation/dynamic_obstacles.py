@@ -7,8 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cavalcade.errors import InputError
 from cavalcade.formation._clearance import ObstacleBoxes
 from cavalcade.geometry import inverse_transform_points, rotation
+from cavalcade.values import described, number_array
 from cavalcade.world import Box, Shape
 
 
@@ -19,10 +21,21 @@ class DynamicObstacle:
     Attributes:
         shape: In the map's frame.
         velocity: m/s, map frame.
+
+    Raises:
+        InputError: Something else than a shape, or than two finite numbers.
     """
 
     shape: Shape
     velocity: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.shape, Shape):
+            raise InputError(
+                f"expected a Box, Circle or Polygon, got {described(self.shape)}", key="shape"
+            )
+        vx, vy = number_array(self.velocity, "velocity", (2,), "(2,) m/s").tolist()
+        object.__setattr__(self, "velocity", (vx, vy))
 
 
 def obstacle_boxes(obstacles: Sequence[DynamicObstacle], origin: Sequence[float]) -> ObstacleBoxes:

@@ -21,6 +21,7 @@ from cavalcade.errors import InputError
 from cavalcade.geometry import Array, wrap_angle
 from cavalcade.robots import RobotModel
 from cavalcade.robots.motion import MotionLimits, limits_of, predict_team
+from cavalcade.values import number_in
 
 _DRIFT = 0.08  # m/s and rad/s that a robot departs from the model at random
 _STEADY = 0.2  # largest share of a cycle's surprise that is put down to the velocity
@@ -30,7 +31,11 @@ _STEP = 0.0125  # s: step of the prediction
 _LONGEST = 0.5  # s without a cycle, or in one pose exactly, after which a robot stands
 _ELSEWHERE = 0.5  # m or rad from the prediction where the robot must have been moved,
 _OUTLIER = 5.0  # if that is also so many standard deviations of the reports
+_FORESEEN = 0.1  # m and rad from the prediction at which a robot is taken to be where it should
 _SIGMAS = 3.0  # standard deviations of the estimate that count as its error
+
+
+_MOST = {"delay": 10.0, "jitter": 10.0, "drop": 1.0}
 
 
 @dataclass(frozen=True)
@@ -43,6 +48,11 @@ class Imperfections:
             taking effect, s.
         drop: Fraction of the messages that are lost.
         tracking_error: How far a robot may be from where its motion model foresees it, m.
+        max_age: Age that the last pose of a robot may have before it, and with it the team, is
+            stopped, s; looked at where `FormationPlanner.step` is told stamps.
+
+    Raises:
+        InputError: A value that is no number or out of range.
     """
 
     position: float = 0.0
@@ -51,14 +61,13 @@ class Imperfections:
     jitter: float = 0.0
     drop: float = 0.0
     tracking_error: float = 0.0
+    max_age: float = 0.5
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            value = getattr(self, field.name)
-            if not (math.isfinite(value) and value >= 0.0):
-                raise InputError(f"expected a number of at least 0, got {value!r}", key=field.name)
-        if self.drop > 1.0:
-            raise InputError(f"expected at most 1, got {self.drop!r}", key="drop")
+            number_in(getattr(self, field.name), field.name, 0.0, _MOST.get(field.name, 100.0))
+        if self.max_age == 0.0:
+            raise InputError("expected a number above 0", key="max_age")
 
     @property
     def none(self) -> bool:
@@ -67,6 +76,8 @@ class Imperfections:
 
     def error(self, period: float, reach: float) -> float:
         """How far a point of a robot, `reach` from its centre, may be from where it is taken, m."""
+        number_in(period, "period", 1e-3, 10.0, "s")
+        number_in(reach, "reach", 0.0)
         place = self.position * math.sqrt(_gain(self.position, period))
         turn = self.heading * math.sqrt(_gain(self.heading, period))
         return _SIGMAS * math.hypot(place, reach * turn) + self.tracking_error
@@ -77,9 +88,15 @@ class Imperfections:
         As many messages in a row as are lost once in a thousand times, and two standard
         deviations of the jitter.
         """
+        number_in(period, "period", 1e-3, 10.0, "s")
         lost = 0 if self.drop == 0.0 else math.ceil(math.log(1e-3) / math.log(min(self.drop, 0.5)))
         # The last of them costs at most the difference of two successive commands.
         return max(1, lost) + math.ceil(2.0 * self.jitter / period)
+
+
+def longest_gap(period: float) -> float:
+    """Seconds between cycles of `period` s from which on what was known of the team is past."""
+    return max(_LONGEST, 2.5 * period)
 
 
 class VelocityTracker:
@@ -91,7 +108,7 @@ class VelocityTracker:
     """
 
     def __init__(self, model: RobotModel, period: float = 0.05) -> None:
-        self._longest = max(_LONGEST, 2.5 * period)
+        self._longest = longest_gap(period)
         self._limits = limits_of(model)
         self._poses: Array = np.empty((0, 3))
         self._velocities: Array = np.empty((0, 3))
@@ -124,6 +141,12 @@ class VelocityTracker:
         self._poses, self._velocities, self._time = poses.copy(), velocities.copy(), time
         return poses, velocities
 
+    def foresees(self, poses: Array, time: float) -> bool:
+        """Whether all robots would be about at poses `(N, 3)` at a later time, s."""
+        elapsed = time - self._time
+        states = _predicted(self._poses, self._velocities, self._commands, elapsed, self._limits)
+        return _near(poses, states, _FORESEEN)
+
     def commanded(self, commands: Array) -> None:
         """Body-frame commands `(N, 3)` that hold from now on."""
         self._commands = commands.copy()
@@ -134,12 +157,13 @@ class StateEstimator:
 
     def __init__(self, model: RobotModel, period: float, expected: Imperfections) -> None:
         self._limits = limits_of(model)
-        self._longest = max(_LONGEST, 2.5 * period)
+        self._longest = longest_gap(period)
         self._delay = expected.delay
         place, turn = _gain(expected.position, period), _gain(expected.heading, period)
         self._gain = np.array([place, place, turn])
         deviation = np.array([expected.position, expected.position, expected.heading])
         self._elsewhere = np.maximum(_ELSEWHERE, _OUTLIER * deviation)
+        self._foreseen = np.maximum(_FORESEEN, _OUTLIER * deviation)
         self._swift = np.minimum(self._gain**2 / (2.0 - self._gain), _STEADY)
         self._states: Array = np.empty((0, 6))
         self._time = 0.0
@@ -166,6 +190,11 @@ class StateEstimator:
         self._reported = poses.copy()
         ahead = self._carried(self._states, time, time + self._delay, use_up=False)
         return ahead[:, :3].copy(), ahead[:, 3:].copy()  # without delay it is the estimate itself
+
+    def foresees(self, poses: Array, time: float) -> bool:
+        """Whether all robots would be about at poses `(N, 3)` at a later time, s."""
+        states = self._carried(self._states, self._time, time, use_up=False)
+        return _near(poses, states, self._foreseen)
 
     def commanded(self, commands: Array) -> None:
         """Body-frame commands `(N, 3)` that are sent now."""
@@ -228,6 +257,13 @@ def _predicted(
     """States `(N, 6)` after `elapsed` s of these commands."""
     steps = max(1, int(np.ceil(elapsed / _STEP - 1e-9)))
     return predict_team(poses, velocities, commands, elapsed / steps, steps, limits)
+
+
+def _near(poses: Array, states: Array, bound: float | Array) -> bool:
+    """Whether poses `(N, 3)` are within a bound of those of states `(N, 6)`, m and rad."""
+    away = poses - states[:, :3]
+    away[:, 2] = wrap_angle(away[:, 2])
+    return bool((np.abs(away) < bound).all())
 
 
 def _gain(deviation: float, period: float) -> float:

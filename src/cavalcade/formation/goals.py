@@ -28,6 +28,7 @@ class GoalPlan:
         moved: How far the goal was moved, m.
         field: Arrival times on W_A from the centre.
         cut_off: Robots that cannot reach it; the goal is infeasible if there are any.
+        problem: What is wrong with a goal that the shape fits nowhere near, in words.
     """
 
     def __init__(
@@ -39,6 +40,8 @@ class GoalPlan:
         names, counts = np.unique(regions[regions > 0], return_counts=True)
         wanted = transform_points(goal, slots)
         shift = None
+        outside = (goal[:2] < 0.0) | (goal[:2] > maps.size)
+        self.problem = "it is off the map" if outside.any() else ""
         self.cut_off: NDArray[np.int64]
         if len(names) > 0:
             common = int(names[np.argmax(counts)])
@@ -49,9 +52,15 @@ class GoalPlan:
                 if shift is not None:
                     break
                 if maps.placement(wanted, None, 0.0, body, needed) is not None:
+                    self.problem = ""
                     break  # the slots fit where they are, but no path leads there
+            else:
+                nowhere = f"the shape fits nowhere within {_SHIFT_REACH:g} m of it"
+                self.problem = self.problem or nowhere
             self.cut_off = np.nonzero(regions != common)[0]
-        if shift is None:
+        if shift is not None:
+            self.problem = ""
+        else:
             self.cut_off = np.arange(len(points))
             shift = np.zeros(2)
         self.moved = float(np.hypot(*shift))
@@ -78,7 +87,7 @@ class GoalPlan:
         cells = self._entries(points)
         if known is not None and known.reaches(cells):
             return known
-        field = self.maps.follower.field(self.places[slot], targets=cells or None)
+        field = self.maps.slots.field(self.places[slot], targets=cells or None)
         self._slot_fields[slot] = field
         if not cells or not field.reaches(cells):
             self._whole.add(slot)  # the march ended because there was nowhere left to go

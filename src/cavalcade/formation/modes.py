@@ -114,9 +114,15 @@ class Navigator:
 
     def go_on(self) -> None:
         """Time has passed without cycles."""
-        self._shaper.forget_springs()
-        self._recovery.go_on()
+        self.rest()
         self.refresh()
+
+    def rest(self) -> None:
+        """The team is to stand, whatever it was doing; the time counts for nobody's patience."""
+        self._evading = []
+        self._shaper.forget_springs()
+        self._deadlock.refresh()
+        self._recovery.go_on()
 
     def rank(self) -> NDArray[np.int64]:
         """Precedence `(N,)` of the robots, 0 first: those that evade before all others."""
@@ -169,7 +175,8 @@ class Navigator:
         if len(plan.cut_off) > 0:
             self._state = "infeasible"
             involved = tuple(int(active[k]) for k in plan.cut_off)
-            message = f"no path to the goal for {named(involved)}"
+            why = f": {plan.problem}" if plan.problem else ""
+            message = f"no path to the goal for {named(involved)}{why}"
         elif self._state == "stuck":
             message, involved = self.status.message, self.status.involved
             cycle.roles = self._roles if len(self._roles) else cycle.roles

@@ -6,7 +6,6 @@ Cluttered Environments", with deadlock resolution and a safety filter of our own
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -17,9 +16,12 @@ from cavalcade.errors import InputError
 from cavalcade.formation import modes
 from cavalcade.formation._clearance import ObstacleBoxes, Surroundings
 from cavalcade.formation._least_change import TeamState
+from cavalcade.formation.cycle import named
+from cavalcade.formation.cycle_clock import LATEST, CycleClock
 from cavalcade.formation.dynamic_obstacles import DynamicObstacle, obstacle_boxes
 from cavalcade.formation.estimation import Imperfections, StateEstimator, VelocityTracker
 from cavalcade.formation.planning_maps import PlanningMaps
+from cavalcade.formation.robot_monitor import AgeMonitor, FollowingMonitor
 from cavalcade.formation.safety_filter import SafetyFilter, SafetyInputs
 from cavalcade.formation.settings import (
     PRESETS,
@@ -31,7 +33,6 @@ from cavalcade.formation.shapes import Formation
 from cavalcade.formation.team import Team
 from cavalcade.geometry import (
     Array,
-    as_floats,
     inverse_transform_points,
     rotation,
     transform_points,
@@ -39,8 +40,16 @@ from cavalcade.geometry import (
 )
 from cavalcade.recording.status import PlannerStatus
 from cavalcade.robots import RobotModel, robot_model
+from cavalcade.robots.motion import check_holonomic
+from cavalcade.values import (
+    described,
+    instance_of,
+    instances_of,
+    number_array,
+    number_in,
+    whole_number,
+)
 from cavalcade.world import OccupancyMap
-from cavalcade.world.shapes import plain_number
 
 
 class FormationPlanner:
@@ -56,7 +65,7 @@ class FormationPlanner:
         model: Their model or its name.
         settings: The paper's parameters, or the name of a preset; None for the variant's own.
         variant: One of `cavalcade.formation.VARIANTS`.
-        rate: Cycles per second.
+        rate: Cycles per second, 0.1 to 1000.
         seed: Of the choices that break a repeated deadlock.
         lookahead: Over the settings' look-ahead, s.
         expected: How well the robots are located and reached; None for perfectly. Variants
@@ -64,7 +73,8 @@ class FormationPlanner:
             gaps.
 
     Raises:
-        InputError: Malformed arguments, or slots and robots that differ in number.
+        InputError: Malformed arguments, slots and robots that differ in number, or a model that
+            does not move sideways or accelerates without limit.
     """
 
     def __init__(
@@ -80,33 +90,34 @@ class FormationPlanner:
         lookahead: float | None = None,
         expected: Imperfections | None = None,
     ) -> None:
-        robots = formation.size if robots is None else robots
+        instance_of(map, OccupancyMap, "map")
+        instance_of(formation, Formation, "formation")
+        robots = formation.size if robots is None else whole_number(robots, "robots")
         if robots != formation.size:
             raise InputError(
                 f"the shape {formation.name} has {formation.size} slots for {robots} robots",
                 key="formation",
             )
-        if not (np.isfinite(rate) and rate > 0.0):
-            raise InputError(f"expected a rate above 0 Hz, got {rate!r}", key="rate")
-        if isinstance(settings, str):
-            if settings not in PRESETS:
-                raise InputError(f"unknown preset {settings!r}", key="settings", choices=PRESETS)
-            settings = PRESETS[settings][0]
-        settings = default_settings(variant) if settings is None else settings
-        self.settings = settings.with_values(lookahead=lookahead)
-        self.model = robot_model(model) if isinstance(model, str) else model
         self.variant = variant_named(variant)
-        self.rate = float(rate)
+        self.settings = _settings(settings, variant).with_values(lookahead=lookahead)
+        self.model = robot_model(model)
+        check_holonomic(self.model)
+        self.rate = number_in(rate, "rate", 0.1, 1000.0, "Hz")
+        whole_number(seed, "seed", 0)
         self._map = map
-        self._maps = PlanningMaps(map.occupied, map.resolution, self.settings)
+        self._maps = self._maps_of(map)
         self._team = Team(robots, formation)
         period = 1.0 / self.rate
-        self._expected = expected or Imperfections()
+        self._expected = Imperfections() if expected is None else expected
+        instance_of(self._expected, Imperfections, "expected")
         self._tracker: VelocityTracker | StateEstimator = VelocityTracker(self.model, period)
         self._late = 0.0  # s from a cycle to the moment that poses are told for
         if self.variant.filter and not self._expected.none:
             self._tracker = StateEstimator(self.model, period, self._expected)
             self._late = self._expected.delay
+        self._clock = CycleClock(period)
+        self._ages = AgeMonitor(self._expected)
+        self._following = FollowingMonitor(self.model, robots, period, self._expected)
         self._filter = SafetyFilter(self.model, period, self._expected)
         self._obstacles: tuple[DynamicObstacle, ...] = ()
         self._mode = modes.Navigator(
@@ -124,16 +135,16 @@ class FormationPlanner:
 
     def set_goal(self, pose: Sequence[float] | ArrayLike) -> None:
         """Drive the formation's centre to a pose (x, y, yaw), from the next cycle on."""
-        self.set_goals(as_floats(pose, "goal")[None])
+        self.set_goals(number_array(pose, "goal", (3,), "a pose (x, y, yaw)")[None])
 
     def set_goals(self, goals: Sequence[Sequence[float]] | ArrayLike) -> None:
         """Drive through poses `(G, 3)` in their order; they replace all earlier goals."""
-        poses = as_floats(goals, "goal")
-        if poses.size == 0:
+        if isinstance(goals, (tuple, list)) and len(goals) == 0:
+            goals = np.empty((0, 3))
+        if isinstance(goals, np.ndarray) and goals.size == 0:
             self.cancel()
             return
-        if poses.ndim != 2 or poses.shape[1:] != (3,) or not np.isfinite(poses).all():
-            raise InputError("expected finite poses (x, y, yaw)", key="goal")
+        poses = number_array(goals, "goal", (None, 3), "poses (x, y, yaw)")
         origin = np.asarray(self._map.origin, dtype=float)
         local = _into_grid(poses, origin)
         local[:, 2] = wrap_angle(local[:, 2])
@@ -151,6 +162,8 @@ class FormationPlanner:
     def resume(self) -> None:
         """Go on after `pause`."""
         self._paused = False
+        self._clock.expect_gap()
+        self._following.forget()
         self._mode.go_on()
 
     def set_formation(self, formation: Formation) -> None:
@@ -174,13 +187,14 @@ class FormationPlanner:
 
     def update_map(self, map: OccupancyMap) -> None:
         """Replace the map; where only some cells differ, only their surroundings are renewed."""
+        instance_of(map, OccupancyMap, "map")
         before, after = ((m.rows, m.cols, m.resolution, *m.origin) for m in (self._map, map))
         if before == after:
             self._maps = self._maps.changed(map.occupied)
         else:
             goals = self._mode.goals
             old, new = np.asarray(self._map.origin), np.asarray(map.origin)
-            self._maps = PlanningMaps(map.occupied, map.resolution, self.settings)
+            self._maps = self._maps_of(map)
             if len(goals):
                 there = np.column_stack([transform_points(old, goals[:, :2]), goals[:, 2] + old[2]])
                 self._mode.set_goals(_into_grid(there, new), keep=True)
@@ -189,54 +203,64 @@ class FormationPlanner:
 
     def set_dynamic_obstacles(self, obstacles: Sequence[DynamicObstacle]) -> None:
         """Say what moves now and how fast; an empty list when nothing moves any more."""
-        if len(obstacles) and not self._obstacles:
+        what = "a list of DynamicObstacle(shape, velocity)"
+        obstacles = instances_of(obstacles, DynamicObstacle, "obstacles", what)
+        if obstacles and not self._obstacles:
             self._mode.expect_boxes()
-        self._obstacles = tuple(obstacles)
+        self._obstacles = obstacles
 
     def step(self, poses: ArrayLike, time: float, stamps: ArrayLike | None = None) -> Array:
         """One cycle.
 
         Args:
             poses: `(N, 3)` x, y in m and yaw in rad of all robots, as last reported.
-            time: Now, s; any clock that advances.
-            stamps: `(N,)` when each of them was measured, s; None where that is not known. Only
-                planners that expect imperfections use it.
+            time: Now, s; any clock that advances. A time that repeats, is set back or jumps counts
+                as one cycle; the status says so.
+            stamps: `(N,)` when each of them was measured, s, by the same clock; None where that
+                is not known. While one of them is older than `expected.max_age` all robots are
+                commanded to stop; the status, `stale`, names those that are.
 
         Returns:
             `(N, 3)` body-frame velocities: m/s, m/s, rad/s.
 
         Raises:
-            InputError: Poses or stamps of the wrong shape, or not finite.
+            InputError: Poses or stamps of the wrong shape, or not finite; a clock that advances as
+                if it counted something else than seconds.
         """
-        poses = as_floats(poses, "poses")
-        if poses.shape != (self._team.size, 3):
-            raise InputError(
-                f"expected ({self._team.size}, 3) poses, got {poses.shape}", key="poses"
-            )
-        if not np.isfinite(poses).all():
-            raise InputError("expected finite poses", key="poses")
-        if not math.isfinite(plain_number(time, "time")):
-            raise InputError("expected a finite time", key="time")
+        count = self._team.size
+        reported = number_array(poses, "poses", (count, 3), f"({count}, 3) poses")
+        time = number_in(time, "time", -LATEST, LATEST, "s")
         if stamps is not None:
-            stamps = as_floats(stamps, "stamps")
-            if stamps.shape != (len(poses),) or not np.isfinite(stamps).all():
-                raise InputError(f"expected ({len(poses)},) finite times", key="stamps")
+            stamps = number_array(stamps, "stamps", (count,), f"({count},) times in s", LATEST)
+        now = self._clock.advance(time, lambda then: self._tracker.foresees(reported, then))
+        if stamps is not None:
+            stamps = self._clock.placed(stamps)
+        self._ages.update(stamps, now, self._team.active)
+        if stamps is not None:
+            stamps = np.minimum(stamps, now)
+        self._following.update(reported, now)
         origin = self._map.origin
-        poses, velocities = self._tracker.update(poses, float(time), stamps)
+        poses, velocities = self._tracker.update(reported, now, stamps)
         local = _into_grid(poses, origin) if any(origin) else poses
         if origin[2]:
             velocities[:, :2] = velocities[:, :2] @ rotation(origin[2])
         boxes = obstacle_boxes(self._obstacles, origin)
         boxes.poses[:, :2] += self._late * boxes.velocities
-        if self._paused:
-            wanted = np.zeros_like(local)
-        else:
-            routes = self._routes(local)
-            wanted = self._mode.step(routes, local, velocities, float(time), boxes)
+        wanted = np.zeros_like(local)
+        if self._ages.stale:
+            self._mode.rest()
+        elif not self._paused:
+            wanted = self._mode.step(self._routes(local), local, velocities, now, boxes)
         commands = self._commands(local, velocities, wanted, boxes)
+        commands[list(self._ages.stale)] = 0.0
         self._tracker.commanded(commands)
+        self._following.commanded(commands.copy())
         self._status = self._make_status(poses)
         return commands
+
+    def _maps_of(self, map: OccupancyMap) -> PlanningMaps:
+        half = self.model.width / 2.0
+        return PlanningMaps(map.occupied, map.resolution, self.settings, half_width=half)
 
     def _routes(self, local: Array) -> PlanningMaps:
         """The maps to find paths on: lost robots are obstacles there."""
@@ -267,6 +291,20 @@ class FormationPlanner:
             commands[frozen] = 0.0
         return commands
 
+    def _doubt(self) -> tuple[str, str, tuple[int, ...]] | None:
+        """State, message and robots of a status, where something is wrong with what is told."""
+        state = self._mode.status.state
+        if self._ages.stale:
+            return "stale", self._ages.message, self._ages.stale
+        if self._mode.status.message:
+            return None
+        if self._following.deaf:
+            deaf = self._following.deaf
+            return state, f"{named(deaf)}: no motion as commanded", deaf
+        if self._clock.message:
+            return state, self._clock.message, ()
+        return None
+
     def _make_status(self, poses: Array) -> PlannerStatus:
         origin = np.asarray(self._map.origin, dtype=float)
         status = self._mode.status
@@ -280,9 +318,14 @@ class FormationPlanner:
         paths = status.paths
         if origin.any():
             paths = tuple(transform_points(origin, path) for path in paths)
+        doubt = self._doubt()
+        state, message, involved = doubt or (status.state, status.message, status.involved)
         return replace(
             status,
-            state="paused" if self._paused else status.state,
+            state="paused" if self._paused else state,
+            message=message,
+            involved=involved,
+            arrived=status.arrived and not self._ages.stale,
             slots=np.array(self._team.formation.slots),
             goals=goals,
             goal=goal,
@@ -294,6 +337,17 @@ class FormationPlanner:
 
 
 _SETTLED = 0.05  # m and rad that a lost robot may move before paths are planned anew
+
+
+def _settings(given: FormationSettings | str | None, variant: str) -> FormationSettings:
+    """The parameters given by themselves or by the name of a preset, or those of the variant."""
+    if given is None:
+        return default_settings(variant)
+    if isinstance(given, str):
+        if given not in PRESETS:
+            raise InputError(f"unknown preset {described(given)}", key="settings", choices=PRESETS)
+        return PRESETS[given][0]
+    return instance_of(given, FormationSettings, "settings", "FormationSettings or a preset's name")
 
 
 def _into_grid(poses: Array, origin: Sequence[float] | Array) -> Array:

@@ -34,9 +34,10 @@ from cavalcade.formation._least_change import (
 )
 from cavalcade.formation.dynamic_obstacles import DynamicObstacle, obstacle_boxes
 from cavalcade.formation.estimation import Imperfections
-from cavalcade.geometry import Array, as_floats, inverse_transform_points, rotation
+from cavalcade.geometry import Array, inverse_transform_points, rotation
 from cavalcade.robots import RobotModel, robot_model
-from cavalcade.robots.motion import limits_of
+from cavalcade.robots.motion import check_holonomic, limits_of
+from cavalcade.values import instance_of, instances_of, number_array, number_in
 from cavalcade.world import OccupancyMap
 
 AIMED = Margins(obstacle=0.04, footprint=0.06, centres=0.62)
@@ -49,6 +50,7 @@ INSISTED = Margins(obstacle=0.01, footprint=0.02, centres=0.605)
 """What the second stage insists on."""
 _PRECEDENCE = 4.0  # how much dearer a robot's change is than that of the next in rank
 _DISCS = (5, 2)  # columns and rows of the discs that stand for a body: its corners count
+_LARGEST = 1e7  # m, m/s: what arithmetic takes
 _WEIGHTS = 1000.0  # largest ratio of such weights in one team
 
 
@@ -92,20 +94,27 @@ class SafetyInputs(NamedTuple):
         Raises:
             InputError: Arrays that do not fit together, or are not finite.
         """
-        given = {"poses": poses, "velocities": velocities, "commands": commands}
-        arrays = [as_floats(value, key) for key, value in given.items()]
-        for name, array in zip(given, arrays, strict=True):
-            shape = (len(np.atleast_1d(arrays[0])), 3)
-            if array.shape != shape or not np.isfinite(array).all():
-                raise InputError("expected finite (N, 3) numbers, N the same for all", key=name)
-        local, moving, wanted = arrays
-        count, origin = len(local), map.origin
-        order = np.arange(count) if rank is None else np.array(rank, dtype=np.int64)
-        still = np.zeros(count, bool) if frozen is None else np.array(frozen, dtype=bool)
-        if sorted(order.tolist()) != list(range(count)):
-            raise InputError(f"expected each of 0..{count - 1} once", key="rank")
-        if still.shape != (count,):
-            raise InputError(f"expected {count} truth values", key="frozen")
+        origin = instance_of(map, OccupancyMap, "map").origin
+        local = number_array(poses, "poses", (None, 3), "(N, 3) poses")
+        count = len(local)
+        moving, wanted = (
+            number_array(values, name, (count, 3), f"({count}, 3) velocities")
+            for name, values in (("velocities", velocities), ("commands", commands))
+        )
+        obstacles = instances_of(obstacles, DynamicObstacle, "obstacles")
+        clearance = number_in(clearance, "clearance", 0.0)
+        order = np.arange(count)
+        if rank is not None:
+            ranks = number_array(rank, "rank", (count,), f"each of 0..{count - 1} once")
+            if sorted(ranks.tolist()) != order.tolist():
+                raise InputError(f"expected each of 0..{count - 1} once", key="rank")
+            order = ranks.astype(np.int64)
+        still = np.zeros(count, bool)
+        if frozen is not None:
+            told = np.ma.filled(np.asanyarray(frozen), True)
+            if told.shape != (count,) or told.dtype.kind not in "biu":
+                raise InputError(f"expected {count} truth values", key="frozen")
+            still = told.astype(bool)
         local[:, :2] = inverse_transform_points(origin, local[:, :2])
         local[:, 2] -= origin[2]
         moving[:, :2] = moving[:, :2] @ rotation(origin[2])
@@ -114,6 +123,9 @@ class SafetyInputs(NamedTuple):
         wanted[:, 0], wanted[:, 1] = c * x - s * y, s * x + c * y
         if distances is None:
             distances = surface_distance(map.occupied, map.resolution)
+        _check(distances, None, float, "distances")
+        if distances.shape != map.grid.shape or np.isnan(distances).any():
+            raise InputError(f"expected {map.grid.shape} distances in m", key="distances")
         return cls(
             TeamState(
                 local, moving, wanted, order, still, np.zeros(count, bool),
@@ -128,7 +140,7 @@ class SafetyFilter:
 
     Args:
         model: The robots' model or its name.
-        period: Seconds per cycle.
+        period: Seconds per cycle, 0.001 to 10.
         expected: Of localisation and radio; the less they can be relied on, the wider the gaps.
 
     Attributes:
@@ -138,10 +150,11 @@ class SafetyFilter:
     def __init__(
         self, model: str | RobotModel, period: float, expected: Imperfections | None = None
     ) -> None:
-        if not (math.isfinite(period) and period > 0.0):
-            raise InputError(f"expected a period above 0 s, got {period!r}", key="period")
-        model = robot_model(model) if isinstance(model, str) else model
-        expected = expected or Imperfections()
+        period = number_in(period, "period", 1e-3, 10.0, "s")
+        model = robot_model(model)
+        check_holonomic(model)
+        expected = Imperfections() if expected is None else expected
+        instance_of(expected, Imperfections, "expected")
         error = expected.error(period, model.length / 2.0)
         # A command stays in effect until the next one arrives.
         period *= expected.held(period)
@@ -160,6 +173,9 @@ class SafetyFilter:
 
     def in_body(self, poses: Array, wanted: Array) -> Array:
         """Wanted velocities `(N, 3)` as body-frame commands, unfiltered but within the limits."""
+        poses = number_array(poses, "poses", (None, 3), "(N, 3) poses", _LARGEST)
+        shape = (len(poses), 3)
+        wanted = number_array(wanted, "wanted", shape, f"{shape} velocities", _LARGEST)
         return to_body(wanted, poses[:, 2], self.parameters.horizon.limits)
 
     def apply(self, inputs: SafetyInputs) -> tuple[Array, NDArray[np.int64]]:
@@ -168,13 +184,58 @@ class SafetyFilter:
         Returns:
             Commands `(N, 3)` in the body frame: m/s, m/s, rad/s; and `(N,)` how far each had to
             step down: 0 for the filtered command itself, 4 for a stop.
+
+        Raises:
+            InputError: Inputs that do not fit together, or are not finite.
         """
+        _check_inputs(inputs)
         team, surroundings = inputs
         count = len(team.poses)
         ratio = min(_PRECEDENCE, _WEIGHTS ** (1.0 / max(count - 1, 1)))
         weights = np.where(team.frozen, 1e9, ratio ** (count - 1.0 - team.rank))
         team = team._replace(clearances=np.where(team.frozen, 0.0, team.clearances))
         return safe_commands(team, weights, surroundings, self.parameters)
+
+
+def _check_inputs(inputs: SafetyInputs) -> None:
+    """Refuse what the kernels cannot take; what `SafetyInputs.of` makes passes.
+
+    Raises:
+        InputError: One line with the name of the part.
+    """
+    instance_of(inputs, SafetyInputs, "inputs")
+    team, around = inputs
+    instance_of(team, TeamState, "inputs.team")
+    instance_of(around, Surroundings, "inputs.surroundings")
+    count, moving = np.size(team.rank), np.shape(around.poses)[:1]
+    for name in ("poses", "velocities", "wanted"):
+        _check(getattr(team, name), (count, 3), float, name)
+    _check(team.clearances, (count,), float, "clearances")
+    for name in ("frozen", "evading"):
+        _check(getattr(team, name), (count,), bool, name)
+    _check(team.rank, (count,), int, "rank")
+    if sorted(team.rank.tolist()) != list(range(count)):
+        raise InputError(f"expected each of 0..{count - 1} once", key="rank")
+    for name, width in (("poses", 3), ("half", 2), ("velocities", 2)):
+        _check(getattr(around, name), (*moving, width), float, f"surroundings.{name}")
+    _check(around.distances, None, float, "surroundings.distances")
+    number_in(around.cell, "surroundings.cell", 1e-4, 1e4, "m")
+
+
+def _check(array: Array, shape: tuple[int, ...] | None, kind: type, key: str) -> None:
+    """Refuse what is no array of a shape and kind, and numbers beyond `_LARGEST`.
+
+    Without a shape it is a grid, of which the numbers are not looked at.
+    """
+    right = type(array) is np.ndarray and array.dtype == kind and array.flags.c_contiguous
+    if shape is None:
+        if not (right and array.ndim == 2 and array.size):
+            raise InputError(f"expected (rows, cols) of {kind.__name__}", key=key)
+        return
+    if not (right and array.shape == shape):
+        raise InputError(f"expected {kind.__name__} of shape {shape}", key=key)
+    if kind is float and not (np.abs(array) <= _LARGEST).all():
+        raise InputError(f"expected finite numbers within ±{_LARGEST:g}", key=key)
 
 
 def _widened(margins: Margins, error: float) -> Margins:

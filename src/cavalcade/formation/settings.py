@@ -11,6 +11,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from cavalcade.errors import InputError
+from cavalcade.values import MAX_VALUE, described, instance_of, number_in
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,10 @@ class SpringLaw:
     b_att: float
     b_rep: float
 
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            number_in(getattr(self, field.name), field.name, 0.0)
+
 
 @dataclass(frozen=True)
 class Springs:
@@ -36,6 +41,10 @@ class Springs:
 
     sides: SpringLaw
     diagonals: SpringLaw
+
+    def __post_init__(self) -> None:
+        instance_of(self.sides, SpringLaw, "springs.sides")
+        instance_of(self.diagonals, SpringLaw, "springs.diagonals")
 
 
 SIMULATION_SPRINGS = Springs(
@@ -46,7 +55,8 @@ _LAB_LAW = SpringLaw(k_rep=4.0, k_att=2.0, dv_max_att=0.50, b_att=0.10, b_rep=0.
 LABORATORY_SPRINGS = Springs(sides=_LAB_LAW, diagonals=_LAB_LAW)
 
 
-_MAY_BE_ZERO = ("d_switch", "w_min_partial", "w_min_avoid", "v_min")
+_MAY_BE_ZERO = ("d_switch", "w_min_partial", "w_min_avoid", "v_min", "max_detour")
+_MAY_BE_INFINITE = ("max_detour",)
 
 
 @dataclass(frozen=True)
@@ -65,6 +75,9 @@ class FormationSettings:
         v_min: Speed limit where the velocity map is 0. The experiments' 0.50 m/s equals v_max_x
             and makes this limit inert; the default lets it act.
         d_slowdown: Distance to the final goal from which on a robot slows down.
+        max_detour: By which share of a way paths may be longer for the sake of room, where bodies
+            pass with 0.30 m to spare on each side; inf for what the velocity maps make of it, as
+            in the paper.
     """
 
     r_max: float = 0.30
@@ -78,14 +91,13 @@ class FormationSettings:
     v_max_y: float = 0.20
     v_min: float = 0.25
     d_slowdown: float = 0.40
+    max_detour: float = math.inf
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            value = getattr(self, field.name)
-            if not (isinstance(value, int | float) and math.isfinite(value) and value >= 0.0):
-                raise InputError(f"expected a number of at least 0, got {value!r}", key=field.name)
-        for field in fields(self):
-            if getattr(self, field.name) == 0.0 and field.name not in _MAY_BE_ZERO:
+            most = math.inf if field.name in _MAY_BE_INFINITE else MAX_VALUE
+            value = number_in(getattr(self, field.name), field.name, 0.0, most)
+            if value == 0.0 and field.name not in _MAY_BE_ZERO:
                 raise InputError("expected a number above 0", key=field.name)
         if self.w_min_avoid >= 1.0:
             raise InputError("expected a number below 1", key="w_min_avoid")
@@ -95,7 +107,7 @@ class FormationSettings:
         return replace(self, **{name: v for name, v in values.items() if v is not None})
 
 
-IMPROVED = FormationSettings(d_safe_a=0.80, v_min=0.35)
+IMPROVED = FormationSettings(d_safe_a=0.80, v_min=0.35, max_detour=0.20)
 """Defaults of the variant `cavalcade`: shorter paths and more pace, as its safety filter allows."""
 
 SIMULATION = FormationSettings(lookahead=5.0, v_min=0.50)
@@ -169,6 +181,8 @@ def variant_named(name: str) -> Variant:
     Raises:
         InputError: There is none; the message lists those there are.
     """
-    if name not in VARIANTS:
-        raise InputError(f"unknown variant {name!r}", key="planner.variant", choices=VARIANTS)
+    if not isinstance(name, str) or name not in VARIANTS:
+        raise InputError(
+            f"unknown variant {described(name)}", key="planner.variant", choices=VARIANTS
+        )
     return VARIANTS[name]

@@ -12,9 +12,19 @@ from scipy.sparse.csgraph import minimum_spanning_tree
 
 from cavalcade.errors import InputError
 from cavalcade.formation.settings import SIMULATION_SPRINGS, SpringLaw, Springs
-from cavalcade.geometry import Array, as_floats, transform_points
+from cavalcade.geometry import Array, transform_points
+from cavalcade.values import (
+    described,
+    instance_of,
+    instances_of,
+    number_array,
+    number_in,
+    whole_number,
+)
 
 SHAPES = ("square", "line", "column", "wedge", "triangle", "circle", "custom")
+MAX_ROBOTS = 1000
+"""Largest number of slots: each pair of them may have a spring."""
 _SIDE = 1.15  # pairs up to this multiple of the least distance are sides
 _DIAGONAL = 1.55  # and up to this one diagonals
 
@@ -34,6 +44,12 @@ class Connection:
     rest_length: float
     law: SpringLaw
 
+    def __post_init__(self) -> None:
+        for name in ("a", "b"):
+            whole_number(getattr(self, name), f"connection.{name}")
+        number_in(self.rest_length, "connection.rest_length", 0.0)
+        instance_of(self.law, SpringLaw, "connection.law")
+
 
 @dataclass(frozen=True, eq=False)
 class Formation:
@@ -43,11 +59,32 @@ class Formation:
         name: One of `SHAPES`.
         slots: `(N, 2)` m, read-only.
         connections: The springs between slots.
+
+    Raises:
+        InputError: An unknown name, malformed slots, two slots on one spot, or a connection of
+            unknown slots.
     """
 
     name: str
     slots: Array
     connections: tuple[Connection, ...]
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or self.name not in SHAPES:
+            raise InputError(f"unknown shape {described(self.name)}", key="name", choices=SHAPES)
+        slots = number_array(self.slots, "slots", (None, 2), "(N, 2) slots in m")
+        whole_number(len(slots), "slots", 1, MAX_ROBOTS)
+        if len(slots) > 1 and _least_distance(slots) < 1e-6:
+            raise InputError("two slots stand on one spot", key="slots")
+        slots.setflags(write=False)
+        object.__setattr__(self, "slots", slots)
+        for c in instances_of(self.connections, Connection, "connections"):
+            if not (0 <= c.a < self.size and 0 <= c.b < self.size and c.a != c.b):
+                raise InputError(
+                    f"connection {c.a}-{c.b}: expected two different slots of 0..{self.size - 1}",
+                    key="connections",
+                )
+        object.__setattr__(self, "connections", tuple(self.connections))
 
     @property
     def size(self) -> int:
@@ -136,21 +173,17 @@ class Formation:
 
     def connected(self, connections: Iterable[Connection]) -> Formation:
         """The same shape with other springs."""
-        connections = tuple(connections)
-        for c in connections:
-            if not (0 <= c.a < self.size and 0 <= c.b < self.size and c.a != c.b):
-                raise InputError(
-                    f"connection {c.a}-{c.b}: expected two different slots of 0..{self.size - 1}",
-                    key="connections",
-                )
-        return Formation(self.name, self.slots, connections)
+        given = instances_of(connections, Connection, "connections")
+        return Formation(self.name, self.slots, given)
 
     def placed(self, pose: Sequence[float] | Array) -> Array:
         """Slots `(N, 2)` with the formation's centre at `pose` (x, y, yaw)."""
+        pose = number_array(pose, "pose", (3,), "a pose (x, y, yaw)")
         return transform_points(pose, self.slots)
 
     def smaller(self, robots: int) -> Formation:
         """A sensible shape for fewer robots: of the same kind and spacing where there is one."""
+        robots = _count(robots)
         gap = self.spacing if self.size > 1 else 1.0
         laws = [c.law for c in sorted(self.connections, key=lambda c: c.rest_length)]
         springs = Springs(laws[0], laws[-1]) if laws else SIMULATION_SPRINGS
@@ -171,15 +204,9 @@ class Formation:
 
     @classmethod
     def _of(cls, name: str, slots: ArrayLike, springs: Springs) -> Formation:
-        points = as_floats(slots, "slots")
-        if points.ndim != 2 or points.shape[1:] != (2,) or len(points) == 0:
-            raise InputError(f"expected (N, 2) slots, got shape {points.shape}", key="slots")
-        if not np.isfinite(points).all():
-            raise InputError("expected finite coordinates", key="slots")
-        if len(points) > 1 and _least_distance(points) < 1e-6:
-            raise InputError("two slots stand on one spot", key="slots")
-        points.setflags(write=False)
-        return cls(name, points, _default_connections(points, springs))
+        instance_of(springs, Springs, "springs")
+        bare = cls(name, slots, ())  # type: ignore[arg-type]
+        return cls(name, bare.slots, _default_connections(bare.slots, springs))
 
 
 def _default_connections(slots: Array, springs: Springs) -> tuple[Connection, ...]:
@@ -208,12 +235,11 @@ def _least_distance(slots: Array) -> float:
 
 
 def _length(value: float, key: str) -> float:
-    if not (isinstance(value, int | float) and math.isfinite(value) and value > 0.0):
-        raise InputError(f"expected a length above 0 m, got {value!r}", key=key)
-    return float(value)
+    number = number_in(value, key, 0.0, unit="m")
+    if number == 0.0:
+        raise InputError("expected a length above 0 m, got 0", key=key)
+    return number
 
 
 def _count(robots: int) -> int:
-    if not isinstance(robots, int) or robots < 1:
-        raise InputError(f"expected a number of robots of at least 1, got {robots!r}", key="robots")
-    return robots
+    return whole_number(robots, "robots", 1, MAX_ROBOTS)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from cavalcade.errors import InputError
 from cavalcade.formation._shaping import SPRING
 from cavalcade.formation.shapes import Formation
+from cavalcade.values import instance_of, whole_number
 
 
 class Team:
@@ -34,6 +35,7 @@ class Team:
     def set_formation(self, formation: Formation) -> None:
         """Change the shape; it has a slot for every robot, or for every one that takes part."""
         count = len(self.active)
+        instance_of(formation, Formation, "formation")
         if formation.size not in (self.size, count):
             raise InputError(
                 f"the shape {formation.name} has {formation.size} slots for {count} robots",
@@ -63,7 +65,7 @@ class Team:
         return robot_of[self.ends]
 
     def _set_present(self, robot: int, present: bool) -> None:
-        if not 0 <= robot < self.size:
+        if not 0 <= whole_number(robot, "robot") < self.size:
             raise InputError(f"there is no robot {robot} in 0..{self.size - 1}", key="robot")
         self.present[robot] = present
         self._reshape()

@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from cavalcade.errors import InputError
 
 Array = NDArray[np.float64]
 
@@ -17,22 +13,6 @@ GRAVITY = 9.81
 CLEARANCE = 0.001
 """What bodies keep at starts and goals from obstacles, borders and each other, m; whatever stands
 nearer touches. On their ways they never touch: the checker counts 1 µm as contact."""
-
-
-def as_floats(values: object, key: str) -> Array:
-    """An own array of numbers; what is masked in the values is nan, as nobody knows it.
-
-    Raises:
-        InputError: They are no numbers, texts of numbers among them, or rows differ in length; it
-            names `key`.
-    """
-    try:
-        array: Any = np.ma.asarray(values)
-    except (TypeError, ValueError):  # rows that differ in length
-        raise InputError("expected numbers, as many in each row", key=key) from None
-    if array.dtype.kind not in "biuf":
-        raise InputError("expected numbers", key=key)
-    return np.array(array.astype(np.float64).filled(np.nan))
 
 
 def beyond_a_turn(yaw: float) -> bool:

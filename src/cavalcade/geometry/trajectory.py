@@ -8,10 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cavalcade.errors import InputError
 from cavalcade.geometry import Array
+from cavalcade.values import number_array
 
 WALK, TAKE_OFF, FLIGHT, LANDING = 0, 1, 2, 3
 """Phases, as `plan.npz` numbers them."""
+
+_MOST = 1e9
+"""Largest number in a trajectory, SI units."""
 
 STEP = 0.03
 """Largest time between two samples, s (the paper's dt)."""
@@ -31,6 +36,9 @@ class Trajectory:
         yaw: `(T,)` rad, continuous (not wrapped).
         phase: `(T,)` `WALK`, `TAKE_OFF`, `FLIGHT` or `LANDING`: of the motion from this sample
             to the next.
+
+    Raises:
+        InputError: Arrays that do not fit together, or are not finite.
     """
 
     time: Array
@@ -38,6 +46,24 @@ class Trajectory:
     velocity: Array
     yaw: Array
     phase: NDArray[np.int8]
+
+    def __post_init__(self) -> None:
+        count = len(number_array(self.time, "time", (None,), "times (T,) in s", _MOST))
+        shapes = {"time": (count,), "position": (count, 3), "velocity": (count, 3), "yaw": (count,)}
+        for name, shape in shapes.items():
+            # Plans have thousands of samples: what is an array of floats is not copied.
+            value = getattr(self, name)
+            if type(value) is not np.ndarray or value.dtype != float or value.shape != shape:
+                value = number_array(value, name, shape, f"an array {shape}", _MOST)
+                object.__setattr__(self, name, value)
+            elif not (np.abs(value) <= _MOST).all():
+                raise InputError("expected finite numbers", key=name)
+        phase = number_array(self.phase, "phase", (count,), f"{count} phases", LANDING)
+        if count == 0 or phase.min() < WALK or (np.diff(self.time) < 0.0).any():
+            raise InputError(
+                "expected samples in the order of time, and phases from 0 to 3", key="time"
+            )
+        object.__setattr__(self, "phase", np.asarray(self.phase, dtype=np.int8))
 
     @property
     def duration(self) -> float:
@@ -55,6 +81,7 @@ class Trajectory:
 
         Linear between samples: within 1 mm at walking speeds.
         """
+        times = number_array(times, "times", (None,), "times (K,) in s", _MOST)
         columns = (self.position[:, 0], self.position[:, 1], self.yaw)
         return np.stack([np.interp(times, self.time, column) for column in columns], axis=1)
 

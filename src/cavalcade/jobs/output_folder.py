@@ -14,6 +14,7 @@ from cavalcade.errors import OutputError
 from cavalcade.files import make_folders, reason_of, remove_folders
 from cavalcade.recording import mcap_writer, plan_file
 from cavalcade.scenario import Scenario, dump_scenario
+from cavalcade.values import path_of
 
 _STAGE = ".cavalcade-"
 SCENARIO, SUMMARY, REPLAY, FIGURES = "scenario.yaml", "summary.json", "replay.html", "figures"
@@ -38,7 +39,7 @@ class OutputFolder:
     """
 
     def __init__(self, path: str | Path, force: bool = False) -> None:
-        self.path = Path(path)
+        self.path = path_of(path, "out")
         self._made = make_folders(self.path)
         try:
             # What a killed run left of its stage is not a result.

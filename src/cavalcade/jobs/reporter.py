@@ -251,6 +251,8 @@ def result_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
             ("simulated time", _with(summary["sim_time_s"], "s", 1)),
         ]
     rows.append(("all in place after", _with(summary["makespan_s"], "s", 1)))
+    if summary.get("goal_moved_m"):
+        rows.append(("goal moved by", _with(summary["goal_moved_m"], "m, to where the shape fits")))
     if planned:
         length, bound = _total(summary["path_length_m"]), _total(summary["lower_bound_m"])
         ratio = f", {length / bound:.3f} × the shortest ways alone" if length and bound else ""

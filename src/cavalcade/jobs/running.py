@@ -33,6 +33,7 @@ from cavalcade.scenario import (
     resolve_scenario,
 )
 from cavalcade.scenario.settings import TEAM_METHODS
+from cavalcade.values import described, instances_of, whole_number
 
 
 @dataclass(frozen=True)
@@ -71,6 +72,12 @@ class JobResult:
     def reason(self) -> str:
         """Why it ended, as in `summary.json`."""
         return self.summary.reason
+
+    @property
+    def goals_on_map(self) -> bool:
+        """Whether the centres of all goals that the formation began with lie on the map."""
+        centres = [goal[:2] for goal in self.scenario.task.goals]
+        return not centres or bool(self.world.map.contains(centres).all())
 
     @property
     def plan(self) -> TeamPlan | None:
@@ -129,6 +136,11 @@ def run(
         KeyboardInterrupt: As it came; the team was commanded to stop and nothing is left behind.
     """
     loaded = _loaded(scenario, seed, overrides, backend)
+    for sink in instances_of(sinks, object, "sinks", "a list of functions"):
+        _check_callable(sink, "sinks")
+    for maker, kind, key in ((planner, Policy, "planner"), (fleet, Fleet, "fleet")):
+        if maker is not None and not isinstance(maker, kind):
+            _check_callable(maker, key)
     if loaded.execution.backend == "mujoco" and fleet is None:
         from cavalcade.execution.fleets import with_own_robots
         from cavalcade.fleet.mujoco.engine import load_mujoco
@@ -204,8 +216,10 @@ def plan(
     """
     loaded = _loaded(scenario, seed, overrides, None)
     if method is not None and method != loaded.planner.method:
-        if method not in TEAM_METHODS:
-            raise InputError(f"unknown method {method!r}", key="method", choices=TEAM_METHODS)
+        if not isinstance(method, str) or method not in TEAM_METHODS:
+            raise InputError(
+                f"unknown method {described(method)}", key="method", choices=TEAM_METHODS
+            )
         planner = loaded.planner.model_copy(update={"method": method})
         loaded = loaded.model_copy(update={"planner": planner})
     if not loaded.goals:
@@ -255,6 +269,12 @@ def _kept(
     return replace(result, directory=folder.path, files=files)
 
 
+def _check_callable(value: object, key: str) -> None:
+    """Refuse what cannot be called."""
+    if not callable(value):
+        raise InputError(f"expected a function, got {described(value)}", key=key)
+
+
 def _loaded(
     scenario: Scenario | str | Path,
     seed: int | None,
@@ -268,9 +288,10 @@ def _loaded(
         raise InputError("only for a scenario's name or file", key="overrides")
     if backend is not None:
         scenario = scenario.with_backend(backend)
-    if seed is None or seed == scenario.execution.seed:
+    if seed is None:
         return scenario
-    if not isinstance(seed, int) or seed < 0:
-        raise InputError(f"expected a whole number from 0 on, got {seed!r}", key="seed")
+    seed = whole_number(seed, "seed", 0)
+    if seed == scenario.execution.seed:
+        return scenario
     execution = scenario.execution.model_copy(update={"seed": seed})
     return scenario.model_copy(update={"execution": execution})

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.errors import InputError
 from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import Trajectory
 from cavalcade.kinodynamic._primitives import path_length
@@ -27,8 +26,9 @@ from cavalcade.kinodynamic.obstruction import Pose, find_path, obstruction, room
 from cavalcade.kinodynamic.parameters import SIZE, make_body, make_space
 from cavalcade.kinodynamic.settings import BodySettings
 from cavalcade.lattice.deadline import Deadline
-from cavalcade.lattice.ground import Ground
+from cavalcade.lattice.ground import Ground, check_ground
 from cavalcade.robots import RobotModel
+from cavalcade.values import instance_of, pose_of, whole_number
 
 Trees = tuple[Tree, Tree]
 """That of the start and that of the goal."""
@@ -96,19 +96,14 @@ def plan_body(
     Raises:
         InputError: A robot without legs, or poses that are not three finite numbers.
     """
-    settings = settings or BodySettings()
-    problem = _Problem(ground, model, _pose(start, "start"), _pose(goal, "goal"), settings, seed)
+    settings = BodySettings() if settings is None else settings
+    begin, end = pose_of(start, "start"), pose_of(goal, "goal")
+    instance_of(settings, BodySettings, "settings")
+    check_ground(ground)
+    instance_of(model, RobotModel, "model")
+    seed = whole_number(seed, "seed", 0, 2**64 - 1)
+    problem = _Problem(ground, model, begin, end, settings, seed)
     return problem.solve()
-
-
-def _pose(value: Sequence[float], key: str) -> Pose:
-    try:
-        x, y, yaw = (float(v) for v in value)
-    except (TypeError, ValueError):
-        raise InputError("expected three numbers: x, y, yaw", key=key) from None
-    if not all(map(math.isfinite, (x, y, yaw))):
-        raise InputError("expected finite numbers", key=key)
-    return x, y, yaw
 
 
 class _Problem:

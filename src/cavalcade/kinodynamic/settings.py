@@ -9,6 +9,7 @@ import numpy as np
 
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array
+from cavalcade.values import described, instance_of, number_array, number_in, whole_number
 
 VARIANTS = ("cavalcade", "published")
 
@@ -42,17 +43,18 @@ class BodySettings:
     margin: float = 0.01
 
     def __post_init__(self) -> None:
-        if self.iterations < 0:
-            raise InputError("expected 0 or more", key="iterations")
-        if self.improve < 0:
-            raise InputError("expected 0 or more", key="improve")
-        if self.seconds is not None and not self.seconds >= 0.0:
-            raise InputError("expected 0 or more, or nothing", key="seconds")
-        if self.variant not in VARIANTS:
-            raise InputError(f"unknown variant {self.variant!r}", key="variant", choices=VARIANTS)
-        if not 0.0 <= self.margin <= 1.0:
-            raise InputError("expected 0 to 1 m", key="margin")
-        discs = np.array(self.discs, dtype=np.float64).reshape(-1, 3)
-        if not np.isfinite(discs).all():
-            raise InputError("expected finite numbers", key="discs")
+        whole_number(self.iterations, "iterations", 0)
+        whole_number(self.improve, "improve", 0)
+        if self.seconds is not None:
+            number_in(self.seconds, "seconds", 0.0, unit="s")
+        instance_of(self.leaps, bool, "leaps", "True or False")
+        if not isinstance(self.variant, str) or self.variant not in VARIANTS:
+            raise InputError(
+                f"unknown variant {described(self.variant)}", key="variant", choices=VARIANTS
+            )
+        number_in(self.margin, "margin", 0.0, 1.0, "m")
+        if np.shape(self.discs) == (0,):
+            discs = np.zeros((0, 3))
+        else:
+            discs = number_array(self.discs, "discs", (None, 3), "discs (K, 3) in m")
         object.__setattr__(self, "discs", discs)

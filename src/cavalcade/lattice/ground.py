@@ -12,8 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cavalcade.eikonal import surface_distance
+from cavalcade.errors import InputError
 from cavalcade.geometry import Array
 from cavalcade.lattice.outlines import NO_OUTLINES, Outlines, outlines_of
+from cavalcade.values import instance_of, number_in
 from cavalcade.world import OccupancyMap, Shape, Terrain
 
 
@@ -51,6 +53,7 @@ def make_ground(
 
     Obstacles among the map's cells are known as squares, `shapes` (map frame) as what they are.
     """
+    instance_of(map, OccupancyMap, "map")
     solid = np.ascontiguousarray(map.with_shapes(shapes).occupied)
     outlines = NO_OUTLINES
     if shapes:
@@ -61,6 +64,12 @@ def make_ground(
         none = np.zeros((1, 1))
         one = np.ones((1, 1))
         return Ground(map.resolution, solid, clearance, True, none, none, none, none, one, outlines)
+    instance_of(terrain, Terrain, "terrain")
+    if terrain.height.shape != solid.shape:
+        raise InputError(
+            f"expected {solid.shape} cells as the map has, got {terrain.height.shape}",
+            key="terrain",
+        )
     normal_z = np.maximum(terrain.normals[..., 2], 1e-6)
     return Ground(
         map.resolution,
@@ -74,6 +83,30 @@ def make_ground(
         np.ascontiguousarray(terrain.traversability),
         outlines,
     )
+
+
+def check_ground(ground: Ground) -> None:
+    """Refuse what kernels cannot take; what `make_ground` makes passes.
+
+    Raises:
+        InputError: One line with the name of the part.
+    """
+    instance_of(ground, Ground, "ground", "a Ground, see make_ground")
+    number_in(ground.cell, "ground.cell", 1e-4, 1e4, "m")
+    instance_of(ground.flat, bool, "ground.flat", "True or False")
+    instance_of(ground.outlines, Outlines, "ground.outlines")
+    shape = np.shape(ground.solid)
+    value: Any
+    for name, value in zip(ground._fields, ground, strict=True):
+        if name in ("cell", "flat", "outlines"):
+            continue
+        wanted = shape if name in ("solid", "clearance") or not ground.flat else (1, 1)
+        kind = np.bool_ if name == "solid" else np.float64
+        right = type(value) is np.ndarray and value.dtype == kind and value.flags.c_contiguous
+        if not right or value.ndim != 2 or value.shape != wanted or not value.size:
+            raise InputError(f"expected an array {wanted} of {kind.__name__}", key=f"ground.{name}")
+        if np.isnan(value).any():
+            raise InputError("expected numbers, not nan", key=f"ground.{name}")
 
 
 def read_only(ground: Ground) -> Ground:

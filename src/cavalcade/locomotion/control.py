@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array
-from cavalcade.lattice.ground import Ground, make_ground
+from cavalcade.lattice.ground import Ground, check_ground, make_ground
 from cavalcade.locomotion._team import step_team
 from cavalcade.locomotion.leap import LeapManoeuvre, LeapSettings, plan_leap
 from cavalcade.locomotion.parameters import robot_parameters
@@ -26,6 +26,14 @@ from cavalcade.locomotion.records import (
 )
 from cavalcade.locomotion.settings import GaitSettings
 from cavalcade.robots import RobotModel
+from cavalcade.values import (
+    instance_of,
+    instances_of,
+    number_array,
+    number_in,
+    pose_of,
+    whole_number,
+)
 from cavalcade.world import OccupancyMap
 
 
@@ -55,7 +63,9 @@ class LegControl:
         origin: Sequence[float] = (0.0, 0.0, 0.0),
         settings: GaitSettings | None = None,
     ) -> None:
-        settings = settings or GaitSettings()
+        settings = GaitSettings() if settings is None else settings
+        instance_of(settings, GaitSettings, "settings")
+        models = instances_of(models, RobotModel, "models")
         self._team = np.zeros(len(models), TEAM)
         # Views of it.
         self._robots, self._gaits = self._team["robot"], self._team["gait"]
@@ -67,10 +77,13 @@ class LegControl:
             self._robots[number] = robot_parameters(model.description)
             height = model.description.stand_height
             self._gaits[number] = settings.row(model.description.mass, height)
-        if np.shape(origin) != (3,) or not np.isfinite(origin).all():
-            raise InputError("expected finite x, y, yaw", key="origin")
+        try:
+            origin = pose_of(origin, "origin")
+        except InputError:
+            raise InputError("expected finite x, y, yaw", key="origin") from None
         if ground is None:
             ground = make_ground(OccupancyMap(np.zeros((1, 1), dtype=bool), 1.0))
+        check_ground(ground)
         self._footing = Footing.of(ground, origin)
         self._torques = np.zeros((len(models), 12))
         self._shapes = tuple((len(models), count) for count in (19, 18, 4))
@@ -111,6 +124,9 @@ class LegControl:
         They are at `qpos` `(N, 19)`, as MuJoCo has them, standing on their feet; otherwise they
         lie, and `rise` gets them up.
         """
+        time = number_in(time, "time", -1e12, 1e12, "s")
+        instance_of(standing, bool, "standing", "True or False")
+        qpos = number_array(qpos, "qpos", self._shapes[0], f"{self._shapes[0]} numbers")
         self._states[:] = np.zeros((), STATE)
         self._states["time"] = self._states["began"] = time
         self._states["heard"] = self._states["idle"] = time
@@ -126,11 +142,16 @@ class LegControl:
         They fall silent `GaitSettings.silence` s after `time` (s; one, or one per robot); send them
         again before.
         """
-        wanted = np.asarray(velocities, dtype=float)
-        if wanted.shape != (self.size, 3) or not np.isfinite(wanted).all():
-            raise InputError(f"expected finite velocities of shape ({self.size}, 3)")
+        what = f"finite velocities of shape ({self.size}, 3)"
+        wanted = number_array(velocities, "velocities", (self.size, 3), what)
+        if isinstance(time, (int, float, np.number, str)):
+            heard: float | Array = number_in(time, "time", -1e12, 1e12, "s")
+        else:
+            heard = number_array(
+                time, "time", (self.size,), "one time in s, or one per robot", 1e12
+            )
         self._states["wanted"] = wanted
-        self._states["heard"] = time
+        self._states["heard"] = heard
 
     def rise(self, robot: int, qpos: Array) -> None:
         """Let a robot that lies get up, where its joints `qpos[robot, 7:]` are now; 1 s.
@@ -185,14 +206,20 @@ class LegControl:
         Raises:
             InputError: Arrays of other shapes.
         """
-        if (qpos.shape, qvel.shape, feet.shape) != self._shapes:
-            raise InputError("expected qpos, qvel, feet of shapes {}, {}, {}".format(*self._shapes))
+        for value, shape in zip((qpos, qvel, feet), self._shapes, strict=True):
+            if type(value) is not np.ndarray or value.dtype != float or value.shape != shape:
+                shapes = "{}, {}, {}".format(*self._shapes)
+                raise InputError(f"expected qpos, qvel, feet of shapes {shapes}, of floats")
+            if not value.flags.c_contiguous or not (np.abs(value) <= 1e9).all():
+                raise InputError("expected qpos, qvel and feet to be finite and contiguous")
+        time = number_in(time, "time", -1e12, 1e12, "s")
         step_team(self._team, self._footing, time, qpos, qvel, feet, self._torques)
         return self._torques
 
     def _posture(self, robot: int, qpos: Array, mode: int) -> None:
-        if not 0 <= robot < self.size:
+        if not 0 <= whole_number(robot, "robot") < self.size:
             raise InputError(f"expected a robot from 0 to {self.size - 1}", key="robot")
+        qpos = number_array(qpos, "qpos", self._shapes[0], f"{self._shapes[0]} numbers")
         state = self._states[robot]
         if mode == SINKING and state["mode"] != STANDING:
             raise InputError(f"robot {robot} must stand before it lies down")

@@ -13,6 +13,7 @@ from cavalcade.errors import InputError
 from cavalcade.geometry import Array
 from cavalcade.locomotion._mpc import solve
 from cavalcade.locomotion.records import CHANGES
+from cavalcade.values import instance_of, number_array, plain_number, real_array, whole_number
 
 
 class MpcProblem(NamedTuple):
@@ -86,28 +87,32 @@ def solve_mpc(problem: MpcProblem, changes: int = CHANGES) -> MpcSolution:
         InputError: A field of another shape, not finite or out of range; the key is its name.
     """
     checked = _checked(problem)
+    changes = whole_number(changes, "changes", 0, 1_000_000)
     plan = np.empty((len(checked.dts), 4, 3))
     done = solve(checked, plan, changes)
+    if not np.isfinite(plan).all():
+        raise InputError("the numbers are too far apart for a solution", key="problem")
     standing = int(np.count_nonzero(checked.contacts))
     return MpcSolution(plan, done, not standing or done < changes * standing)
 
 
 def _checked(problem: MpcProblem) -> MpcProblem:
     """The problem with fields of the types that the kernel is compiled for."""
-    steps = np.size(problem.dts)
+    instance_of(problem, MpcProblem, "problem")
+    steps = len(number_array(problem.dts, "dts", (None,), "(H,) finite numbers"))
     shapes = {
         "state": (12,), "reference": (steps, 12), "contacts": (steps, 4), "levers": (steps, 4, 3),
         "yaws": (steps,), "dts": (steps,), "inertia": (3, 3), "weights": (12,),
     }  # fmt: skip
     fields: dict[str, Any] = {}
     for name, shape in shapes.items():
-        kind = np.int64 if name == "contacts" else np.float64
-        value = np.ascontiguousarray(getattr(problem, name), dtype=kind)
-        if value.shape != shape or not np.isfinite(value).all():
-            raise InputError(f"expected finite numbers of shape {shape}", key=name)
-        fields[name] = value
+        value = getattr(problem, name)
+        if name == "contacts":  # truth values, too
+            value = real_array(value, name, f"numbers of shape {shape}")
+        fields[name] = number_array(value, name, shape, f"finite numbers of shape {shape}")
+    fields["contacts"] = (fields["contacts"] != 0.0).astype(np.int64)
     for name in ("mass", "force_weight", "mu", "max_force"):
-        fields[name] = float(getattr(problem, name))
+        fields[name] = plain_number(getattr(problem, name), name)
         most = math.inf if name == "max_force" else np.finfo(float).max
         if not 0.0 < fields[name] <= most:
             raise InputError("expected a positive number", key=name)

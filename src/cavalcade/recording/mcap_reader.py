@@ -20,6 +20,7 @@ from cavalcade.recording.mcap_writer import FILE
 from cavalcade.recording.physics_track import ContactEvent, FallEvent, PhysicsTrack
 from cavalcade.recording.status import decoded
 from cavalcade.robots import LEGS
+from cavalcade.values import path_of
 
 _BULKY = ("/map", "/tf", "/markers")
 """What is only for other programs."""
@@ -34,7 +35,7 @@ def read_recording(path: str | Path) -> Recording:
     Raises:
         RecordingError: It is missing, damaged or not one of ours.
     """
-    file = Path(path)
+    file = path_of(path, kind=RecordingError)
     if file.is_dir():
         file = file / FILE
     if not file.is_file():

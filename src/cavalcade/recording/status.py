@@ -27,7 +27,7 @@ class PlannerStatus:
 
     Attributes:
         state: `inactive`, `partial`, `final` (the paper's three), `resolving` (a deadlock is
-            being resolved), `paused`, `stuck` or `infeasible`.
+            being resolved), `paused`, `stale` (a pose is too old), `stuck` or `infeasible`.
         leader: Index of the leading robot, -1 where there is none.
         roles: `(N,)` slot index of each robot, -1 for a robot that takes no part.
         slots: `(S, 2)` slots in the formation frame, m.
@@ -40,7 +40,7 @@ class PlannerStatus:
         arrived: All robots stand in their slots of the last goal.
         waypoint: Index of the goal being driven to.
         goal_moved: Distance in m by which the present goal was moved to fit; 0.0 normally.
-        involved: Robots named by `stuck` or `infeasible`.
+        involved: Robots that the message is about.
         message: One line for people; empty normally.
         targets: `(N, 3)` poses, where robots have goals of their own; there is no formation then.
     """

@@ -12,6 +12,7 @@ from cavalcade.errors import InputError
 from cavalcade.robots.description import QuadrupedDescription
 from cavalcade.robots.model import Drive, LegModel, RobotModel, check_model
 from cavalcade.robots.unitree import GO1_BODY, GO2_BODY
+from cavalcade.values import described, instance_of
 
 _PAPER = "Norén et al., Role-Adaptive Collaborative Formation Planning"
 _TRACKING_ERROR = 0.03
@@ -82,7 +83,7 @@ class ModelRegistry(Mapping[str, RobotModel]):
         Raises:
             InputError: Its values do not fit, or another model has that name.
         """
-        check_model(model)
+        check_model(instance_of(model, RobotModel, "model"))
         if self._models.setdefault(model.name, model) != model:
             raise InputError(f"there is another robot model {model.name!r}", key="name")
         return model
@@ -193,16 +194,22 @@ def register_model(model: RobotModel) -> RobotModel:
     return MODELS.add(model)
 
 
-def robot_model(name: str) -> RobotModel:
-    """The model of that name.
+def robot_model(model: str | RobotModel) -> RobotModel:
+    """The model of that name; one that is given itself comes back.
 
     Raises:
         InputError: There is none; the message lists those there are.
     """
+    if isinstance(model, RobotModel):
+        return model
+    if not isinstance(model, str):
+        raise InputError(
+            f"expected a RobotModel or the name of one, got {described(model)}", key="model"
+        )
     try:
-        return MODELS[name]
+        return MODELS[model]
     except KeyError:
-        raise InputError(f"unknown robot model {name!r}", choices=MODELS) from None
+        raise InputError(f"unknown robot model {described(model)}", choices=MODELS) from None
 
 
 _MAX_BYTES = 100_000

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
-from typing import Literal, get_args
+from dataclasses import dataclass, field, fields
+from typing import Any, Literal, Self, get_args
 
 from cavalcade.errors import InputError
 from cavalcade.robots.description import QuadrupedDescription
+from cavalcade.values import instance_of, number_in, plain_number
 
 Drive = Literal["legged", "unicycle", "unicycle-2", "integrator", "integrator-2"]
 
@@ -55,6 +56,20 @@ class LegModel:
     swing_height: float
     source: str
 
+    def __post_init__(self) -> None:
+        for figure in fields(self):
+            if figure.name != "source":
+                number_in(getattr(self, figure.name), f"legs.{figure.name}", 0.0)
+        for low, high in (("h_min", "h_nom"), ("h_nom", "h_max"), ("v_nom", "v_max")):
+            if not getattr(self, low) <= getattr(self, high):
+                raise InputError(f"expected at most {high}", key=f"legs.{low}")
+        for name in _POSITIVE:
+            if getattr(self, name) == 0.0:
+                raise InputError("expected a number above 0", key=f"legs.{name}")
+
+
+_POSITIVE = ("h_nom", "v_nom", "yaw_rate", "acceleration", "mass", "mu", "grf_max", "gait_period")
+
 
 @dataclass(frozen=True)
 class RobotModel:
@@ -82,6 +97,9 @@ class RobotModel:
         round: Whether the footprint is a disc.
         legs: Of a legged robot, for planners.
         description: Its mechanism, for physics; None where there is none.
+
+    Raises:
+        InputError: A value of another kind or out of range; the key is the attribute.
     """
 
     name: str
@@ -97,8 +115,20 @@ class RobotModel:
     tracking_error: float = 0.0
     drive: Drive = "legged"
     round: bool = False
-    legs: LegModel | None = None
-    description: QuadrupedDescription | None = None
+    legs: LegModel | None = field(default=None, repr=False)
+    description: QuadrupedDescription | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        _check_values(self)
+
+    def with_limits(self, **values: Any) -> Self:
+        """A copy with other limits or another outline, which need not be those of any robot.
+
+        For those who carry out or judge motion of another kind; nothing is checked.
+        """
+        copy = object.__new__(type(self))
+        copy.__dict__.update(self.__dict__ | values)
+        return copy
 
     @property
     def body(self) -> tuple[float, float, float]:
@@ -124,21 +154,14 @@ _RANGES: dict[str, tuple[float, float]] = {
 
 
 def check_model(model: RobotModel) -> None:
-    """Refuse a model that nothing can plan for.
+    """Refuse a model whose values do not fit together: nothing can plan for it.
+
+    Each value by itself is checked when a model is made.
 
     Raises:
         InputError: One line with the attribute and what was expected.
     """
-    if not isinstance(model.name, str) or not _NAME.fullmatch(model.name):
-        raise InputError("expected a name of letters, digits, - and _", key="name")
-    for key, (least, most) in _RANGES.items():
-        value = getattr(model, key)
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise InputError("expected a number", key=key)
-        if not least <= value <= most:
-            raise InputError(f"expected {least:g} to {most:g}, got {value:g}", key=key)
-    if model.drive not in get_args(Drive):
-        raise InputError("unknown drive", key="drive", choices=get_args(Drive))
+    _check_values(model)
     if model.round and model.length != model.width:
         raise InputError("expected the same length and width of a round robot", key="round")
     if model.drive in ("legged", "integrator", "integrator-2") and model.max_speed_y == 0.0:
@@ -149,3 +172,20 @@ def check_model(model: RobotModel) -> None:
         raise InputError(
             f"expected at least max_speed_x * max_yaw_rate, {turning:g}", key="max_acceleration"
         )
+
+
+def _check_values(model: RobotModel) -> None:
+    if not isinstance(model.name, str) or not _NAME.fullmatch(model.name):
+        raise InputError("expected a name of letters, digits, - and _", key="name")
+    for key, (least, most) in _RANGES.items():
+        value = plain_number(getattr(model, key), key)
+        if not least <= value <= most:
+            raise InputError(f"expected {least:g} to {most:g}, got {value:g}", key=key)
+    if not isinstance(model.drive, str) or model.drive not in get_args(Drive):
+        raise InputError("unknown drive", key="drive", choices=get_args(Drive))
+    instance_of(model.source, str, "source", "text")
+    instance_of(model.round, bool, "round", "True or False")
+    if model.legs is not None:
+        instance_of(model.legs, LegModel, "legs")
+    if model.description is not None:
+        instance_of(model.description, QuadrupedDescription, "description")

@@ -11,8 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cavalcade.errors import InputError
 from cavalcade.kernels import kernel, subroutine
-from cavalcade.robots.model import RobotModel
+from cavalcade.robots.model import RobotModel, check_model
 
 
 class MotionLimits(NamedTuple):
@@ -28,6 +29,26 @@ class MotionLimits(NamedTuple):
 def limits_of(model: RobotModel) -> MotionLimits:
     """The motion limits that a robot model gives."""
     return MotionLimits(*(float(getattr(model, name)) for name in MotionLimits._fields))
+
+
+def check_holonomic(model: RobotModel) -> None:
+    """Refuse a model that does not move as `advance` says.
+
+    Raises:
+        InputError: It does not move sideways, its accelerations have no limit, or its values do
+            not fit together.
+    """
+    check_model(model)
+    if model.drive.startswith("unicycle"):
+        raise InputError(
+            f"robots in formation move sideways, too; {model.name} is a {model.drive}", key="model"
+        )
+    for name in ("max_acceleration", "max_yaw_acceleration"):
+        if not math.isfinite(getattr(model, name)):
+            raise InputError(
+                f"robots in formation need a finite {name}; that of {model.name} has no limit",
+                key="model",
+            )
 
 
 @subroutine

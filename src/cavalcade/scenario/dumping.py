@@ -15,6 +15,7 @@ from cavalcade.scenario.model import Scenario
 from cavalcade.scenario.rules import UNUSED_KEYS
 from cavalcade.scenario.task import INDIVIDUAL, FormationSection, TaskSection
 from cavalcade.scenario.worlds import resolve_scenario
+from cavalcade.values import instance_of, path_of
 
 
 class _Dumper(yaml.SafeDumper):  # type: ignore[misc]  # PyYAML has no types
@@ -44,6 +45,8 @@ def dump_scenario(scenario: Scenario, path: str | Path) -> None:
         ScenarioError, MapError: The world cannot be made.
         OutputError: The file cannot be written.
     """
+    path = path_of(path)
+    instance_of(scenario, Scenario, "scenario")
     text: str = yaml.dump(
         _plain(resolve_scenario(scenario), Path(path).parent),
         Dumper=_Dumper,

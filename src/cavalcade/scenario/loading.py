@@ -15,6 +15,7 @@ from cavalcade.scenario.model import Scenario
 from cavalcade.scenario.overrides import Overrides, apply_overrides
 from cavalcade.scenario.shipped import find_scenario, read_text
 from cavalcade.scenario.spellings import with_current_spelling
+from cavalcade.values import described, path_of
 from cavalcade.yaml_text import parse_yaml
 
 
@@ -56,6 +57,9 @@ def parse_scenario(data: Mapping[str, Any], file: str | Path | None = None) -> S
     Warns:
         ScenarioWarning: A value is probably not what was meant, or has no effect.
     """
+    file = None if file is None else path_of(file, "file", ScenarioError)
+    if not isinstance(data, Mapping):
+        raise ScenarioError(f"expected a mapping, got {described(data)}", file=file, key="data")
     base = Path.cwd() if file is None else Path(file).resolve().parent
     try:
         data = with_current_spelling(data, file)

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from cavalcade.errors import ScenarioError
+from cavalcade.values import instances_of
 from cavalcade.yaml_text import parse_yaml
 
 Overrides = Sequence[str] | Mapping[str, Any]
@@ -40,7 +41,7 @@ def _pairs(overrides: Overrides) -> Iterator[tuple[str, Any]]:
     if isinstance(overrides, Mapping):
         yield from overrides.items()
         return
-    for text in overrides:
+    for text in instances_of(overrides, str, "--set", "a list of KEY=VALUE"):
         key, separator, value = str(text).partition("=")
         if not separator or not key.strip():
             raise ScenarioError(f"expected KEY=VALUE, got {ascii(text)[:60]}", key="--set")

@@ -163,6 +163,7 @@ class PlannerSection(Section):
     v_max_y: Speed | None = None
     v_min: NotNegative | None = None
     d_slowdown: Length | None = None
+    max_detour: NotNegative | None = None
     expect: Expectations = Expectations()
 
 

@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cavalcade.errors import InputError, ScenarioError
-from cavalcade.geometry import CLEARANCE, transform_points
+from cavalcade.geometry import CLEARANCE, Array, transform_points
 from cavalcade.scenario.ground import EmptySource, GenerateSource, Obstacle
 from cavalcade.scenario.model import ResolvedScenario, Scenario
 from cavalcade.scenario.timeline import ObstacleSpan, obstacle_spans
+from cavalcade.values import instance_of
 from cavalcade.world import (
     OccupancyMap,
+    Polygon,
     Shape,
     generate,
     load_barn,
@@ -30,6 +32,7 @@ from cavalcade.world.gaps import (
     body_at,
     gap_between,
     nearest_obstacle,
+    squares_near,
     too_near,
 )
 
@@ -138,7 +141,7 @@ def resolve_scenario(scenario: Scenario) -> ResolvedScenario:
     """
     if isinstance(scenario, ResolvedScenario):
         return scenario
-    world = scenario.world
+    world = instance_of(scenario, Scenario, "scenario").world
     if world.generate is not None and world.generate.is_terrain:
         from cavalcade.world import terrain_options
 
@@ -233,19 +236,43 @@ def _problem(
     body: Body, base: OccupancyMap, shapes: Sequence[Shape], bodies: Sequence[Body]
 ) -> str | None:
     gap, number = nearest_obstacle(body, base, shapes)
+    if gap == 0.0 and number == BORDER:
+        return f"reaches beyond the map, {_extent(base)}"
     if too_near(gap):
-        what = {BORDER: "the map's border", CELLS: "an obstacle of the map"}
-        if gap > 0.0:
-            return _near(gap, what.get(number, f"world.obstacles[{number}]"))
-        if number == BORDER:
-            return "reaches beyond the map"
-        return f"stands in {what.get(number, f'world.obstacles[{number}]')}"
+        return _near(gap, "stands in", _named(number, body, base, shapes))
     for other, standing in enumerate(bodies):
         gap = gap_between(body, standing)
         if too_near(gap):
-            return _near(gap, f"robot {other}") if gap > 0.0 else f"overlaps robot {other}"
+            return _near(gap, "overlaps", f"robot {other} at {_place(standing.center)}")
     return None
 
 
-def _near(gap: float, what: str) -> str:
-    return f"is {1e3 * gap:.2g} mm from {what}"
+def _near(gap: float, met: str, what: str) -> str:
+    return f"is {1e3 * gap:.2g} mm from {what}" if gap > 0.0 else f"{met} {what}"
+
+
+def _named(number: int, body: Body, base: OccupancyMap, shapes: Sequence[Shape]) -> str:
+    """What `nearest_obstacle` has found, and where it is."""
+    if number == BORDER:
+        return f"the border of the map, {_extent(base)}"
+    if number != CELLS:
+        shape = shapes[number]
+        middle = shape.vertices.mean(axis=0) if isinstance(shape, Polygon) else shape.center
+        return f"world.obstacles[{number}] at {_place(middle)}"
+    cells = np.array([square.center for square in squares_near(body, base)])
+    nearest = cells[np.argmin(np.hypot(*(cells - body.center).T))]
+    count = "one cell" if len(cells) == 1 else f"{len(cells)} cells"
+    return f"an obstacle of the map at {_place(nearest)} ({count} of {base.resolution:g} m)"
+
+
+def _place(point: Sequence[float] | Array) -> str:
+    x, y = point
+    return f"({x:.3f}, {y:.3f})"
+
+
+def _extent(base: OccupancyMap) -> str:
+    """Where a map lies, in words."""
+    (x0, y0), (x1, y1) = base.to_map([(0.0, 0.0), base.size])
+    if base.origin[2] == 0.0:
+        return f"which spans x from {x0:g} to {x1:g} m and y from {y0:g} to {y1:g} m"
+    return f"which lies between its corners {_place((x0, y0))} and {_place((x1, y1))}"

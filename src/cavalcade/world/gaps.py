@@ -21,6 +21,9 @@ Body = Box | Circle
 _ROUNDING = 1e-6
 """Of coordinates: so much may be missing of a clearance, m."""
 
+REACH = 2.0 * CLEARANCE
+"""How far it is looked around a body, m."""
+
 BORDER, CELLS = -1, -2
 """What `nearest_obstacle` names in the place of a shape."""
 
@@ -49,7 +52,7 @@ def gap_between(body: Body, shape: Shape) -> float:
 
 
 def nearest_obstacle(
-    body: Body, map: OccupancyMap, shapes: Sequence[Shape], reach: float = 2.0 * CLEARANCE
+    body: Body, map: OccupancyMap, shapes: Sequence[Shape], reach: float = REACH
 ) -> tuple[float, int]:
     """The gap to what is nearest, m, 0 if it is met, and the number of that shape.
 
@@ -63,7 +66,7 @@ def nearest_obstacle(
         if max(x0 - high_x, low_x - x1, y0 - high_y, low_y - y1) < reach:
             found.append((gap_between(body, shape), number))
     if map.occupied.any():
-        found += [(gap_between(body, square), CELLS) for square in _squares(body, map, reach)]
+        found += [(gap_between(body, square), CELLS) for square in squares_near(body, map, reach)]
     return min(found, key=lambda pair: pair[0])  # of equal ones the first: border, shapes, cells
 
 
@@ -76,7 +79,7 @@ def _gap_to_border(body: Body, map: OccupancyMap) -> float:
     return max(float(inside.min()) - radius, 0.0)
 
 
-def _squares(body: Body, map: OccupancyMap, reach: float) -> list[Box]:
+def squares_near(body: Body, map: OccupancyMap, reach: float = REACH) -> list[Box]:
     """Occupied cells within `reach` of the body."""
     if isinstance(body, Box):
         length, width = (side + 2.0 * reach for side in body.size)

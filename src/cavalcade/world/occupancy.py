@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.errors import MapError
-from cavalcade.geometry import Array, as_floats, inverse_transform_points, transform_points
+from cavalcade.geometry import Array, inverse_transform_points, transform_points
+from cavalcade.values import instances_of, number_array, plain_number, points_of
 from cavalcade.world.raster import rasterise
-from cavalcade.world.shapes import Shape, plain_number
+from cavalcade.world.shapes import Shape
 
 FREE, OCCUPIED, UNKNOWN = 0, 100, -1
 """Cell values of nav_msgs/OccupancyGrid."""
@@ -27,6 +28,9 @@ MAX_CELLS = 64_000_000
 
 MAX_EXTENT = 1e6
 """Largest coordinate of a map, m."""
+
+_FAR, _FARTHEST = 1e9, 1e300
+"""Largest coordinate of a point, m, and where the cell is the answer, which is clipped."""
 
 Unknown = Literal["occupied", "free"]
 
@@ -56,7 +60,7 @@ class PlacedGrid:
 
     def to_local(self, points: ArrayLike) -> Array:
         """Points `(N, 2)` of the map frame seen from the corner of cell [0, 0], x along columns."""
-        return inverse_transform_points(self.origin, np.asarray(points, dtype=float))
+        return inverse_transform_points(self.origin, points_of(points, _FAR, MapError))
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, type(self)):
@@ -98,7 +102,7 @@ class OccupancyMap(PlacedGrid):
         object.__setattr__(self, "grid", _checked_grid(self.grid))
         object.__setattr__(self, "resolution", checked_resolution(self.resolution))
         object.__setattr__(self, "origin", checked_origin(self.origin))
-        if self.unknown not in ("occupied", "free"):
+        if not isinstance(self.unknown, str) or self.unknown not in ("occupied", "free"):
             raise MapError("expected another value", key="unknown", choices=("occupied", "free"))
         if max(self.grid.shape) * self.resolution > MAX_EXTENT:
             raise MapError(f"the map is longer than {MAX_EXTENT:g} m", key="resolution")
@@ -124,7 +128,7 @@ class OccupancyMap(PlacedGrid):
 
     def to_map(self, points: ArrayLike) -> Array:
         """Points `(N, 2)` given from the corner of cell [0, 0], expressed in the map frame."""
-        return transform_points(self.origin, np.asarray(points, dtype=float))
+        return transform_points(self.origin, points_of(points, _FAR, MapError))
 
     def cell_of(self, points: ArrayLike) -> NDArray[np.int64]:
         """Cells `(N, 2)` as [row, col] in which points `(N, 2)` of the map frame lie.
@@ -134,29 +138,28 @@ class OccupancyMap(PlacedGrid):
         Raises:
             MapError: A point is not finite.
         """
-        array = as_floats(points, "points")
-        if not np.isfinite(array).all():
-            raise MapError("points must be finite", key="points")
-        local = self.to_local(array)
+        array = points_of(points, _FARTHEST, MapError)
+        local = inverse_transform_points(self.origin, array)
         # The clip keeps the conversion to integers defined for points that are light years away.
         cells: Array = np.floor(local[:, ::-1] / self.resolution)
         return np.clip(cells, -(2.0**40), 2.0**40).astype(np.int64)
 
     def centers(self, cells: ArrayLike) -> Array:
         """Centres `(N, 2)` in the map frame of cells `(N, 2)` given as [row, col]."""
-        local = (np.asarray(cells, dtype=float)[:, ::-1] + 0.5) * self.resolution
-        return self.to_map(local)
+        index = number_array(cells, "cells", (None, 2), "[row, col] cells", _FAR, MapError)
+        return self.to_map((index[:, ::-1] + 0.5) * self.resolution)
 
     def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
         """Whether points `(N, 2)` of the map frame lie on the map, `(N,)`; False for nan."""
-        array = as_floats(points, "points")
-        inside: NDArray[np.bool_] = np.asarray(np.isfinite(array).all(axis=1))
+        array = number_array(points, "points", (None, 2), "points (N, 2) in m", np.nan, MapError)
+        inside: NDArray[np.bool_] = np.asarray((np.abs(array) <= _FAR).all(axis=1))
         local = self.to_local(array[inside])
         inside[inside] = (local >= 0.0).all(axis=1) & (local <= self.size).all(axis=1)
         return inside
 
     def with_shapes(self, shapes: Iterable[Shape]) -> OccupancyMap:
         """This map with every cell occupied that one of the shapes (map frame) touches."""
+        shapes = instances_of(shapes, Shape, "shapes", "a list of Box, Circle or Polygon")
         touched = rasterise(shapes, self.rows, self.cols, self.resolution, self.origin)
         return replace(self, grid=np.where(touched, np.int8(OCCUPIED), self.grid))
 

@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 from cavalcade.errors import MapError
 from cavalcade.files import write_file
 from cavalcade.geometry import beyond_a_turn
+from cavalcade.values import instance_of, path_of
 from cavalcade.world._descriptions import choice, load_mapping, number, numbers, required
 from cavalcade.world._images import encode_pgm, encode_png, read_grey
 from cavalcade.world.occupancy import (
@@ -89,7 +90,7 @@ def load_map(path: str | Path, unknown: Unknown | None = None) -> OccupancyMap:
         MapWarning: `free_thresh` turns the grey that stands for unknown ground into free ground,
             or the origin's yaw seems to be in degrees.
     """
-    path = Path(path)
+    path = path_of(path, kind=MapError)
     description = _read_description(path)
     warn_of_degrees(path, description.origin[2])
     picture = path.parent / description.image
@@ -141,12 +142,13 @@ def save_map(
         MapError: The wrong kind of name, or a mode that cannot keep the map's values.
         OutputError: A file cannot be written.
     """
-    path = Path(path)
+    path = path_of(path, kind=MapError)
+    instance_of(occupancy_map, OccupancyMap, "occupancy_map")
     if path.suffix not in (".yaml", ".yml"):
         raise MapError("expected a name ending in .yaml or .yml", file=path)
-    if image not in ("pgm", "png"):
+    if not isinstance(image, str) or image not in ("pgm", "png"):
         raise MapError("unknown format of picture", key="image", choices=("pgm", "png"))
-    if mode is not None and mode not in MODES:
+    if mode is not None and (not isinstance(mode, str) or mode not in MODES):
         raise MapError("unknown mode", key="mode", choices=MODES)
     grid = occupancy_map.grid[::-1]
     chosen = next(m for m in MODES if _keeps(grid, m, image)) if mode is None else mode

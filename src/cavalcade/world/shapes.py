@@ -15,13 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cavalcade.errors import InputError
-from cavalcade.geometry import (
-    Array,
-    as_floats,
-    inverse_transform_points,
-    polygons,
-    rectangle_corners,
-)
+from cavalcade.geometry import Array, inverse_transform_points, polygons, rectangle_corners
+from cavalcade.values import number_array, plain_number, points_of
 
 MAX_COORDINATE = 1e6
 """Largest coordinate or length of a shape, m; beyond it arithmetic loses the millimetres."""
@@ -225,16 +220,6 @@ def shape_to_mapping(shape: Shape) -> dict[str, dict[str, Any]]:
     return {"box": {"center": list(shape.center), "size": list(shape.size), "yaw": shape.yaw}}
 
 
-def plain_number(value: object, key: str, kind: type[InputError] = InputError) -> float:
-    """`value` as a float, infinite or nan too; True and False are none."""
-    if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
-        raise kind("expected a number", key=key)
-    try:
-        return float(value)
-    except (OverflowError, TypeError):
-        raise kind("expected a number", key=key) from None
-
-
 def _number(value: object, key: str) -> float:
     """`value` as a finite float of sensible size."""
     number = plain_number(value, key)
@@ -243,26 +228,23 @@ def _number(value: object, key: str) -> float:
     return number
 
 
-def _pair(value: object, key: str) -> tuple[float, float]:
+def _pair(value: Any, key: str) -> tuple[float, float]:
     """`value` as a pair of finite floats."""
-    if not isinstance(value, (Sequence, np.ndarray)) or isinstance(value, str) or len(value) != 2:
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 2:
         raise InputError("expected two numbers", key=key)
     return _number(value[0], key), _number(value[1], key)
 
 
 def _displaced(point: tuple[float, float], offset: ArrayLike) -> tuple[float, float]:
-    dx, dy = _pair(offset, "offset")
-    return point[0] + float(dx), point[1] + float(dy)
+    dx, dy = number_array(offset, "offset", (2,), "(2,) m").tolist()
+    return point[0] + dx, point[1] + dy
 
 
 def _points(points: ArrayLike) -> Array:
     """Points as a finite float array `(N, 2)`."""
-    array = as_floats(points, "points")
-    if array.ndim != 2 or array.shape[1] != 2:
-        raise InputError(f"expected points of shape (N, 2), not {array.shape}", key="points")
-    if not np.isfinite(array).all():
-        raise InputError("points must be finite", key="points")
-    return array
+    return points_of(points, 1e150)
 
 
 def _bounds_of(points: Array) -> Bounds:

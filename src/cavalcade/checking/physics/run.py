@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from itertools import combinations
 from typing import Any
 
@@ -209,7 +208,7 @@ def _obstacle_distance(
     scene: Scene, tracks: tuple[Track, ...], models: tuple[RobotModel, ...], ticks: Array
 ) -> float:
     """Smallest distance in m of a centre to obstacles, map and border; inf beyond 1 m."""
-    points = tuple(replace(model, length=0.0, width=0.0, round=True) for model in models)
+    points = tuple(model.with_limits(length=0.0, width=0.0, round=True) for model in models)
     _, gap = find_contacts(scene, bodies(tracks, points, ticks), ticks, among=False)
     return gap if gap < FARTHEST else np.inf
 

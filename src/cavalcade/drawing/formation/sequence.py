@@ -30,6 +30,7 @@ STATES = {
     "final": "Final Goal",
     "resolving": "resolving a deadlock",
     "paused": "paused",
+    "stale": "stopped: stale pose",
     "stuck": "stuck",
     "infeasible": "infeasible",
     "inactive": "inactive",

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from cavalcade.errors import InputError
+from cavalcade.values import described
 from cavalcade.world.occupancy import OccupancyMap
 from cavalcade.world.shapes import Shape
 
@@ -73,8 +74,8 @@ def check_options(
     kind: str, generators: Mapping[str, Callable[..., object]], options: Iterable[str]
 ) -> None:
     """Refuse an unknown kind and options that it does not have."""
-    if kind not in generators:
-        raise InputError(f"unknown kind {str(kind)[:40]!r}", key="kind", choices=generators)
+    if not isinstance(kind, str) or kind not in generators:
+        raise InputError(f"unknown kind {described(kind)}", key="kind", choices=generators)
     known = options_of(generators[kind])
     for name in options:
         if name not in known:

@@ -16,6 +16,7 @@ import numpy as np
 
 from cavalcade.errors import MapError
 from cavalcade.files import read_head
+from cavalcade.values import path_of
 from cavalcade.world._descriptions import as_float, choice, load_mapping, numbers
 from cavalcade.world._images import PNG_SIGNATURE
 from cavalcade.world.occupancy import checked_origin, checked_resolution
@@ -65,7 +66,7 @@ def load_terrain(path: str | Path, resolution: float = RESOLUTION) -> Terrain:
     Raises:
         MapError: The file cannot be used; the message is one line that says which and why.
     """
-    path = Path(path)
+    path = path_of(path, kind=MapError)
     cell = checked_cell(resolution)
     try:
         # Numbers of damaged files overflow, or are signals; what comes of them is looked at.

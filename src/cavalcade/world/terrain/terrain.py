@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cavalcade.errors import InputError, MapError
-from cavalcade.geometry import Array, as_floats
+from cavalcade.errors import MapError
+from cavalcade.geometry import Array
 from cavalcade.kernels import kernel, subroutine
+from cavalcade.values import instance_of, plain_number, real_array
 from cavalcade.world.occupancy import MAX_EXTENT, OccupancyMap, PlacedGrid, checked_origin
 from cavalcade.world.terrain.filters import make_layers
 
@@ -111,6 +112,7 @@ class Terrain(PlacedGrid):
         Raises:
             MapError: No cell is free, or cells of another size.
         """
+        instance_of(map, OccupancyMap, "map")
         heights = np.where(map.occupied, np.nan, 0.0)
         return cls.from_heights(heights, map.resolution, map.origin)
 
@@ -149,12 +151,15 @@ class Terrain(PlacedGrid):
 
 def checked_cell(value: object) -> float:
     """`value` as the side of a terrain's cells, m."""
-    valid = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
-    if not valid or not FINEST <= float(value) <= COARSEST:  # type: ignore[arg-type]
+    try:
+        cell = plain_number(value, "resolution", MapError)
+    except MapError:
+        cell = np.nan
+    if not FINEST <= cell <= COARSEST:
         raise MapError(
             f"expected cells of {FINEST:g} to {COARSEST:g} m for terrain", key="resolution"
         )
-    return float(value)  # type: ignore[arg-type]
+    return cell
 
 
 def check_terrain_size(rows: int, cols: int, key: str = "heights") -> None:
@@ -193,10 +198,7 @@ def _layer(value: object, name: str, dimensions: int) -> Array:
 
 
 def _numbers(value: object, key: str) -> Array:
-    try:
-        return as_floats(value, key)
-    except InputError:
-        raise MapError("expected a grid of numbers", key=key) from None
+    return np.array(real_array(value, key, "a grid of numbers", MapError))
 
 
 @subroutine
