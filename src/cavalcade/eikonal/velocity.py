@@ -24,7 +24,8 @@ def surface_distance(occupied: NDArray[np.bool_], cell: float, border: bool = Tr
         `(rows, cols)` m; 0 in occupied cells, inf everywhere if there is nothing occupied. Exact:
         distances are to the occupied squares, not to their centres.
     """
-    occupied = np.ascontiguousarray(np.ma.filled(occupied, True), dtype=np.bool_)
+    # A copy: the kernel would be compiled a second time for read-only arrays.
+    occupied = np.array(np.ma.filled(occupied, True), dtype=np.bool_, order="C")
     if not border:
         return square_distance(occupied, float(cell))
     padded = np.pad(occupied, 1, constant_values=True)

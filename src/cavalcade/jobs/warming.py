@@ -91,7 +91,7 @@ def needs_of(scenario: Scenario, backend: str | None) -> Needs:
         scenario.task.kind,
         backend,
         scenario.planner.variant,
-        scenario.planner.method,
+        scenario.planner.method if scenario.goals else "auto",
         scenario.world.has_heights,
         bool(scenario.execution.events),
     )

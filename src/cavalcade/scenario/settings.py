@@ -139,6 +139,8 @@ class PlannerSection(Section):
         v_max_y (m/s): Largest speed across it.
         v_min (m/s): Speed limit where the velocity map is 0.
         d_slowdown (m): Distance from its final slot at which a robot begins to slow down.
+        max_detour: By which share of a way paths may be longer for the sake of room, where bodies
+            pass with 0.30 m to spare on each side; inf as in the paper.
         expect: What the planner is told of localisation and radio.
     """
 
