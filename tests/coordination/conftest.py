@@ -17,7 +17,8 @@ from cavalcade.geometry.trajectory import Trajectory
 from cavalcade.lattice.ground import Ground, make_ground
 from cavalcade.robots import RobotModel, robot_model
 from cavalcade.scenario import build_world, parse_scenario
-from cavalcade.world import OccupancyMap
+from cavalcade.world import OccupancyMap, Shape
+from cavalcade.world.gaps import body_at, gap_between
 
 Array = np.ndarray
 Gap = Callable[..., Array]
@@ -91,7 +92,7 @@ def _least_gap(gap: Gap, one: RobotModel, poses: Array, other: RobotModel, there
 
 
 def _ground_gap(gap: Gap, model: RobotModel, poses: Array, ground: Ground) -> float:
-    """Least distance to solid cells and, for what is beyond the grid, to its border."""
+    """Least distance to solid cells, but those of known shapes, and to the grid's border."""
     cell = ground.cell
     half_length, half_width, is_round = shape_of(model)
     c, s = np.abs(np.cos(poses[:, 2])), np.abs(np.sin(poses[:, 2]))
@@ -101,7 +102,8 @@ def _ground_gap(gap: Gap, model: RobotModel, poses: Array, ground: Ground) -> fl
     x, y = poses[:, 0], poses[:, 1]
     border = np.stack([x - span_x, width - x - span_x, y - span_y, height - y - span_y])
     least = float(border.min())
-    rows, cols = np.nonzero(ground.solid)
+    part = ground.outlines.part
+    rows, cols = np.nonzero(ground.solid & (part < 0) if part.size else ground.solid)
     if not len(rows):
         return least
     squares = np.column_stack([(cols + 0.5) * cell, (rows + 0.5) * cell, np.zeros(len(rows))])
@@ -112,6 +114,15 @@ def _ground_gap(gap: Gap, model: RobotModel, poses: Array, ground: Ground) -> fl
         cells = squares[np.concatenate([found for found in near if found]).astype(int)]
         square = (cell / 2, cell / 2, False)
         least = min(least, float(gap(shape_of(model), poses[which], square, cells).min()))
+    return least
+
+
+def _least_gap_to_shapes(model: RobotModel, poses: Array, shapes: Sequence[Shape]) -> float:
+    reach = math.hypot(*shape_of(model)[:2])
+    least = math.inf
+    for shape in shapes:
+        near = poses[shape.distance(poses[:, :2]) < reach + FINE]
+        least = min([least, *(gap_between(body_at(model, pose), shape) for pose in near)])
     return least
 
 
@@ -189,6 +200,8 @@ def judge(
         _judge_motion(model, t)
         poses = fine_poses(t, time)
         assert _ground_gap(gap, model, poses, problem.ground) > -1e-6
+        in_map = fine_poses(plan.trajectories[len(tracks)], time)
+        assert _least_gap_to_shapes(model, in_map, problem.shapes) > 0.0
         tracks.append(poses)
     for i, j in combinations(range(len(tracks)), 2):
         if distance is not None:

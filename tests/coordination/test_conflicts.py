@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from cavalcade.coordination.conflicts import MARGIN, Conflict, conflicts_of, stacked
 from cavalcade.geometry import Array
+from cavalcade.lattice.planner import MARGINS
 from cavalcade.robots import MODELS, RobotModel, robot_model
 
 STEP = 0.05
@@ -63,6 +64,11 @@ def _check(gap: Gap, tracks: list[Array], models: list[RobotModel], distance: fl
     # Boxes at corners are kept apart by up to 1.4 margins.
     strict = _brute(gap, tracks, models, MARGIN * math.sqrt(2.0) + 1e-6, distance)
     lenient = _brute(gap, tracks, models, MARGIN - 1e-6, distance)
+    # Pairs that begin or end nearer than that keep as much as their starts and goals have to.
+    close = _brute(gap, tracks, models, MARGINS[-1].others - 1e-6, distance)
+    for pair, spans in strict.items():
+        if any(begin == 0.0 or end == math.inf for begin, end in spans):
+            lenient[pair] = close[pair]
     for pair, spans in lenient.items():
         mine = [c for c in found if (c.i, c.j) == pair]
         for begin, end in spans:

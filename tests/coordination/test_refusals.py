@@ -30,44 +30,44 @@ CASES = [
     (
         [("go1", A, B), ("go1", C, (20.0, 3.0, 0.0))],
         (),
-        "the goal of robot 1 is off the map or in an obstacle",
+        "the goal of robot 1 is off the map or on its border",
         (1,),
     ),
     (
         [("go1", A, B), ("go1", C, (8.8, 3.0, 0.0))],
         (),
-        "the goal of robot 1 is off the map or in an obstacle",
+        "the goal of robot 1 is off the map or on its border",
         (1,),
     ),
     (
         [("go1", A, (5.0, 2.0, 0.0)), ("go1", C, D)],
         ((4.9, 1.9, 5.1, 2.1),),
-        "the goal of robot 0 is off the map or in an obstacle",
+        "the goal of robot 0 is in or touches an occupied cell of the map (0.05 m wide)",
         (0,),
     ),
     (
         # The trunk's middle is free, a corner is not.
         [("go1", A, (5.0, 2.0, 0.0)), ("go1", C, D)],
         ((5.25, 2.1, 5.5, 2.3),),
-        "the goal of robot 0 is off the map or in an obstacle",
+        "the goal of robot 0 is in or touches an occupied cell of the map (0.05 m wide)",
         (0,),
     ),
     (
         [("go1", A, B), ("spirit", C, (7.2, 2.2, 1.0))],
         (),
-        "the goals of robots 0 and 1 overlap",
+        "the goals of robots 0 and 1 overlap or touch",
         (0, 1),
     ),
     (
         [("go1", A, B), ("go1", (2.3, 2.2, 1.0), D)],
         (),
-        "the starts of robots 0 and 1 overlap",
+        "the starts of robots 0 and 1 overlap or touch",
         (0, 1),
     ),
     (
         [("go1", (5.0, 2.0, 0.0), B), ("go1", C, D)],
         ((4.9, 1.9, 5.1, 2.1),),
-        "the start of robot 0 is off the map or in an obstacle",
+        "the start of robot 0 is in or touches an occupied cell of the map (0.05 m wide)",
         (0,),
     ),
     (
@@ -108,10 +108,10 @@ def test_walled_in_on_a_large_map(make_team):
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_touching_the_border_is_no_overlap(make_team, judged, method):
+def test_a_millimetre_from_the_border_is_enough(make_team, judged, method):
     robots = [
-        ("go1", (0.325, 0.14, 0.0), (8.675, 0.14, 0.0)),
-        ("unicycle-sphere", (0.4, 3.6, 0.0), (8.6, 3.6, 0.0)),
+        ("go1", (0.326, 0.141, 0.0), (8.674, 0.141, 0.0)),
+        ("unicycle-sphere", (0.401, 3.599, 0.0), (8.599, 3.599, 0.0)),
     ]
     problem = make_team(robots)
     judged(problem, plan_team(problem, method))

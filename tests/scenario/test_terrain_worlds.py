@@ -162,7 +162,7 @@ class TestRoundRobots:
         disc = {"model": "unicycle-sphere", "goal": [1.0, 1.0, 0.0]}
         one = {**disc, "start": [1.0, 1.0, 0.8]}
         self._world(one, {**disc, "start": [1.6, 1.6, 0.0]})
-        self._world({**disc, "start": [0.4, 3.6, 0.3]})
+        self._world({**disc, "start": [0.401, 3.599, 0.3]})
         box = {"box": {"center": [1.45, 1.45], "size": [0.3, 0.3]}}
         self._world(one, obstacles=[box])
         with pytest.raises(ScenarioError, match=r"robots\[1\]\.start: .* overlaps robot 0"):

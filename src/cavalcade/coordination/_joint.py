@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cavalcade.geometry import Array
 from cavalcade.geometry.boxes import footprints_meet
 from cavalcade.kernels import kernel, subroutine
 from cavalcade.kernels.copying import copy_rows
@@ -49,6 +50,27 @@ class TeamScene(NamedTuple):
     metre_cost: float
 
 
+class Trees(NamedTuple):
+    """Those of the starts and of the goals.
+
+    Attributes:
+        nodes: `(2, C, N, 3)` poses of all robots; the roots come first.
+        parents: `(2, C)` by number; -1 of the roots.
+        counts: `(2,)` nodes.
+    """
+
+    nodes: Array
+    parents: NDArray[np.int64]
+    counts: NDArray[np.int64]
+
+
+def plant(starts: Array, goals: Array, most: int) -> Trees:
+    """The roots alone, poses `(N, 3)`, with room for `most` extensions."""
+    nodes = np.empty((2, most + 2, *starts.shape))
+    nodes[0, 0], nodes[1, 0] = starts, goals
+    return Trees(nodes, np.full((2, most + 2), -1), np.ones(2, dtype=np.int64))
+
+
 @kernel
 def word_between(team, k, a, b):
     """The cheapest word `(M, 6)` of robot `k` from rest at `a` to rest at `b`; whether any."""
@@ -64,7 +86,7 @@ def word_between(team, k, a, b):
     return words.moves[0, :0].copy(), False
 
 
-@subroutine
+@kernel
 def edge_free(team, a, b):
     """Whether all robots get from poses `a` to `b` `(N, 3)` at once."""
     n = len(team.team)
@@ -104,7 +126,7 @@ def edge_free(team, a, b):
 @subroutine
 def _sample(team, rng, out):
     """One point of the joint space: free places, each later one away from the earlier ones."""
-    cell, solid, _ = team.grid
+    cell, solid = team.grid.cell, team.grid.solid
     height, width = solid.shape[0] * cell, solid.shape[1] * cell
     for k in range(len(team.team)):
         footprint = footprint_of(member(team.team, k))
@@ -155,29 +177,25 @@ def _towards(node, point, share, forward, out):
 
 
 @kernel
-def search_joint(team, starts, goals, rng, most):
-    """Poses of all robots to stop at on their paths from the starts to the goals `(N, 3)`.
+def search_joint(team, trees, rng, begin, end):
+    """Grow two trees of poses of all robots from extension `begin` to `end` or until they meet.
 
     Returns:
-        FOUND or SPENT; poses `(M, N, 3)`, starts and goals included; extensions, at most `most`.
+        FOUND or SPENT; poses `(M, N, 3)`, starts and goals included, at which all stop on their
+        paths; extensions so far.
     """
+    nodes, parents, counts = trees
     n = len(team.team)
-    if edge_free(team, starts, goals):
+    if begin == 0 and edge_free(team, nodes[0, 0], nodes[1, 0]):
         direct = np.empty((2, n, 3))
-        copy_rows(direct[0], starts)
-        copy_rows(direct[1], goals)
+        copy_rows(direct[0], nodes[0, 0])
+        copy_rows(direct[1], nodes[1, 0])
         return FOUND, direct, 1
-    nodes = np.empty((2, most + 2, n, 3))
-    parents = np.full((2, most + 2), -1, dtype=np.int64)
-    counts = np.ones(2, dtype=np.int64)
-    copy_rows(nodes[0, 0], starts)
-    copy_rows(nodes[1, 0], goals)
     point = np.empty((n, 3))
     fresh = np.empty((n, 3))
-    tree = 0
     # The trees take turns: one is extended towards a sample, then joined with the other.
-    for iteration in range(most):
-        mine, tree = tree, 1 - tree
+    for extension in range(begin, end):
+        mine = extension % 2
         other = 1 - mine
         if not _sample(team, rng, point):
             continue
@@ -200,8 +218,8 @@ def search_joint(team, starts, goals, rng, most):
         a, b = (fresh, nodes[other, there]) if mine == 0 else (nodes[other, there], fresh)
         if edge_free(team, a, b):
             first, last = (at, there) if mine == 0 else (there, at)
-            return FOUND, _path(nodes, parents, first, last), iteration + 1
-    return SPENT, np.empty((0, n, 3)), most
+            return FOUND, _path(nodes, parents, first, last), extension + 1
+    return SPENT, np.empty((0, n, 3)), end
 
 
 @subroutine
@@ -220,21 +238,3 @@ def _path(nodes, parents, first, last):
         behind += 1
         last = parents[1, last]
     return path[middle - ahead : middle + behind].copy()
-
-
-@kernel
-def shorten_joint(team, path):
-    """The path with nodes left out, greedily from its start: edges to the farthest node."""
-    kept = np.empty_like(path)
-    copy_rows(kept[0], path[0])
-    count, i = 1, 0
-    while i < len(path) - 1:
-        j = len(path) - 1
-        while j > i + 1:
-            if edge_free(team, kept[count - 1], path[j]):
-                break
-            j -= 1
-        copy_rows(kept[count], path[j])
-        count += 1
-        i = j
-    return kept[:count].copy()

@@ -4,24 +4,28 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
 
 from cavalcade.geometry import Array
-from cavalcade.geometry.boxes import footprint_at, footprint_radius, footprints_meet
+from cavalcade.geometry.boxes import Footprint, footprint_at, footprint_radius, footprints_meet
 from cavalcade.kernels import kernel
 from cavalcade.lattice.collision import place_free, pose_at
 from cavalcade.lattice.motion_limits import footprint
-from cavalcade.lattice.planner import TRACK_STEP, stacked
+from cavalcade.lattice.planner import MARGINS, TRACK_STEP, stacked
 from cavalcade.robots import RobotModel
 
 MARGIN = 0.002
 """Bodies nearer than this are in conflict, m: what sampled tracks may hide is less."""
 
-_LOOK = 0.0025
-"""Time between looks at bodies that are near each other, s: at 1.5 m/s they come nearer by less
-than twice the margin in between."""
+_CLOSE = MARGINS[-1].others
+"""The same of two robots that begin or end within `MARGIN`: they set off and stop slowly."""
+
+_LOOK = 1.25
+"""Time between looks at bodies that are near each other, s for each m of margin: at 1.5 m/s they
+come nearer by less than twice the margin in between."""
 
 
 class Conflict(NamedTuple):
@@ -47,26 +51,40 @@ def conflicts_of(
     """
     table = stacked(tracks)
     shapes = np.array([footprint(model) for model in models], dtype=float)
-    if distance is not None:
+    margins = np.full((len(table), len(table)), MARGIN)
+    if distance is None:
+        _spare_neighbours(margins, table, shapes)
+    else:
         shapes[:] = (distance - MARGIN) / 2.0, (distance - MARGIN) / 2.0, 1.0
     # Of the fastest point of any body.
     steps = np.abs(np.diff(table, axis=1)) if table.shape[1] > 1 else np.zeros((1, 1, 3))
     moved = np.hypot(steps[..., 0], steps[..., 1]) + steps[..., 2] * shapes[:, :2].max()
     speed = max(float(moved.max()) / TRACK_STEP, 1e-3)
-    rows = find_conflicts(table, TRACK_STEP, shapes, MARGIN, speed, _LOOK, most)
+    rows = find_conflicts(table, TRACK_STEP, shapes, margins, speed, _LOOK, most)
     found = [Conflict(int(i), int(j), float(a), float(b)) for i, j, a, b in rows]
     return sorted(found, key=lambda conflict: (conflict.begin, conflict.i, conflict.j))
 
 
+def _spare_neighbours(margins: Array, table: Array, shapes: Array) -> None:
+    """Ask less of pairs that begin or end nearer to each other than their margin."""
+    rows = [Footprint(length, width, disc > 0.0) for length, width, disc in shapes.tolist()]
+    for i, j in combinations(range(len(table)), 2):
+        for at in (0, -1):
+            here, there = (tuple(table[k, at].tolist()) for k in (i, j))
+            if footprints_meet(rows[i], here, rows[j], there, MARGIN):
+                margins[i, j] = _CLOSE
+
+
 @kernel
-def find_conflicts(tracks, dt, shapes, margin, speed, step, most):
-    """The times at which two bodies are nearer than `margin`, after which all stand.
+def find_conflicts(tracks, dt, shapes, margins, speed, look, most):
+    """The times at which two bodies are nearer than their margin, after which all stand.
 
     Args:
         tracks: `(N, K, 3)` poses every `dt` s, linear in between.
         shapes: `(N, 3)` half length, half width (m), whether round.
+        margins: `(N, N)` of each pair, m.
         speed: Of the fastest point of any body, m/s: no two approach by more than twice that.
-        step: Time between looks where two are near, s.
+        look: Time between looks where two are near, s for each m of margin.
         most: Conflicts at most, of each pair.
 
     Returns:
@@ -80,6 +98,7 @@ def find_conflicts(tracks, dt, shapes, margin, speed, step, most):
         first = footprint_at(shapes, i)
         for j in range(i + 1, n):
             second = footprint_at(shapes, j)
+            margin = margins[i, j]
             radii = footprint_radius(first), footprint_radius(second)
             t = 0.0
             begin = -1.0
@@ -100,7 +119,7 @@ def find_conflicts(tracks, dt, shapes, margin, speed, step, most):
                 if t == end:
                     break
                 # No sooner than after this can the circles around the two meet.
-                t = min(t + max(step, gap / (2.0 * speed)), end)
+                t = min(t + max(look * margin, gap / (2.0 * speed)), end)
             if begin >= 0.0 and of_pair < most:
                 found[count, 0], found[count, 1] = i, j
                 found[count, 2], found[count, 3] = begin, math.inf

@@ -7,14 +7,17 @@ each robot's path is shortened in space and time among those of the others.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import combinations
 
 import numpy as np
 
 from cavalcade.coordination._joint import (
     FOUND,
+    SPENT,
     TeamScene,
+    edge_free,
+    plant,
     search_joint,
-    shorten_joint,
     word_between,
 )
 from cavalcade.coordination.budget import Budget
@@ -22,9 +25,11 @@ from cavalcade.coordination.problem import TeamProblem
 from cavalcade.coordination.robot_planner import Span, TeamSearch, others_among, spans_of
 from cavalcade.coordination.solution import Paths, RobotPath, total_cost
 from cavalcade.geometry import Array
-from cavalcade.lattice.collision import Margins
-from cavalcade.lattice.motion_limits import metre_cost, motion_limits, team_limits
-from cavalcade.lattice.planner import MARGINS, NOBODY, SpaceTimePlanner, TimedPath
+from cavalcade.geometry.boxes import footprints_meet
+from cavalcade.lattice.collision import Margins, pose_free
+from cavalcade.lattice.deadline import Deadline
+from cavalcade.lattice.motion_limits import footprint, metre_cost, motion_limits, team_limits
+from cavalcade.lattice.planner import FOOTING, MARGINS, NOBODY, SpaceTimePlanner, TimedPath
 from cavalcade.lattice.primitives import DURATION
 
 _ATTEMPT = 200
@@ -59,24 +64,31 @@ def solve_joint(
     mean_speed = float(np.cumsum([robot.speed for robot in limits])[-1] / len(limits))
     starts, goals = np.array(problem.starts), np.array(problem.goals)
     share = _ITERATIONS * len(limits)
+    levels = MARGINS if _crowded(problem, lattice) else MARGINS[:-1]
+    if not problem.ground.flat:
+        levels = (*MARGINS[:-1], FOOTING)
 
     def searched(margins: Margins, attempt: int) -> Paths | None:
         """What one pair of trees finds within so many extensions."""
         team = TeamScene(lattice.grid, NOBODY, team_limits(limits), margins, metre_cost(mean_speed))
         most = max(1, budget.most(attempt * share) // share)
-        status, nodes, used = search_joint(team, starts, goals, state, most)
+        trees, status, used = plant(starts, goals, most), SPENT, 0
+        for end in budget.deadline.slices(0, most):
+            status, nodes, used = search_joint(team, trees, state, used, end)
+            if status == FOUND:
+                break
         budget.spend(used * share)
         if status != FOUND:
             return None
-        paths = _paths_through(problem, team, shorten_joint(team, nodes))
+        paths = _paths_through(problem, team, _shortened(team, nodes, budget.deadline))
         if polish:
-            paths = _polished(problem, lattice, paths, margins)
+            paths = _polished(problem, lattice, paths, margins, budget.deadline)
         return tuple(RobotPath(path, path.cost) for path in paths)
 
     attempt = _ATTEMPT
     best: Paths | None = None
     while best is None and not budget.spent:
-        for margins in MARGINS:
+        for margins in levels:
             best = searched(margins, attempt)
             if best is not None or budget.spent:
                 break
@@ -92,6 +104,38 @@ def solve_joint(
         if other is not None and total_cost(other) < total_cost(best) - 1e-6:
             best = other
     return best
+
+
+def _crowded(problem: TeamProblem, lattice: SpaceTimePlanner) -> bool:
+    """Whether starts or goals ask for the least margins."""
+    margins, bodies = MARGINS[-2], [footprint(model) for model in problem.models]
+    for poses in (problem.starts, problem.goals):
+        if not all(
+            pose_free(lattice.grid, body, *pose, margins.ground)
+            for body, pose in zip(bodies, poses, strict=True)
+        ):
+            return True
+        for i, j in combinations(range(len(bodies)), 2):
+            if footprints_meet(bodies[i], poses[i], bodies[j], poses[j], margins.others):
+                return True
+    return False
+
+
+def _shortened(team: TeamScene, nodes: Array, deadline: Deadline) -> Array:
+    """The nodes `(M, N, 3)` without those that edges lead past, greedily from the start."""
+    kept, here, last = [0], 0, len(nodes) - 1
+    while here < last:
+        there = last
+        while there > here + 1:
+            if deadline.late:
+                there = here + 1
+            elif edge_free(team, nodes[here], nodes[there]):
+                break
+            else:
+                there -= 1
+        kept.append(there)
+        here = there
+    return nodes[kept]
 
 
 def _paths_through(problem: TeamProblem, team: TeamScene, nodes: Array) -> list[TimedPath]:
@@ -114,14 +158,18 @@ def _paths_through(problem: TeamProblem, team: TeamScene, nodes: Array) -> list[
 
 
 def _polished(
-    problem: TeamProblem, lattice: SpaceTimePlanner, paths: list[TimedPath], margins: Margins
+    problem: TeamProblem,
+    lattice: SpaceTimePlanner,
+    paths: list[TimedPath],
+    margins: Margins,
+    deadline: Deadline,
 ) -> list[TimedPath]:
     """The same, each path shortened among the others' for as long as that helps."""
     for _ in range(_ROUNDS):
         before = sum(path.cost for path in paths)
         for k, path in enumerate(paths):
             rest = [Span(j, other.track()) for j, other in enumerate(paths) if j != k]
-            paths[k] = lattice.shortened(path, others_among(problem, rest), margins)
+            paths[k] = lattice.shortened(path, others_among(problem, rest), margins, deadline)
         if sum(path.cost for path in paths) > before - 1e-6:
             break
     return paths

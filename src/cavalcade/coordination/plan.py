@@ -22,6 +22,7 @@ from cavalcade.coordination.solution import Paths, RobotPath, Solution, total_co
 from cavalcade.coordination.terrain import TerrainPlanner, walkable
 from cavalcade.coordination.warm import warm_up
 from cavalcade.errors import InputError
+from cavalcade.lattice.deadline import Deadline
 from cavalcade.lattice.planner import SpaceTimePlanner
 from cavalcade.robots import RobotModel
 from cavalcade.values import described, instance_of, whole_number
@@ -32,7 +33,10 @@ _SMALLEST = 0.2
 """A margin less than this part of what was asked for is none."""
 
 _SHARE = 0.5
-"""Part of what is left of the budget for a search with margins, of which there may be another."""
+"""Part of the iterations that are left for a search with margins, of which there may be another."""
+
+_ALONE = 50 * EFFORT
+"""Iterations that the search for a robot's path regardless of the others may take."""
 
 
 def plan_team(
@@ -66,14 +70,21 @@ def plan_team(
         raise InputError("expected at least one robot", key="robots")
     settings = PlanSettings() if settings is None else settings
     instance_of(settings, PlanSettings, "settings")
-
+    published = settings.variant == "published"
+    legged = all(model.legs is not None for model in problem.models)
+    if not legged and (published or not problem.ground.flat):
+        where = "the published planner" if published else "uneven ground"
+        raise InputError(f"{where} is for robots with legs", key="robots")
+    Budget(settings.iterations, Deadline(settings.seconds))  # refuses before it costs
+    warm_up(method != "sequential", published or not problem.ground.flat)
+    budget = Budget(settings.iterations, Deadline(settings.seconds))
     if not settings.margin:
-        return _Call(problem, method, settings, seed).answer()
-    return _plan_inflated(problem, method, settings, seed)
+        return _Call(problem, method, settings, seed, budget).answer()
+    return _plan_inflated(problem, method, settings, seed, budget)
 
 
 def _plan_inflated(
-    problem: TeamProblem, method: str, settings: PlanSettings, seed: int
+    problem: TeamProblem, method: str, settings: PlanSettings, seed: int, budget: Budget
 ) -> TeamPlan:
     """The plan for bodies that are inflated by `settings.margin`, or by less where that has none.
 
@@ -81,25 +92,16 @@ def _plan_inflated(
     for its margin, that is halved, then given up; where the search finds nothing, those of all are.
     """
     margins = [settings.margin] * len(problem.models)
-    budget = Budget(settings.iterations, settings.seconds)
-    searching = 0.0
     while True:
         inflating = any(margins)
         share = budget.share(_SHARE if inflating else 1.0)
         larger = replace(problem, models=tuple(map(inflated, problem.models, margins)))
-        within = replace(settings, iterations=share.iterations, seconds=share.seconds, margin=0.0)
-        answer = _Call(larger, method, within, seed).answer()
+        answer = _Call(larger, method, settings, seed, share).answer()
         budget.spend(answer.iterations)
-        searching += answer.planning_time
         refused = answer.reason == "infeasible"
         tight = [k for k in answer.involved if margins[k]] if refused else range(len(margins))
-        if answer.solved or not inflating or not tight:
-            return replace(
-                answer,
-                iterations=budget.used,
-                planning_time=searching,
-                margins=tuple(margins),
-            )
+        if answer.solved or not inflating or not tight or budget.deadline.late:
+            return replace(answer, iterations=budget.used, margins=tuple(margins))
         for k in tight:
             half = 0.5 * margins[k]
             margins[k] = half if half >= _SMALLEST * settings.margin else 0.0
@@ -113,24 +115,18 @@ def inflated(model: RobotModel, margin: float) -> RobotModel:
 
 
 class _Call:
-    """One call of `plan_team`."""
+    """One problem, planned once."""
 
     def __init__(
-        self, problem: TeamProblem, method: str, settings: PlanSettings, seed: int
+        self, problem: TeamProblem, method: str, settings: PlanSettings, seed: int, budget: Budget
     ) -> None:
         self.problem, self.method = problem, method
         self.published = settings.variant == "published"
         if self.published and settings.distance is None:
             settings = replace(settings, distance=DISTANCE)
         self.settings = settings
-        self.budget = Budget(settings.iterations, settings.seconds)  # refuses before it costs
+        self.budget = budget
         self.rng = np.random.default_rng(seed)
-        legged = all(model.legs is not None for model in problem.models)
-        if not legged and (self.published or not problem.ground.flat):
-            where = "the published planner" if self.published else "uneven ground"
-            raise InputError(f"{where} is for robots with legs", key="robots")
-        warm_up(method != "sequential", self.published or not problem.ground.flat)
-        self.budget = Budget(settings.iterations, settings.seconds)
         self.lattice = SpaceTimePlanner(problem.ground)
         self.planner: RobotPlanner
         if self.published:
@@ -142,7 +138,7 @@ class _Call:
 
     def answer(self) -> TeamPlan:
         budget, planner = self.budget, self.planner
-        proof = infeasible(self.problem, self.lattice)
+        proof = infeasible(self.problem, self.lattice, budget.deadline)
         if proof is not None:
             return self._team_plan("infeasible", *proof)
         if self.method == "joint":
@@ -155,8 +151,7 @@ class _Call:
         for robot in robots:
             if why := planner.refusal(robot):
                 return self._team_plan("infeasible", f"robot {robot}: {why}", (robot,))
-        effort = (50 if self.settings.seconds is None else 5) * EFFORT
-        alone = [planner.plan(k, (), budget, effort) for k in robots]
+        alone = [planner.plan(k, (), budget, _ALONE) for k in robots]
         lost = tuple(k for k in robots if alone[k] is None)
         for robot in lost:
             if why := planner.refusal(robot):
@@ -208,8 +203,7 @@ class _Call:
         planner = self.planner
         if isinstance(planner, FlatPlanner):
             planner = FlatPlanner(self.problem, SpaceTimePlanner(self.problem.ground, weight=1.0))
-        left = self.budget.left
-        budget = Budget(self.settings.improve, None if left is None else max(left, 1e-3))
+        budget = Budget(self.settings.improve, self.budget.deadline)
         search = replace(search, planner=planner, budget=budget)
         paths = solution.paths
         history = [(self.budget.used, total_cost(paths))]
@@ -243,7 +237,7 @@ class _Call:
             ),
             self.method if solution is None else solution.method or self.method,
             self.budget.used,
-            self.budget.elapsed,
+            self.budget.deadline.elapsed,
             {} if solution is None else solution.counts,
             () if solution is None else solution.history,
         )

@@ -23,7 +23,7 @@ from cavalcade.values import (
     pose_of,
     whole_number,
 )
-from cavalcade.world import OccupancyMap, Terrain
+from cavalcade.world import Box, Circle, OccupancyMap, Polygon, Shape, Terrain
 
 if TYPE_CHECKING:
     from cavalcade.scenario import Scenario, World
@@ -62,8 +62,8 @@ class PlanSettings:
         distance: Between centres, m: what counts as a conflict instead of the bodies; of
             `published`.
         iterations: The budget: expansions of searches and trees.
-        seconds: Limit of wall time, s; None for none. It is looked at between searches, and
-            searches are shorter where there is one; a plan never depends on it otherwise.
+        seconds: Limit of wall time, s; None for none. It ends a search that would have gone on; a
+            plan never depends on it otherwise.
 
     Raises:
         InputError: A value out of range.
@@ -110,6 +110,7 @@ class TeamProblem:
         models: Of each robot.
         starts, goals: Poses (x m, y m, yaw rad) in the ground's own frame.
         origin: Pose of the ground's frame in the map.
+        shapes: Obstacles of the ground that are known as what they are, in the map frame.
 
     Raises:
         InputError: Not a start and a goal for each robot.
@@ -120,6 +121,7 @@ class TeamProblem:
     starts: tuple[Pose, ...]
     goals: tuple[Pose, ...]
     origin: Pose = (0.0, 0.0, 0.0)
+    shapes: tuple[Shape, ...] = ()
 
     def __post_init__(self) -> None:
         check_ground(self.ground)
@@ -139,6 +141,7 @@ class TeamProblem:
         starts: Sequence[Pose],
         goals: Sequence[Pose],
         terrain: Terrain | None = None,
+        shapes: Sequence[Shape] = (),
     ) -> TeamProblem:
         """The problem of a team on a map, all in the map's frame.
 
@@ -147,11 +150,13 @@ class TeamProblem:
             models: Of each robot, or their names.
             starts, goals: Poses (x m, y m, yaw rad) of each robot.
             terrain: Heights on the map's grid; None for flat ground.
+            shapes: Obstacles besides, which are tested as what they are, not as cells.
 
         Raises:
             InputError: An unknown model, or not a start and a goal for each robot.
         """
-        ground = make_ground(map, terrain)
+        solids = instances_of(shapes, Box | Circle | Polygon, "shapes", "a list of shapes")
+        ground = make_ground(map, terrain, solids)
         what = "a list of RobotModel or their names"
         team = tuple(
             robot_model(one) for one in instances_of(models, str | RobotModel, "models", what)
@@ -163,7 +168,7 @@ class TeamProblem:
             table[:, 2] -= map.origin[2]
             return tuple((x, y, yaw) for x, y, yaw in table.tolist())
 
-        return cls(ground, team, local(starts, "starts"), local(goals, "goals"), map.origin)
+        return cls(ground, team, local(starts, "starts"), local(goals, "goals"), map.origin, solids)
 
     def part(self, robots: Sequence[int]) -> TeamProblem:
         """The problem of these robots alone."""
@@ -189,6 +194,7 @@ class TeamProblem:
 
 def problem_of(scenario: Scenario, world: World) -> TeamProblem:
     """The problem that a scenario with a goal for each robot poses in its world."""
+    seen, shapes = world.map_with(()), world.shapes
     return TeamProblem.on_map(
-        world.map, scenario.models, scenario.starts, scenario.goals, world.terrain
+        seen, scenario.models, scenario.starts, scenario.goals, world.terrain, shapes
     )

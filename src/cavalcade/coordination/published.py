@@ -44,7 +44,7 @@ class PublishedPlanner(RobotPlanner):
         discs = [self._discs(robot, span) for span in spans]
         settings = BodySettings(
             iterations=budget.most(min(effort, BodySettings.iterations)),
-            seconds=budget.left,
+            seconds=budget.deadline.left,
             leaps=self.settings.leaps,
             variant="published",
             discs=np.concatenate([np.zeros((0, 3)), *discs]),

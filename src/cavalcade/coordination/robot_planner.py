@@ -18,6 +18,7 @@ from cavalcade.kinodynamic import BodyPlan, BodySettings, plan_body
 from cavalcade.lattice.collision import Margins, Others, move_free, place_free, pose_free
 from cavalcade.lattice.motion_limits import footprint
 from cavalcade.lattice.planner import (
+    FOOTING,
     MARGINS,
     NOBODY,
     TRACK_STEP,
@@ -95,9 +96,7 @@ class FlatPlanner(RobotPlanner):
     ) -> RobotPath | None:
         """See `RobotPlanner`."""
         others = others_among(self.problem, spans)
-        for margins in MARGINS:
-            if margins is not MARGINS[-1] and not self._keeps(robot, others, margins):
-                continue
+        for margins in self._levels(robot, others):
             before = budget.used
             path = self._search(robot, others, margins, budget, effort)
             if path is not None:
@@ -113,18 +112,24 @@ class FlatPlanner(RobotPlanner):
         others = others_among(self.problem, spans)
         skip = round(delay / TRACK_STEP)
         delay = skip * TRACK_STEP
-        scene = self.lattice.scene(self.problem.models[robot], others, MARGINS[-1])
+        levels = self._levels(robot, others)
+        scene = self.lattice.scene(self.problem.models[robot], others, levels[-1])
         stand = np.zeros(6)
         stand[DURATION] = delay
         if not move_free(scene, self.problem.starts[robot], stand, 0.0, True):
             return None
         later = _later(others, skip)
-        for margins in MARGINS:
+        for margins in levels:
             path = self._search(robot, later, margins, budget, EFFORT)
             if path is not None:
                 path = replace(path, moves=np.concatenate([stand[None], path.moves]))
                 return RobotPath(path, path.cost)
         return None
+
+    def _levels(self, robot: int, others: Others) -> list[Margins]:
+        """The margins that start and goal keep; the least only where they keep no others."""
+        kept = [m for m in MARGINS[:-1] if self._keeps(robot, others, m)] or [MARGINS[-1]]
+        return kept if self.problem.ground.flat else [*kept, FOOTING]
 
     def _keeps(self, robot: int, others: Others, margins: Margins) -> bool:
         """Whether start and goal keep the margins: otherwise no search with them can end well."""
@@ -147,6 +152,7 @@ class FlatPlanner(RobotPlanner):
             others,
             budget.most(effort),
             margins,
+            budget.deadline,
         )
         budget.spend(expansions)
         return path

@@ -122,7 +122,7 @@ class TerrainPlanner(RobotPlanner):
                 settings = BodySettings(
                     iterations=budget.most(_LATER if number else BodySettings.iterations),
                     leaps=self.settings.leaps,
-                    seconds=budget.left,
+                    seconds=budget.deadline.left,
                     discs=self._keep_off(robot, spans, met) if number else np.zeros((0, 3)),
                 )
                 seed = (self.seed * 1_000_003 + robot) * 1_000 + number
@@ -182,7 +182,11 @@ def walkable(ground: Ground, model: RobotModel) -> Ground:
     bad |= above > legs.h_max - 0.01
     bad |= above < legs.h_min + legs.trunk_height / 2.0 + 0.02
     solid = np.ascontiguousarray(ground.solid | bad)
-    return ground._replace(solid=solid, clearance=surface_distance(solid, ground.cell))
+    clearance = np.minimum(ground.clearance, surface_distance(bad, ground.cell, border=False))
+    outlines = ground.outlines
+    if outlines.part.size:
+        outlines = outlines._replace(part=np.where(bad, np.int32(-1), outlines.part))
+    return ground._replace(solid=solid, clearance=clearance, outlines=outlines)
 
 
 def delayed(trajectory: Trajectory, delay: float) -> Trajectory:

@@ -14,7 +14,8 @@ from cavalcade.coordination.problem import PlanSettings, TeamProblem
 from cavalcade.coordination.robot_planner import spans_of
 from cavalcade.coordination.terrain import TerrainPlanner
 from cavalcade.kinodynamic import warming
-from cavalcade.lattice.collision import place_free
+from cavalcade.lattice.collision import place_free, pose_free
+from cavalcade.lattice.deadline import Deadline
 from cavalcade.lattice.ground import read_only
 from cavalcade.lattice.motion_limits import footprint
 from cavalcade.lattice.planner import NOBODY, SpaceTimePlanner
@@ -37,7 +38,8 @@ def warm_up(joint: bool, terrain: bool) -> None:
     if not find_conflicts.signatures:
         shape, track = footprint(problem.models[0]), np.array([_STARTS[0]])
         lattice.warm_up()
-        infeasible(problem, planner)
+        infeasible(problem, planner, Deadline())
+        pose_free(planner.grid, shape, *_STARTS[0], 0.0)
         place_free(NOBODY, shape, _STARTS[0], 0.0, 0.0)
         conflicts_of([track, track], problem.models)
     if joint and not search_joint.signatures:

@@ -10,6 +10,10 @@ Array = NDArray[np.float64]
 GRAVITY = 9.81
 """Acceleration of free fall, m/s²."""
 
+CLEARANCE = 0.001
+"""What bodies keep at starts and goals from obstacles, borders and each other, m; whatever stands
+nearer touches. On their ways they never touch: the checker counts 1 µm as contact."""
+
 
 def beyond_a_turn(yaw: float) -> bool:
     """Whether a heading is more than a turn: it may well be in degrees."""

@@ -77,6 +77,13 @@ def meet(one: Array, other: Array) -> bool:
     return bool(contains(other, one[:1])[0] or contains(one, other[:1])[0])
 
 
+def gap(one: Array, other: Array) -> float:
+    """Distance in m between two simple polygons `(N, 2)`, `(M, 2)`, 0 where they meet."""
+    if meet(one, other):
+        return 0.0
+    return float(min(_boundary_distance(one, other).min(), _boundary_distance(other, one).min()))
+
+
 def edges_touch(a: Array, b: Array, c: Array, d: Array) -> NDArray[np.bool_]:
     """Whether segments a-b and c-d share a point, `(...)`; ends are `(..., 2)`."""
     # Segments meet if each straddles the other's line.

@@ -111,7 +111,7 @@ def solid_free(space, x, y, cos, sin):
     if covered_slack(space, x, y, cos, sin) > 0.0:
         return True
     return pose_free(
-        Grid(cell, ground.solid, ground.clearance),
+        Grid(cell, ground.solid, ground.clearance, ground.outlines),
         Footprint(body.half_length, body.half_width, False),
         x,
         y,

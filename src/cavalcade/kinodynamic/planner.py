@@ -7,7 +7,6 @@ planner below the coordinators of "Multi-Robot Motion Planning for Quadruped Rob
 from __future__ import annotations
 
 import math
-import time as clock
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -26,6 +25,7 @@ from cavalcade.kinodynamic._validity import rest_at
 from cavalcade.kinodynamic.obstruction import Pose, find_path, obstruction, roomy_path
 from cavalcade.kinodynamic.parameters import SIZE, make_body, make_space
 from cavalcade.kinodynamic.settings import BodySettings
+from cavalcade.lattice.deadline import Deadline
 from cavalcade.lattice.ground import Ground, check_ground
 from cavalcade.robots import RobotModel
 from cavalcade.values import instance_of, pose_of, whole_number
@@ -35,9 +35,6 @@ Trees = tuple[Tree, Tree]
 
 _FIRST_LOOK = 200
 """Iterations after which it is asked whether there is a path at all."""
-
-_CHUNK = 100
-"""Iterations between looks at the clock, where there is a limit of time."""
 
 _SHORTCUTS = 40
 """Tries to shorten a first plan of several primitives."""
@@ -121,8 +118,7 @@ class _Problem:
         settings: BodySettings,
         seed: int,
     ) -> None:
-        self.began = clock.perf_counter()
-        self.deadline = math.inf if settings.seconds is None else self.began + settings.seconds
+        self.deadline = Deadline(settings.seconds)
         body = make_body(model, settings.variant == "published", settings.margin, settings.leaps)
         self.space = make_space(ground, body, settings.discs)
         self.settings, self.start, self.goal = settings, start, goal
@@ -138,7 +134,7 @@ class _Problem:
             why = self._obstruction(pose)
             if why:
                 return self._answer("infeasible", f"the {name} {why}")
-        if self.settings.iterations == 0 or self._late():
+        if self.settings.iterations == 0 or self.deadline.late:
             return self._answer("budget", "no iterations were allowed")
         self.rest = (self._rest(self.start), self._rest(self.goal))
         if self.start[:2] == self.goal[:2]:
@@ -155,9 +151,6 @@ class _Problem:
         if self.settings.improve:
             edges = self._improved(edges)
         return self._answer("solved", "", self._trajectory(edges))
-
-    def _late(self) -> bool:
-        return clock.perf_counter() > self.deadline
 
     def _obstruction(self, pose: Pose) -> str:
         """Why the robot cannot stand at a pose; without its margin if that alone is in the way."""
@@ -197,7 +190,7 @@ class _Problem:
                 for tree in trees:
                     walk_ahead(self.space, tree)
             edges, trees = self._search(trees, straight, look, math.inf)
-        if edges is None and not self._late():
+        if edges is None and not self.deadline.late:
             why, guide = find_path(self.space, self.start, self.goal)
             if why:
                 return None, why
@@ -210,18 +203,17 @@ class _Problem:
         self, trees: Trees, begin: int, end: int, bound: float
     ) -> tuple[Array | None, Trees]:
         """Search on from iteration `begin` to `end`: the solution, if any, and the trees."""
-        step = end if self.deadline == math.inf else _CHUNK
         sampler = Sampler(self.rng, self.guide, bound)
         at = begin
-        while at < end and not self._late():
-            until = min(end, at + step)
-            status, reached, first, second = search(self.space, trees, sampler, at, until)
-            self.iterations += reached - at
-            at = reached
-            if status == SOLVED:
-                return solution(trees, first, second), trees
-            if status == FULL:
-                trees = (enlarged(trees[0]), enlarged(trees[1]))
+        for until in self.deadline.slices(begin, end):
+            while at < until:
+                status, reached, first, second = search(self.space, trees, sampler, at, until)
+                self.iterations += reached - at
+                at = reached
+                if status == SOLVED:
+                    return solution(trees, first, second), trees
+                if status == FULL:
+                    trees = (enlarged(trees[0]), enlarged(trees[1]))
         return None, trees
 
     def _shortened(self, edges: Array) -> Array:
@@ -229,6 +221,8 @@ class _Problem:
         if self.space.body.published:
             return edges
         for _ in range(min(_SHORTCUTS, _TRIES_EACH * (len(edges) - 1))):
+            if self.deadline.late:
+                break
             edges, _ = shortcut(self.space, self.rng, edges, self.yaw)
         edges = shorten(self.space, edges, self.yaw)
         round_corners(self.space, edges, self.yaw)
@@ -239,7 +233,7 @@ class _Problem:
         best = self._length(edges)
         straight = math.dist(self.rest[0][:3], self.rest[1][:3])
         end = self.iterations + self.settings.improve
-        while self.iterations < end and not self._late():
+        while self.iterations < end and not self.deadline.late:
             if best <= straight * (1.0 + 1e-6):
                 break
             for _ in range(min(_SHORTCUTS, end - self.iterations)):
@@ -274,5 +268,5 @@ class _Problem:
 
     def _answer(self, reason: str, detail: str, trajectory: Trajectory | None = None) -> BodyPlan:
         history = np.array(self.history, dtype=float).reshape(-1, 2)
-        time = clock.perf_counter() - self.began
+        time = self.deadline.elapsed
         return BodyPlan(trajectory, reason, detail, self.iterations, history, time)

@@ -12,6 +12,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cavalcade.geometry import Array
 from cavalcade.kernels import kernel, subroutine
@@ -28,7 +29,7 @@ from cavalcade.lattice.dubins import (
 from cavalcade.lattice.motion_limits import FROM_MOVING, TO_MOVING, footprint_of
 from cavalcade.lattice.primitives import DURATION, LENGTH, TURN, advanced, duration_of, trapezoid
 
-FOUND, EXHAUSTED, SPENT = 0, 1, 2
+FOUND, EXHAUSTED, SPENT, PAUSED = 0, 1, 2, 3
 
 _HEADINGS = 32
 _PATIENCE = 300
@@ -41,6 +42,9 @@ _GOOD = 1.08
 _WORDS_TRIED = 3
 _WAIT, _LONGEST_WAIT = 0.5, 15.0
 """The cheapest words are tried after waits at the start in such steps, s."""
+
+_ROOM = 1024
+"""Nodes that there is room for at first."""
 
 _LOOPS = 4.0
 """Words that cost more than this beyond the straight line are not tried, s."""
@@ -65,12 +69,55 @@ class SearchSettings(NamedTuple):
         bin_size, bin_time: Of a bin, m and s.
         weight: Of the heuristic, at least 1: larger ones find paths sooner.
         most: Expansions.
+        pause: Expansions after which the search stops to be gone on with.
     """
 
     bin_size: float
     bin_time: float
     weight: float
     most: int
+    pause: int
+
+
+class Frontier(NamedTuple):
+    """What a search knows between two pauses.
+
+    Attributes:
+        state: `(C, 6)` nodes: x, y, yaw, moving, time, length.
+        link: `(C, 2)` their parents, and the moves from there.
+        heap, keys: `(C,)` the queue: nodes, and what they are ordered by.
+        closed: Table of bins; empty until the first one is closed.
+        word: `(MOST_MOVES + 1, 6)` the last moves of the best path.
+        cost: `(1,)` of the best path.
+        counts: `(6,)` nodes; length of the queue; expansions, and those at which the first path
+            was found; the best path's node, -1 without one, and how many moves follow it.
+    """
+
+    state: Array
+    link: NDArray[np.int64]
+    heap: NDArray[np.int64]
+    keys: Array
+    closed: NDArray[np.int64]
+    word: Array
+    cost: Array
+    counts: NDArray[np.int64]
+
+
+def new_frontier(start: Array) -> Frontier:
+    """The root alone, at rest at `start` `(3,)`."""
+    frontier = Frontier(
+        state=np.empty((_ROOM, 6)),
+        link=np.empty((_ROOM, 2), dtype=np.int64),
+        heap=np.zeros(_ROOM, dtype=np.int64),
+        keys=np.zeros(_ROOM),
+        closed=np.empty(0, dtype=np.int64),
+        word=np.empty((MOST_MOVES + 1, 6)),
+        cost=np.array([math.inf]),
+        counts=np.array([1, 1, 0, 0, -1, 0]),
+    )
+    frontier.state[0] = (*start[:3], 0.0, 0.0, 0.0)
+    frontier.link[0] = -1
+    return frontier
 
 
 @subroutine
@@ -165,13 +212,15 @@ def _path_to(node, link, primitives, word):
 
 
 @kernel
-def search(scene, start, goal, primitives, to_go, settings):
-    """The cheapest path from rest at `start` to rest at `goal` past everything, for good.
+def search(scene, goal, primitives, to_go, settings, frontier):
+    """The cheapest path from rest at the root to rest at `goal` past everything, for good.
 
-    `primitives` `(P, 8)` are moves, and whether they begin and end walking.
+    `primitives` `(P, 8)` are moves, and whether they begin and end walking; `frontier` is that of
+    the root alone, or where the search has paused. It must not be used again.
 
     Returns:
-        FOUND, EXHAUSTED (nothing left to try) or SPENT; moves `(M, 6)`; expansions.
+        FOUND, EXHAUSTED (nothing left to try), SPENT or PAUSED; moves `(M, 6)`; expansions; the
+        frontier to go on from.
     """
     limits, others, metre_cost = scene.limits, scene.others, scene.metre_cost
     most, weight = settings.most, settings.weight
@@ -182,39 +231,33 @@ def search(scene, start, goal, primitives, to_go, settings):
         others, footprint_of(limits), (goal[0], goal[1], goal[2]), 0.0, scene.margins.others
     )
     if taken == math.inf:
-        return EXHAUSTED, none, 0
+        return EXHAUSTED, none, 0, frontier
     still = _still_from(others)
     speed = limits.speed
     turn_round, _ = trapezoid(math.pi, 0.0, 0.0, limits.yaw_rate, limits.yaw_acceleration)
     turn_round *= 2.0
     dislike = backward_factor(limits)
     # A lower bound of the whole cost tells whether what is found is good.
-    gap = _distance_ahead(to_go, start[0], start[1], goal)
+    state, link, heap, keys, closed, best_word, best, counts = frontier
+    gap = _distance_ahead(to_go, state[0, 0], state[0, 1], goal)
     lowest, _ = trapezoid(gap, 0.0, 0.0, speed, limits.acceleration)
     lowest += metre_cost * gap
 
-    # Nodes (x, y, yaw, moving, t, length), their parents and the moves from there, and the queue.
     # The first analytic expansion needs no table of bins: most problems end here.
     capacity = min(most * (len(primitives) + 1) + 2, 4_000_000)
     size = 1 << 12
     while size < 2 * min(most + 1, capacity):
         size <<= 1
-    state = np.empty((1024, 6))
-    link = np.empty((1024, 2), dtype=np.int64)
-    heap = np.empty(1024, dtype=np.int64)
-    keys = np.empty(1024)
-    table = np.empty(0, dtype=np.int64)
-    state[0, 0], state[0, 1], state[0, 2] = start[0], start[1], start[2]
-    state[0, 3], state[0, 4], state[0, 5] = 0.0, 0.0, 0.0
-    link[0, 0], link[0, 1] = -1, -1
-    used = 1
-    waiting = push(heap, keys, 0, 0, 0.0)
-    best_cost, best_node, best_count = math.inf, -1, 0
-    best_word = np.empty((MOST_MOVES + 1, 6))
-    expansions = 0
-    found_at = 0
+    used, waiting, expansions, found_at = counts[0], counts[1], counts[2], counts[3]
+    best_cost, best_node, best_count = best[0], counts[4], counts[5]
     here = np.empty(3)
     while waiting > 0:
+        if settings.pause <= expansions < most:
+            best[0] = best_cost
+            counts[0], counts[1], counts[2], counts[3] = used, waiting, expansions, found_at
+            counts[4], counts[5] = best_node, best_count
+            known = Frontier(state, link, heap, keys, closed, best_word, best, counts)
+            return PAUSED, none, expansions, known
         least = keys[0]
         node, waiting = pop(heap, keys, waiting)
         # The search ends when nothing cheaper can come, or after a while without a better path.
@@ -227,23 +270,23 @@ def search(scene, start, goal, primitives, to_go, settings):
         if expansions >= most or used + len(primitives) >= capacity:
             if best_node >= 0:
                 break
-            return SPENT, none, expansions
+            return SPENT, none, expansions, frontier
         x, y, yaw, moving = state[node, 0], state[node, 1], state[node, 2], state[node, 3]
         t, length = state[node, 4], state[node, 5]
         # Lazily: a node's bin and the move to it are looked at when its turn comes.
         if node > 0:
-            if table.shape[0] == 0:
-                table = np.empty(size, np.int64)
-                table[:] = -1
+            if closed.shape[0] == 0:
+                closed = np.empty(size, np.int64)
+                closed[:] = -1
             key = _bin(x, y, yaw, np.int64(moving), min(t, still), settings)
-            slot = slot_of(table, key)
-            if table[slot] == key:
+            slot = slot_of(closed, key)
+            if closed[slot] == key:
                 continue
             parent = link[node, 0]
             before = (state[parent, 0], state[parent, 1], state[parent, 2])
             if not move_free(scene, before, primitives[link[node, 1]], state[parent, 4], False):
                 continue
-            table[slot] = key
+            closed[slot] = key
         expansions += 1
         # An analytic expansion, unless the cost-to-go says that something stands between; often
         # near the goal, else now and then.
@@ -276,7 +319,7 @@ def search(scene, start, goal, primitives, to_go, settings):
                         found_at = expansions
                     if node == 0 and first_try:
                         # The cheapest word of all is free: there is nothing to look for.
-                        return FOUND, word.copy(), expansions
+                        return FOUND, word.copy(), expansions, frontier
                     break
                 first_try = False
             if node == 0 and best_node < 0 and others.spans.shape[0] > 0:
@@ -317,5 +360,6 @@ def search(scene, start, goal, primitives, to_go, settings):
             waiting = push(heap, keys, waiting, used, value)
             used += 1
     if best_node < 0:
-        return EXHAUSTED, none, expansions
-    return FOUND, _path_to(best_node, link, primitives, best_word[:best_count]), expansions
+        return EXHAUSTED, none, expansions, frontier
+    moves = _path_to(best_node, link, primitives, best_word[:best_count])
+    return FOUND, moves, expansions, frontier

@@ -12,6 +12,7 @@ from cavalcade.geometry.boxes import footprint_at, footprints_meet
 from cavalcade.kernels import kernel, subroutine
 from cavalcade.lattice.ground import Ground, read_only
 from cavalcade.lattice.motion_limits import MotionLimits, footprint_of
+from cavalcade.lattice.outlines import Outlines, meets_outline, partly_solid, within_outline
 from cavalcade.lattice.primitives import (
     DURATION,
     LENGTH,
@@ -31,6 +32,7 @@ class Grid(NamedTuple):
     cell: float
     solid: NDArray
     clearance: Array
+    outlines: Outlines
 
 
 class Others(NamedTuple):
@@ -88,19 +90,21 @@ class Scene(NamedTuple):
 def grid_of(ground: Ground) -> Grid:
     """The ground as kernels of contact take it; read-only, for they compile for what they see."""
     ground = read_only(ground)
-    return Grid(ground.cell, ground.solid, ground.clearance)
+    return Grid(ground.cell, ground.solid, ground.clearance, ground.outlines)
 
 
 @kernel
 def pose_free(grid, footprint, x, y, yaw, margin):
     """Whether a footprint keeps `margin` from everything solid and from the grid's border.
 
-    Cells are squares; what only touches one is free of it.
+    Cells are squares; what only touches one is free of it. Where outlines are known, they count.
     """
-    cell, solid, clearance = grid
+    cell, solid, clearance, outlines = grid
     rows, cols = solid.shape
     col, row = int(math.floor(x / cell)), int(math.floor(y / cell))
-    if row < 0 or col < 0 or row >= rows or col >= cols or solid[row, col]:
+    if row < 0 or col < 0 or row >= rows or col >= cols:
+        return False
+    if solid[row, col] and not partly_solid(outlines, row, col):
         return False
     # The clearance of the cell decides for bodies far from everything, or much too near.
     hl, hw = footprint.half_length + margin, footprint.half_width + margin
@@ -109,6 +113,8 @@ def pose_free(grid, footprint, x, y, yaw, margin):
     if known - 0.7072 * cell > reach:
         return True
     if known + 0.7072 * cell < hw:
+        return False
+    if solid[row, col] and within_outline(outlines, x, y):
         return False
     # The box around the footprint: within the border, and which cells to look at.
     slack = 1e-9
@@ -136,7 +142,10 @@ def pose_free(grid, footprint, x, y, yaw, margin):
             if footprint.round:
                 dx = max(j * cell - x, x - (j + 1) * cell, 0.0)
                 dy = max(i * cell - y, y - (i + 1) * cell, 0.0)
-                if dx * dx + dy * dy < hl * hl - 1e-12:
+                apart = dx * dx + dy * dy >= hl * hl - 1e-12
+                if not apart and not partly_solid(outlines, i, j):
+                    return False
+                if not apart and meets_outline(outlines, (i, j), (x, y, c, s), (hl, hw), True):
                     return False
                 continue
             # Separating axes: those of the footprint, then those of the square.
@@ -145,7 +154,9 @@ def pose_free(grid, footprint, x, y, yaw, margin):
             apart = apart or abs(c * dy - s * dx) >= hw + half - 1e-9
             apart = apart or j * cell >= high_x - 1e-9 or (j + 1) * cell <= low_x + 1e-9
             apart = apart or i * cell >= high_y - 1e-9 or (i + 1) * cell <= low_y + 1e-9
-            if not apart:
+            if not apart and not partly_solid(outlines, i, j):
+                return False
+            if not apart and meets_outline(outlines, (i, j), (x, y, c, s), (hl, hw), False):
                 return False
     return True
 

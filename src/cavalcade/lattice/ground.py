@@ -5,6 +5,7 @@ Everything is in the grid's own frame: x, y in m from the lower-left corner of c
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,8 +14,9 @@ from numpy.typing import NDArray
 from cavalcade.eikonal import surface_distance
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array
+from cavalcade.lattice.outlines import NO_OUTLINES, Outlines, outlines_of
 from cavalcade.values import instance_of, number_in
-from cavalcade.world import OccupancyMap, Terrain
+from cavalcade.world import OccupancyMap, Shape, Terrain
 
 
 class Ground(NamedTuple):
@@ -29,6 +31,7 @@ class Ground(NamedTuple):
         smooth: `(rows, cols)` smoothed height, which the body follows, m.
         slope_x, slope_y: `(rows, cols)` derivatives of `smooth`.
         traversability: `(rows, cols)` 0 (no foot may stand) to 1.
+        outlines: Where the obstacles in `solid` cells really end, as far as that is known.
     """
 
     cell: float
@@ -40,17 +43,27 @@ class Ground(NamedTuple):
     slope_x: Array
     slope_y: Array
     traversability: Array
+    outlines: Outlines = NO_OUTLINES
 
 
-def make_ground(map: OccupancyMap, terrain: Terrain | None = None) -> Ground:
-    """The ground of a world: what is solid, and heights on the same grid unless it is flat."""
+def make_ground(
+    map: OccupancyMap, terrain: Terrain | None = None, shapes: Sequence[Shape] = ()
+) -> Ground:
+    """The ground of a world: what is solid, and heights on the same grid unless it is flat.
+
+    Obstacles among the map's cells are known as squares, `shapes` (map frame) as what they are.
+    """
     instance_of(map, OccupancyMap, "map")
-    solid = np.ascontiguousarray(map.occupied)
-    clearance = np.ascontiguousarray(surface_distance(solid, map.resolution))
+    solid = np.ascontiguousarray(map.with_shapes(shapes).occupied)
+    outlines = NO_OUTLINES
+    if shapes:
+        outlines, clearance = outlines_of(shapes, map.origin, map.resolution, solid, map.occupied)
+    else:
+        clearance = np.ascontiguousarray(surface_distance(solid, map.resolution))
     if terrain is None:
         none = np.zeros((1, 1))
         one = np.ones((1, 1))
-        return Ground(map.resolution, solid, clearance, True, none, none, none, none, one)
+        return Ground(map.resolution, solid, clearance, True, none, none, none, none, one, outlines)
     instance_of(terrain, Terrain, "terrain")
     if terrain.height.shape != solid.shape:
         raise InputError(
@@ -68,6 +81,7 @@ def make_ground(map: OccupancyMap, terrain: Terrain | None = None) -> Ground:
         np.ascontiguousarray(-terrain.normals[..., 0] / normal_z),
         np.ascontiguousarray(-terrain.normals[..., 1] / normal_z),
         np.ascontiguousarray(terrain.traversability),
+        outlines,
     )
 
 
@@ -80,10 +94,11 @@ def check_ground(ground: Ground) -> None:
     instance_of(ground, Ground, "ground", "a Ground, see make_ground")
     number_in(ground.cell, "ground.cell", 1e-4, 1e4, "m")
     instance_of(ground.flat, bool, "ground.flat", "True or False")
+    instance_of(ground.outlines, Outlines, "ground.outlines")
     shape = np.shape(ground.solid)
     value: Any
     for name, value in zip(ground._fields, ground, strict=True):
-        if name in ("cell", "flat"):
+        if name in ("cell", "flat", "outlines"):
             continue
         wanted = shape if name in ("solid", "clearance") or not ground.flat else (1, 1)
         kind = np.bool_ if name == "solid" else np.float64
@@ -96,9 +111,14 @@ def check_ground(ground: Ground) -> None:
 
 def read_only(ground: Ground) -> Ground:
     """The same ground; its arrays are of one type for all grounds, so kernels compile once."""
+    return ground._replace(**_views(ground), outlines=Outlines(**_views(ground.outlines)))
+
+
+def _views(record: Ground | Outlines) -> dict[str, Any]:
+    """Read-only views of a record's arrays, by name."""
     arrays: dict[str, Any] = {}
-    for name, value in zip(ground._fields, ground, strict=True):
+    for name, value in zip(record._fields, record, strict=True):
         if isinstance(value, np.ndarray):
             arrays[name] = value.view()
             arrays[name].setflags(write=False)
-    return ground._replace(**arrays)
+    return arrays

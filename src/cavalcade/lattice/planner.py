@@ -12,8 +12,17 @@ import numpy as np
 from cavalcade.eikonal import arrival_times
 from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import STEP, WALK, Trajectory
-from cavalcade.lattice._search import FOUND, SPENT, CostToGo, SearchSettings, search
+from cavalcade.lattice._search import (
+    FOUND,
+    PAUSED,
+    SPENT,
+    CostToGo,
+    SearchSettings,
+    new_frontier,
+    search,
+)
 from cavalcade.lattice.collision import Margins, Others, Scene, grid_of
+from cavalcade.lattice.deadline import Deadline
 from cavalcade.lattice.ground import Ground, make_ground, read_only
 from cavalcade.lattice.motion_limits import (
     MotionLimits,
@@ -32,7 +41,7 @@ from cavalcade.lattice.primitives import (
     sample_moves,
     trapezoid,
 )
-from cavalcade.lattice.shortening import shorten
+from cavalcade.lattice.shortening import shortened_moves
 from cavalcade.lattice.surface import surface_along
 from cavalcade.robots import RobotModel, robot_model
 from cavalcade.world import OccupancyMap
@@ -46,9 +55,6 @@ _SECOND_LOOK = 2000
 _BIN_SIZE, _BIN_TIME = 0.1, 0.25
 """Of the search's bins, m and s."""
 
-_PASSES = 3
-"""Of shortening, at most."""
-
 TRACK_STEP = 0.05
 """Time between the poses of a track, s."""
 
@@ -58,13 +64,18 @@ MARGINS = (
     Margins(0.006, 0.05, 0.04, 0.03, 0.06, 0),
     Margins(0.003, 0.025, 0.03, 0.015, 0.03, 1),
     Margins(0.001, 0.003, 0.02, 0.005, 0.004, 1),
-    Margins(0.0, 0.003, 0.02, 0.001, 0.004, 1),  # where a start or a goal touches something
+    # Where starts or goals keep no more than the `CLEARANCE` that they have to: at corners, where
+    # margins are measured along both sides, that is as far as this.
+    Margins(0.0006, 0.0006, 0.02, 0.001, 0.0008, 1),
 )
 """Wide margins first; where that finds nothing, smaller ones and smaller steps.
 
 Two bodies that meet at 1.5 m/s come nearer by half of 1.5 m/s times the step in time between two
 tests that both find the margin kept: that is never more than the margin. Likewise a corner 0.4 m
 from the centre swings by half the step in angle between two tests of the ground."""
+
+FOOTING = Margins(0.0, 0.003, 0.02, 0.001, 0.004, 1)
+"""What is left to try on uneven ground: bodies may touch cells on which no foot may stand."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,24 +132,37 @@ class SpaceTimePlanner:
         others: Others = NOBODY,
         most: int = 50_000,
         margins: Margins = MARGINS[0],
+        deadline: Deadline | None = None,
     ) -> tuple[TimedPath | None, bool, int]:
         """The cheapest path that the search finds, from rest to rest, clear of the others for good.
 
-        Start and goal are `(3,)` x, y, yaw.
+        Start and goal are `(3,)` x, y, yaw. At the deadline the best path so far counts.
 
         Returns:
-            The path or None; whether that is because `most` expansions were spent; expansions.
+            The path or None; whether that is because `most` expansions or the time were spent;
+            expansions.
         """
+        deadline = deadline or Deadline()
         scene = self.scene(model, others, margins)
         primitives, finer = primitives_of(model, margins.finer), 0.5**margins.finer
 
         def searched(to_go: CostToGo, most: int) -> tuple[TimedPath | None, bool, int]:
-            settings = SearchSettings(_BIN_SIZE * finer, _BIN_TIME * finer, self.weight, most)
-            status, moves, expansions = search(scene, start, goal, primitives, to_go, settings)
+            options = SearchSettings(_BIN_SIZE * finer, _BIN_TIME * finer, self.weight, most, most)
+            frontier, expansions, status = new_frontier(start), 0, PAUSED
+            for pause in deadline.slices(0, most):
+                settings = options._replace(pause=pause)
+                status, moves, expansions, frontier = search(
+                    scene, goal, primitives, to_go, settings, frontier
+                )
+                if status != PAUSED:
+                    break
+            if status == PAUSED and expansions:  # late
+                settings = options._replace(most=expansions)
+                status, moves, _, _ = search(scene, goal, primitives, to_go, settings, frontier)
             if status != FOUND:
-                return None, status == SPENT, expansions
+                return None, status in (SPENT, PAUSED), expansions
             if expansions > 1:
-                moves = shorten(scene, start, moves, _PASSES)
+                moves = shortened_moves(scene, start, moves, deadline)
             return TimedPath(start, moves, scene.limits, model), False, expansions
 
         likely = self._likely_cost_to_go(start, goal, model)
@@ -161,10 +185,12 @@ class SpaceTimePlanner:
         limits = motion_limits(model)
         return Scene(self.grid, others, limits, margins, metre_cost(limits.speed))
 
-    def shortened(self, path: TimedPath, others: Others, margins: Margins) -> TimedPath:
+    def shortened(
+        self, path: TimedPath, others: Others, margins: Margins, deadline: Deadline
+    ) -> TimedPath:
         """The path with parts of it replaced by cheaper moves that keep clear of the others."""
         scene = self.scene(path.model, others, margins)
-        return replace(path, moves=shorten(scene, path.start, path.moves, _PASSES))
+        return replace(path, moves=shortened_moves(scene, path.start, path.moves, deadline))
 
     def reachable(self, model: RobotModel, start: Array, goal: Array) -> bool:
         """Whether a disc as wide as the body gets from the start to the goal."""

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from cavalcade.errors import ScenarioError
+from cavalcade.geometry import CLEARANCE
 from cavalcade.robots import RobotModel, robot_model
 from cavalcade.scenario.loading import parse_scenario
 from cavalcade.scenario.messages import short
@@ -38,10 +39,6 @@ _TYPES: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "integrator2_2d_v0": ("double-integrator", ("x", "y", "vx", "vy")),
 }
 """Their robots, by the names of db-CBS and of db-LaCAM: our model and what their states hold."""
-
-_BESIDE = 0.001
-"""Ground left beside a body whose centre is on the published bounds, m: what touches the border is
-a contact."""
 
 _LEAST_TIME, _TIME_PER_METRE = 180.0, 20.0
 _STILL = 1e-6
@@ -187,8 +184,8 @@ def _ground(low: Corner, high: Corner, radius: float) -> tuple[Corner, Corner]:
     origin, size = [], []
     for first, last in zip(low, high, strict=True):
         # Outwards to whole cells; what rounding added to an even number is taken off again.
-        start = math.floor((first - radius - _BESIDE) / RESOLUTION + 1e-6)
-        stop = math.ceil((last + radius + _BESIDE) / RESOLUTION - 1e-6)
+        start = math.floor((first - radius - CLEARANCE) / RESOLUTION + 1e-6)
+        stop = math.ceil((last + radius + CLEARANCE) / RESOLUTION - 1e-6)
         origin.append(round(start * RESOLUTION, 6))
         size.append(round((stop - start) * RESOLUTION, 6))
     return (origin[0], origin[1]), (size[0], size[1])

@@ -9,15 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cavalcade.errors import InputError, ScenarioError
-from cavalcade.geometry import Array, polygons, transform_points
-from cavalcade.robots import RobotModel
+from cavalcade.geometry import CLEARANCE, Array, transform_points
 from cavalcade.scenario.ground import EmptySource, GenerateSource, Obstacle
 from cavalcade.scenario.model import ResolvedScenario, Scenario
 from cavalcade.scenario.timeline import ObstacleSpan, obstacle_spans
 from cavalcade.values import instance_of
 from cavalcade.world import (
-    Box,
-    Circle,
     OccupancyMap,
     Polygon,
     Shape,
@@ -25,18 +22,22 @@ from cavalcade.world import (
     load_barn,
     load_map,
     load_movingai,
-    rasterise,
     shape_from_mapping,
     shape_to_mapping,
+)
+from cavalcade.world.gaps import (
+    BORDER,
+    CELLS,
+    Body,
+    body_at,
+    gap_between,
+    nearest_obstacle,
+    squares_near,
+    too_near,
 )
 
 if TYPE_CHECKING:
     from cavalcade.world import Terrain
-
-_SHRINK = 1e-9
-"""Footprints are judged smaller by this many metres, so that touching is no overlap."""
-
-Body = Box | Circle
 
 
 @dataclass(frozen=True)
@@ -206,7 +207,7 @@ def check_starts(
     """Refuse starts outside the map, in an obstacle, in each other or with a foot in a hole.
 
     Judged by the oriented footprints: against the shapes exactly, against the cells of `base`
-    (the map without the shapes) as squares.
+    (the map without the shapes) as squares. All keep `CLEARANCE`.
 
     Raises:
         ScenarioError: Naming the robot and what it would stand in.
@@ -214,7 +215,7 @@ def check_starts(
     bodies: list[Body] = []
     for key, robot, model in scenario.team:
         x, y, yaw = robot.start
-        body = _body(model, robot.start)
+        body = body_at(model, robot.start)
         problem = _problem(body, base, shapes, bodies)
         if problem is None and terrain is not None and model.legs is not None:
             feet = np.array([[1, 1], [1, -1], [-1, -1], [-1, 1]], dtype=float)
@@ -223,41 +224,45 @@ def check_starts(
                 problem = "stands in a hole of the terrain"
         if problem is not None:
             raise ScenarioError(
-                f"the robot at ({x:g}, {y:g}) {problem}; expected free ground",
+                f"the robot at ({x:g}, {y:g}) {problem}; expected free ground and "
+                f"{1e3 * CLEARANCE:g} mm around the robot",
                 file=scenario.file,
                 key=f"{key}.start",
             )
         bodies.append(body)
 
 
-def _body(model: RobotModel, pose: tuple[float, float, float]) -> Body:
-    x, y, yaw = pose
-    if model.round:
-        return Circle((x, y), (model.length - _SHRINK) / 2.0)
-    return Box((x, y), (model.length - _SHRINK, model.width - _SHRINK), yaw)
-
-
 def _problem(
     body: Body, base: OccupancyMap, shapes: Sequence[Shape], bodies: Sequence[Body]
 ) -> str | None:
-    if not base.contains(_extremes(body, base)).all():
+    gap, number = nearest_obstacle(body, base, shapes)
+    if gap == 0.0 and number == BORDER:
         return f"reaches beyond the map, {_extent(base)}"
+    if too_near(gap):
+        return _near(gap, "stands in", _named(number, body, base, shapes))
     for other, standing in enumerate(bodies):
-        if _overlap(body, standing):
-            return f"overlaps robot {other} at {_place(standing.center)}"
-    for k, shape in enumerate(shapes):
-        if _overlap(body, shape):
-            middle = shape.vertices.mean(axis=0) if isinstance(shape, Polygon) else shape.center
-            return f"stands in world.obstacles[{k}] at {_place(middle)}"
-    if base.occupied.any():
-        cells = rasterise([body], base.rows, base.cols, base.resolution, base.origin)
-        inside = base.centers(np.argwhere(cells & base.occupied))
-        if len(inside):
-            nearest = inside[np.argmin(np.hypot(*(inside - body.center).T))]
-            count = "one cell" if len(inside) == 1 else f"{len(inside)} cells"
-            where = f"{_place(nearest)} ({count} of {base.resolution:g} m)"
-            return f"stands in an obstacle of the map at {where}"
+        gap = gap_between(body, standing)
+        if too_near(gap):
+            return _near(gap, "overlaps", f"robot {other} at {_place(standing.center)}")
     return None
+
+
+def _near(gap: float, met: str, what: str) -> str:
+    return f"is {1e3 * gap:.2g} mm from {what}" if gap > 0.0 else f"{met} {what}"
+
+
+def _named(number: int, body: Body, base: OccupancyMap, shapes: Sequence[Shape]) -> str:
+    """What `nearest_obstacle` has found, and where it is."""
+    if number == BORDER:
+        return f"the border of the map, {_extent(base)}"
+    if number != CELLS:
+        shape = shapes[number]
+        middle = shape.vertices.mean(axis=0) if isinstance(shape, Polygon) else shape.center
+        return f"world.obstacles[{number}] at {_place(middle)}"
+    cells = np.array([square.center for square in squares_near(body, base)])
+    nearest = cells[np.argmin(np.hypot(*(cells - body.center).T))]
+    count = "one cell" if len(cells) == 1 else f"{len(cells)} cells"
+    return f"an obstacle of the map at {_place(nearest)} ({count} of {base.resolution:g} m)"
 
 
 def _place(point: Sequence[float] | Array) -> str:
@@ -271,24 +276,3 @@ def _extent(base: OccupancyMap) -> str:
     if base.origin[2] == 0.0:
         return f"which spans x from {x0:g} to {x1:g} m and y from {y0:g} to {y1:g} m"
     return f"which lies between its corners {_place((x0, y0))} and {_place((x1, y1))}"
-
-
-def _extremes(body: Body, base: OccupancyMap) -> Array:
-    """Points `(4, 2)` of the body that lie farthest out along the map's own axes."""
-    if isinstance(body, Box):
-        return body.corners
-    ways = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
-    return transform_points((*body.center, base.origin[2]), body.radius * ways)
-
-
-def _overlap(body: Body, shape: Shape) -> bool:
-    low_x, low_y, high_x, high_y = body.bounds
-    x_min, y_min, x_max, y_max = shape.bounds
-    if x_min > high_x or x_max < low_x or y_min > high_y or y_max < low_y:
-        return False
-    if isinstance(shape, Circle):
-        return bool(body.distance([shape.center])[0] < shape.radius)
-    if isinstance(body, Circle):
-        return bool(shape.distance([body.center])[0] < body.radius)
-    corners = shape.corners if isinstance(shape, Box) else shape.vertices
-    return polygons.meet(body.corners, corners)

@@ -1,0 +1,63 @@
+"""A limit of wall time: it ends a search that would have gone on, and changes nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from time import perf_counter
+
+_LOOK = 0.05
+"""Time between two looks at the clock that is aimed at, s."""
+
+_FIRST = 16
+"""Steps of a kernel before the first look, while it is not known how long they take."""
+
+_GROWTH = 4.0
+"""From one look to the next at most so many times the steps."""
+
+
+class Deadline:
+    """The clock of one call, begun when it is made.
+
+    Args:
+        seconds: Of wall time; None for no limit.
+    """
+
+    def __init__(self, seconds: float | None = None) -> None:
+        self.seconds = seconds
+        self._begin = perf_counter()
+
+    @property
+    def elapsed(self) -> float:
+        """Time since the call began, s."""
+        return perf_counter() - self._begin
+
+    @property
+    def left(self) -> float | None:
+        """Time that is left, s; None without a limit."""
+        return None if self.seconds is None else max(self.seconds - self.elapsed, 0.0)
+
+    @property
+    def late(self) -> bool:
+        """Whether the time is over."""
+        return self.seconds is not None and self.elapsed >= self.seconds
+
+    def slices(self, begin: int, end: int) -> Iterator[int]:
+        """Cut steps `begin` to `end` of a kernel into slices between looks at the clock.
+
+        Yields:
+            The step to go on to: `end` at once without a limit, nothing more once it is late.
+            What a kernel that goes on where it stopped comes to does not depend on it.
+        """
+        if self.seconds is None:
+            if begin < end:
+                yield end
+            return
+        at, size = begin, float(_FIRST)
+        while at < end:
+            before = self.elapsed
+            if before >= self.seconds:
+                return
+            at = min(end, at + max(1, int(size)))
+            yield at
+            taken = max(self.elapsed - before, 1e-9)
+            size = max(1.0, size * min(_GROWTH, _LOOK / taken))

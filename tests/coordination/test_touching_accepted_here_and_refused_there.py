@@ -1,0 +1,110 @@
+"""One clearance at starts and goals: refused before planning, or planned without contact."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from cavalcade.coordination import PlanSettings, plan_team
+from cavalcade.errors import ScenarioError
+from cavalcade.geometry import CLEARANCE
+from cavalcade.world import OccupancyMap
+from cavalcade.world.gaps import body_at, gap_between, nearest_obstacle
+
+GAPS = (0.0, 1e-6, 1e-4, 0.5e-3, 0.99e-3, 1e-3, 1.01e-3, 1.5e-3, 2e-3, 3e-3, 5e-3, 0.01, 0.05)
+ROOM, FAR = (6.0, 4.0), (4.0, 2.0, 0.0)
+BOX = ((2.0, 1.0), (1.0, 1.0))
+
+
+def enough(gap: float) -> bool:
+    return gap >= CLEARANCE - 1e-6
+
+
+@pytest.mark.parametrize("gap", GAPS)
+@pytest.mark.parametrize("yaw", [0.0, math.pi / 2, 0.3])
+def test_starts_beside_a_box(make_team_of_words, judged, gap, yaw):
+    # The lowest point of the body is `gap` above the box.
+    reach = 0.325 * abs(math.sin(yaw)) + 0.14 * abs(math.cos(yaw))
+    robots = [("go1", (2.0, 1.5 + reach + gap, yaw), FAR)]
+    if not enough(gap):
+        with pytest.raises(ScenarioError, match=r"robots\[0\]\.start.*world\.obstacles\[0\].*1 mm"):
+            make_team_of_words(ROOM, robots, [BOX])
+        return
+    problem = make_team_of_words(ROOM, robots, [BOX])
+    plan = plan_team(problem)
+    assert plan.solved, plan.detail
+    assert plan.iterations < 5_000
+    assert _least_gap(problem, plan) > 1e-6
+
+
+@pytest.mark.parametrize("gap", GAPS)
+@pytest.mark.parametrize("beside", ["border", "box", "robot"])
+def test_goals_beside_something(make_team_of_words, gap, beside):
+    # Nose first: nobody can turn into a place that is hardly wider than the body.
+    places = {
+        "border": (5.675 - gap, 3.0, 0.0),
+        "box": (2.0, 1.825 + gap, -math.pi / 2),
+        "robot": (3.35 - gap, 2.0, 0.0),
+    }
+    robots = [("go1", (2.0, 3.0, 0.0), places[beside])]
+    if beside == "robot":
+        robots.append(("go1", (1.0, 2.5, 0.0), FAR))
+    problem = make_team_of_words(ROOM, robots, [BOX])
+    plan = plan_team(problem, settings=PlanSettings(seconds=60.0))
+    if enough(gap):
+        assert plan.solved, plan.detail
+        assert _least_gap(problem, plan) > 1e-6
+    else:
+        assert (plan.reason, plan.iterations) == ("infeasible", 0)
+        assert 0 in plan.involved
+
+
+@pytest.mark.parametrize("method", ["auto", "sequential", "cbs", "joint"])
+@pytest.mark.parametrize("gap", [0.0, 0.9e-3, 1e-3, 2e-3, 3e-3])
+def test_pairs_side_by_side(make_team_of_words, judged, gap, method):
+    robots = [
+        ("go1", (2.0, 2.0, 0.0), (5.0, 2.0, 0.0)),
+        ("go1", (2.0, 2.28 + gap, 0.0), (5.0, 2.28 + gap if method == "joint" else 3.2, 0.0)),
+    ]
+    if not enough(gap):
+        with pytest.raises(ScenarioError, match=r"robots\[1\]\.start.*robot 0.*1 mm"):
+            make_team_of_words(ROOM, robots)
+        return
+    problem = make_team_of_words(ROOM, robots)
+    judged(problem, plan_team(problem, method))
+
+
+@pytest.mark.parametrize("method", ["auto", "sequential", "cbs", "joint"])
+def test_a_goal_that_touches_the_wall_is_refused_at_once(make_team_of_words, method):
+    """Such a one was searched for until long after the limit of time."""
+    problem = make_team_of_words(ROOM, [("go1", (2.0, 2.0, 0.0), (4.0, 0.14, 0.0))])
+    plan = plan_team(problem, method, PlanSettings(seconds=10.0))
+    assert (plan.reason, plan.iterations) == ("infeasible", 0)
+    assert "border" in plan.detail
+
+
+def _least_gap(problem, plan) -> float:
+    """To the border, the box and each other: slowly, at every 5 ms."""
+    free = OccupancyMap.empty(ROOM)
+    time = np.arange(0.0, max(t.duration for t in plan.trajectories) + 0.01, 0.005)
+    least = math.inf
+    poses = [
+        np.column_stack(
+            [
+                np.interp(time, t.time, t.position[:, 0]),
+                np.interp(time, t.time, t.position[:, 1]),
+                np.interp(time, t.time, t.yaw),
+            ]
+        )
+        for t in plan.trajectories
+    ]
+    for k in range(len(time)):
+        bodies = [
+            body_at(model, track[k]) for model, track in zip(problem.models, poses, strict=True)
+        ]
+        for i, body in enumerate(bodies):
+            least = min(least, nearest_obstacle(body, free, problem.shapes)[0])
+            least = min([least, *(gap_between(body, other) for other in bodies[:i])])
+    return least
