@@ -21,7 +21,7 @@ from cavalcade.kernels.cache import LOADED
 
 class Seen(event.Listener):
     names = []
-    running = False
+    running = True
     def on_start(self, event):
         pass
     def on_end(self, event):
@@ -37,10 +37,13 @@ event.register("numba:compile", seen)
 event.register(LOADED, seen)
 name, backend, timeout, *overrides = sys.argv[1:]
 overrides += [f"execution.timeout={timeout}"]
-cv.run(name, backend=backend, overrides=overrides, sinks=[cycle])
+scenario = cv.load_scenario(name, overrides=overrides).with_backend(backend)
+cv.warm_up(scenario)
+seen.names.clear()
+cv.run(scenario, sinks=[cycle])
 print(*sorted(set(seen.names) - {"cells_clearance"}))
 """
-"""Which kernels are compiled or loaded between the first cycle of a run and the last."""
+"""Which kernels are compiled or loaded by a run after the warm-up, up to its last cycle."""
 
 
 DELAY = "execution={delay: {mean: 0.1}, noise: {position: 0.02}}"

@@ -7,6 +7,7 @@ each robot's path is shortened in space and time among those of the others.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from itertools import combinations
 
 import numpy as np
@@ -28,9 +29,12 @@ from cavalcade.geometry import Array
 from cavalcade.geometry.boxes import footprints_meet
 from cavalcade.lattice.collision import Margins, pose_free
 from cavalcade.lattice.deadline import Deadline
+from cavalcade.lattice.ground import make_ground
 from cavalcade.lattice.motion_limits import footprint, metre_cost, motion_limits, team_limits
 from cavalcade.lattice.planner import FOOTING, MARGINS, NOBODY, SpaceTimePlanner, TimedPath
 from cavalcade.lattice.primitives import DURATION
+from cavalcade.robots import robot_model
+from cavalcade.world import OccupancyMap
 
 _ATTEMPT = 200
 """Extensions of the trees before they are planted anew; twice as many every time."""
@@ -59,6 +63,8 @@ def solve_joint(
 
     They are shortened afterwards if `polish` says so; the paper's planner does not.
     """
+    with budget.deadline.paused():
+        _get_ready()
     state = rng.integers(0, 2**63, size=1, dtype=np.int64).astype(np.uint64)
     limits = [motion_limits(model) for model in problem.models]
     mean_speed = float(np.cumsum([robot.speed for robot in limits])[-1] / len(limits))
@@ -104,6 +110,19 @@ def solve_joint(
         if other is not None and total_cost(other) < total_cost(best) - 1e-6:
             best = other
     return best
+
+
+@cache
+def _get_ready() -> None:
+    """Load or compile the kernels, once in a process, on a problem of a moment."""
+    lattice = SpaceTimePlanner(make_ground(OccupancyMap.empty((4.0, 3.0))))
+    limits = [motion_limits(robot_model("spirit"))] * 2
+    starts = np.array([[0.6, 1.5, 0.0], [3.4, 1.5, np.pi]])
+    team = TeamScene(lattice.grid, NOBODY, team_limits(limits), MARGINS[0], 1.0)
+    state = np.ones(1, np.uint64)
+    search_joint(team, plant(starts, starts[::-1], 20), state, 0, 20)
+    edge_free(team, starts, starts)
+    word_between(team, 0, starts[0], starts[1])
 
 
 def _crowded(problem: TeamProblem, lattice: SpaceTimePlanner) -> bool:

@@ -76,7 +76,7 @@ def plan_team(
         where = "the published planner" if published else "uneven ground"
         raise InputError(f"{where} is for robots with legs", key="robots")
     Budget(settings.iterations, Deadline(settings.seconds))  # refuses before it costs
-    warm_up(method != "sequential", published or not problem.ground.flat)
+    warm_up(published or not problem.ground.flat)
     budget = Budget(settings.iterations, Deadline(settings.seconds))
     if not settings.margin:
         return _Call(problem, method, settings, seed, budget).answer()

@@ -5,11 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from cavalcade import lattice
-from cavalcade.coordination._joint import search_joint
 from cavalcade.coordination.budget import Budget
 from cavalcade.coordination.conflicts import conflicts_of, find_conflicts, first_conflict
 from cavalcade.coordination.feasibility import infeasible
-from cavalcade.coordination.joint import solve_joint
 from cavalcade.coordination.problem import PlanSettings, TeamProblem
 from cavalcade.coordination.robot_planner import spans_of
 from cavalcade.coordination.terrain import TerrainPlanner
@@ -26,10 +24,11 @@ from cavalcade.world import OccupancyMap
 _STARTS = ((0.6, 1.5, 0.0), (3.4, 1.5, np.pi))
 
 
-def warm_up(joint: bool, terrain: bool) -> None:
+def warm_up(terrain: bool) -> None:
     """Use every kernel once on problems of a moment, unless this process has done so already.
 
-    Those of the product space (`joint`) and of uneven ground (`terrain`) only if asked for.
+    Those of uneven ground (`terrain`) only if asked for, those of the product space when they are
+    first used (`coordination.joint`): few plans need them.
     """
     problem = TeamProblem.on_map(
         OccupancyMap.empty((4.0, 3.0)), ("spirit", "spirit"), _STARTS, _STARTS[::-1]
@@ -42,8 +41,6 @@ def warm_up(joint: bool, terrain: bool) -> None:
         pose_free(planner.grid, shape, *_STARTS[0], 0.0)
         place_free(NOBODY, shape, _STARTS[0], 0.0, 0.0)
         conflicts_of([track, track], problem.models)
-    if joint and not search_joint.signatures:
-        solve_joint(problem, planner, Budget(10_000), np.random.default_rng(0))
     if terrain:
         warming.warm_up()
         if not first_conflict.signatures:

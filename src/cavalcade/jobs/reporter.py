@@ -26,7 +26,10 @@ PLAIN_PERIOD = 10.0
 COMPILING_PERIOD = 5.0
 """The same while kernels are compiled, s of wall time."""
 
-_COMPILING = "Compiling, once after installation"
+_COMPILING = "compiling, once after installation"
+
+_LATE = ("cavalcade.coordination.joint",)
+"""Where the kernels are that a search compiles on its way, as few searches need them."""
 
 _TELLING = 0.05
 """How long the rest will take is told once this share is done."""
@@ -61,15 +64,17 @@ class Reporter:
             self._console.print(text, markup=False)
 
     @contextmanager
-    def compiling(self, modules: Iterable[str], unused: Iterable[str] = ()) -> Iterator[None]:
+    def compiling(
+        self, modules: Iterable[str], unused: Iterable[str] = ()
+    ) -> Iterator[Compilation]:
         """While the kernels of modules, without those of `unused` ones, are compiled or loaded.
 
         Nothing is said where all of them are on disk.
         """
         from cavalcade.kernels.progress import Compilation, watched
 
-        with watched(Compilation(modules, unused, self._tell_compiling)):
-            yield
+        with watched(Compilation(modules, unused, self._tell_compiling)) as compilation:
+            yield compilation
         if self._bar is not None:
             self._bar.update(self._task, completed=1.0, told="", refresh=True)
         self.close()
@@ -84,12 +89,12 @@ class Reporter:
             now = clock.monotonic()
             if self._compiling is None or now - self._compiling >= COMPILING_PERIOD:
                 self._compiling = now
-                self.say(f"{_COMPILING}: {compilation.share:.0%}, {text}")
+                self.say(f"{_COMPILING.capitalize()}: {compilation.share:.0%}, {text}")
         elif self._bar is None:
             from rich.progress import TextColumn
 
             told = TextColumn("{task.percentage:.0f} %, {task.fields[told]}", markup=False)
-            self._show_bar([told], 5, description=_COMPILING, total=1.0, told=text)
+            self._show_bar([told], 5, description=_COMPILING.capitalize(), total=1.0, told=text)
         else:
             self._bar.update(self._task, completed=compilation.share, told=text)
 
@@ -145,9 +150,12 @@ class JobReporter(Reporter):
             text += f", at most {limit:g} s"
         if self._console is None or not self._console.is_terminal:
             self.say(text)
-            yield
+            with self.compiling(_LATE):
+                yield
             return
         from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+        from cavalcade.kernels.progress import Compilation, watched
 
         columns = (
             SpinnerColumn(),
@@ -155,8 +163,15 @@ class JobReporter(Reporter):
             TimeElapsedColumn(),
         )
         with Progress(*columns, console=self._console, transient=True) as progress:
-            progress.add_task(text, total=None)
-            yield
+            task = progress.add_task(text, total=None)
+
+            def tell(compilation: Compilation) -> None:
+                left = duration(compilation.seconds_left)
+                more = f"; {_COMPILING}, about {left} left" if compilation.share < 1.0 else ""
+                progress.update(task, description=text + more)
+
+            with watched(Compilation(_LATE, (), tell)):
+                yield
 
     def __call__(self, frame: Frame) -> None:
         """Take note of a cycle."""

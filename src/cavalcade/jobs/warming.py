@@ -6,6 +6,7 @@ control cycle or a time budget then, and what is compiled is seen.
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cache
@@ -29,7 +30,7 @@ from cavalcade.scenario import (
 
 _MEASURED = (
     "cavalcade.geometry.string_pulling",
-    "cavalcade.metrics.clearance",
+    "cavalcade.geometry.distances",
 )
 _FORMATION = ("cavalcade.eikonal", "cavalcade.formation", "cavalcade.robots.motion")
 _PLANS = ("cavalcade.lattice", "cavalcade.coordination", "cavalcade.locomotion.footholds")
@@ -38,8 +39,9 @@ _PHYSICS = ("cavalcade.locomotion.control", "cavalcade.fleet.mujoco")
 """Where the kernels of jobs are, for the estimate of what there is to do."""
 
 _RARE = (
-    "cavalcade.coordination.joint",
+    "cavalcade.coordination._joint",
     "cavalcade.geometry.distances.cells_clearance",
+    "cavalcade.geometry.distances.nearest_gaps",
     "cavalcade.geometry.string_pulling.string_pulled_length",
     "cavalcade.eikonal._descent.nearest_reached",
 )
@@ -121,9 +123,14 @@ def warm(wanted: Iterable[Needs], reporter: Reporter) -> None:
     wanted = list(dict.fromkeys(wanted))
     modules = dict.fromkeys(module for needs in wanted for module in needs.modules)
     unused = set.intersection(*(set(needs.unused) for needs in wanted)) if wanted else ()
-    with reporter.compiling(modules, unused):
+    with reporter.compiling(modules, unused) as compilation:
         for needs in wanted:
             _rehearse(needs)
+    if compilation.kernels:
+        # The compiler leaves millions of objects, of which most stay. Looking for garbage among
+        # them takes most of a second: now, and not in a control cycle.
+        gc.collect()
+        gc.freeze()
 
 
 def all_needs(everything: bool) -> list[Needs]:
@@ -182,17 +189,17 @@ def _rehearsal(needs: Needs) -> dict[str, Any]:
 
 
 def _formation(needs: Needs, execution: dict[str, Any]) -> dict[str, Any]:
-    # The box is in the way: robots look for paths round it.
+    # The goal is beyond the look-ahead, and the obstacle in the way: robots look for paths round it.
     box = {"center": [2.2, 2.0], "size": [0.2, 1.2]}
     execution |= {"noise": {"position": 0.01}, "delay": {"mean": 0.1}}
     if needs.moving:
-        circle = {"center": [3.5, 0.6], "radius": 0.2}
-        move = {"circle": circle, "to": [0.5, 0.6], "speed": 1.0}
+        moving = {"center": [3.5, 0.6], "radius": 0.2}
+        move = {"circle": moving, "to": [0.5, 0.6], "speed": 1.0}
         execution["events"] = [{"at": 0.1, "move": move}]
     return {
-        "world": {"empty": {"size": [6.0, 4.0]}, "obstacles": [{"box": box}]},
+        "world": {"empty": {"size": [12.0, 4.0]}, "obstacles": [{"box": box}]},
         "robots": [{"model": "go1", "start": [1.0, y, 0.0]} for y in (1.6, 2.4)],
-        "task": {"formation": {"shape": "line", "spacing": 0.8}, "goals": [[4.5, 2.0, 0.0]]},
+        "task": {"formation": {"shape": "line", "spacing": 0.8}, "goals": [[10.5, 2.0, 0.0]]},
         "planner": {"variant": needs.variant},
     }
 

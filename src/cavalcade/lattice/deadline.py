@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 from time import perf_counter
 
 _LOOK = 0.05
@@ -40,6 +41,13 @@ class Deadline:
     def late(self) -> bool:
         """Whether the time is over."""
         return self.seconds is not None and self.elapsed >= self.seconds
+
+    @contextmanager
+    def paused(self) -> Iterator[None]:
+        """While kernels are compiled: that is no time of the call."""
+        before = perf_counter()
+        yield
+        self._begin += perf_counter() - before
 
     def slices(self, begin: int, end: int) -> Iterator[int]:
         """Cut steps `begin` to `end` of a kernel into slices between looks at the clock.
