@@ -52,10 +52,9 @@ venv: $(VENV)/.stamp
 demo: $(VENV)/.stamp-physics
 	@$(BIN)/cavalcade run square-clutter --backend mujoco --out $(RUNS)/demo --force
 
-# One short run first: the tests' processes then find the compiled kernels instead of each
-# compiling its own.
+# The tests' processes find the compiled kernels instead of each compiling its own.
 test: $(VENV)/.stamp-test
-	-@$(BIN)/cavalcade run triangle-lab --out $(RUNS)/warm --force --quiet
+	@$(BIN)/cavalcade warm --all
 	@$(BIN)/python -m pytest --numprocesses $(WORKERS) --durations 5
 
 test-fast: $(VENV)/.stamp-test
@@ -99,4 +98,4 @@ evidence: $(VENV)/.stamp
 	test -z "$$failed" || { echo "Failed:$$failed"; exit 1; }
 
 clean:
-	rm -rf $(VENV) build dist src/*.egg-info
+	rm -rf $(VENV) build dist site src/*.egg-info

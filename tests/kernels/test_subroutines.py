@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import sys
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -74,9 +76,47 @@ def test_errors_pass_through() -> None:
 
 
 def test_they_have_no_machine_code_of_their_own() -> None:
-    longest(10)
-    assert collatz.overloads
+    assert longest.stats.cache_path
     assert not collatz.stats.cache_path
+
+
+@subroutine
+def total(values):
+    added = 0.0
+    for k in range(values.shape[0]):
+        added += values[k]
+    return added
+
+
+@kernel
+def borrowed(values):
+    """Makes no array: what it is called with is the caller's."""
+    return total(values) + total(values[1:])
+
+
+@kernel
+def doubled(values):
+    """Makes one, and hands on what it is given."""
+    half = values[: values.shape[0] // 2]
+    return values, half, np.concatenate((half, half))
+
+
+@pytest.mark.parametrize("function", [borrowed, doubled])
+def test_references_to_arrays_are_counted_rightly(function) -> None:
+    values = np.arange(10.0)
+    assert borrowed(values) == 90.0
+    before = sys.getrefcount(values)
+    tracemalloc.start()
+    for _ in range(2000):
+        function(values)
+    grown, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert sys.getrefcount(values) == before
+    assert grown < 100_000
+    same, half, twice = doubled(values)
+    del values
+    assert same.tolist() == list(range(10))
+    assert half.tolist() * 2 == twice.tolist()
 
 
 def test_divisions_by_zero_are_those_of_numpy() -> None:

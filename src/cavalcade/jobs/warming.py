@@ -189,7 +189,7 @@ def _rehearsal(needs: Needs) -> dict[str, Any]:
 
 
 def _formation(needs: Needs, execution: dict[str, Any]) -> dict[str, Any]:
-    # The goal is beyond the look-ahead, and the obstacle in the way: robots look for paths round it.
+    # The goal is beyond the look-ahead and the box in the way: robots look for paths round it.
     box = {"center": [2.2, 2.0], "size": [0.2, 1.2]}
     execution |= {"noise": {"position": 0.01}, "delay": {"mean": 0.1}}
     if needs.moving:

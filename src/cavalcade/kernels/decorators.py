@@ -2,8 +2,7 @@
 
 import numba
 
-from cavalcade.kernels.cache import KernelCache, options_of
-from cavalcade.kernels.linking import SubroutineDispatcher
+from cavalcade.kernels.linking import KernelDispatcher, SubroutineDispatcher
 
 
 def kernel(function=None, *, fastmath=False):
@@ -13,14 +12,7 @@ def kernel(function=None, *, fastmath=False):
         function: What is compiled. Divisions by zero give inf or nan in it, as in numpy.
         fastmath: LLVM's liberties with floating point numbers, as `numba.njit` takes them.
     """
-
-    def compiled(function):
-        dispatcher = numba.njit(fastmath=fastmath, error_model="numpy")(function)
-        if not numba.config.DISABLE_JIT:
-            dispatcher._cache = KernelCache(function, options_of(dispatcher))
-        return dispatcher
-
-    return compiled if function is None else compiled(function)
+    return _compiled(KernelDispatcher, function, fastmath)
 
 
 def subroutine(function=None, *, fastmath=False):
@@ -28,11 +20,17 @@ def subroutine(function=None, *, fastmath=False):
 
     Args: as for `kernel`. It has no default arguments.
     """
+    return _compiled(SubroutineDispatcher, function, fastmath)
 
-    def compiled(function):
+
+def _compiled(dispatcher, function, fastmath):
+    options = {
+        "nopython": True, "boundscheck": None, "error_model": "numpy", "fastmath": fastmath
+    }  # fmt: skip
+
+    def decorated(function):
         if numba.config.DISABLE_JIT:
             return function
-        options = {"nopython": True, "fastmath": fastmath, "error_model": "numpy"}
-        return SubroutineDispatcher(function, targetoptions={**options, "boundscheck": None})
+        return dispatcher(function, targetoptions=options)
 
-    return compiled if function is None else compiled(function)
+    return decorated if function is None else decorated(function)

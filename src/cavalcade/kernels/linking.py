@@ -14,6 +14,7 @@ from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.compiler_machinery import AnalysisPass, LoweringPass, register_pass
 from numba.core.registry import CPUDispatcher
+from numba.core.target_extension import cpu_target, jit_registry
 from numba.core.typed_passes import NativeLowering, NopythonRewrites
 
 from cavalcade.kernels.cache import KernelCache, options_of
@@ -91,25 +92,63 @@ class _WithoutReferences(AnalysisPass):
         return False
 
 
-class _SubroutineCompiler(CompilerBase):
-    """The usual pipeline that ends with lowered code."""
+class _KernelCompiler(CompilerBase):
+    """The usual pipeline without what only C would call.
+
+    Flags are set where the pipelines are defined, and not before: numba shares its compiled parts
+    of numpy among functions of the same flags, of which it has taken its copy by then.
+    """
 
     def define_pipelines(self):
-        # Said only here: numba shares compiled parts of numpy among functions of the same flags,
-        # of which it has taken its copy by now.
-        flags = self.state.flags
-        flags.no_compile = flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
-        self.state.library = _LinkedLibrary(
-            self.state.targetctx.codegen(), self.state.func_id.func_qualname
-        )
+        self.state.flags.no_cfunc_wrapper = True
         passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
         passes.add_pass_after(_WithoutReferences, NopythonRewrites)
+        passes.finalize()
+        return [passes]
+
+
+class _SubroutineCompiler(_KernelCompiler):
+    """The same without machine code: the pipeline ends with lowered code."""
+
+    def define_pipelines(self):
+        state = self.state
+        state.flags.no_compile = state.flags.no_cpython_wrapper = True
+        state.library = _LinkedLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+        [passes] = super().define_pipelines()
         passes.add_pass_after(_NameForCallers, NativeLowering)
         passes.finalize()
         return [passes]
 
 
-class SubroutineDispatcher(CPUDispatcher):
+class _Linking(CPUDispatcher):
+    """Compiles numba's own implementations of numpy as subroutines, too, where it meets them."""
+
+    def compile(self, sig):
+        """The compiled function for a signature."""
+        usual = jit_registry[cpu_target]
+        dict.__setitem__(jit_registry, cpu_target, _as_subroutine)
+        try:
+            return super().compile(sig)
+        finally:
+            dict.__setitem__(jit_registry, cpu_target, usual)
+
+
+def _as_subroutine(**options):
+    """What stands for `numba.jit` where numba compiles a function for a caller."""
+    return functools.partial(
+        SubroutineDispatcher, targetoptions={**options, "nopython": True, "boundscheck": None}
+    )
+
+
+class KernelDispatcher(_Linking):
+    """A compiled function that Python calls."""
+
+    def __init__(self, py_func, locals=None, targetoptions=None):
+        super().__init__(py_func, locals, targetoptions, pipeline_class=_KernelCompiler)
+        self._cache = KernelCache(py_func, options_of(self))
+
+
+class SubroutineDispatcher(_Linking):
     """A compiled function for kernels; a call from Python, as tests do, goes through a kernel."""
 
     def __init__(self, py_func, locals=None, targetoptions=None):
