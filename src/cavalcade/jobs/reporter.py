@@ -26,7 +26,7 @@ PLAIN_PERIOD = 10.0
 COMPILING_PERIOD = 5.0
 """The same while kernels are compiled, s of wall time."""
 
-_COMPILING = "compiling, once after installation"
+_COMPILING = "compiling (once)"
 
 _LATE = ("cavalcade.coordination.joint",)
 """Where the kernels are that a search compiles on its way, as few searches need them."""
@@ -82,14 +82,14 @@ class Reporter:
     def _tell_compiling(self, compilation: Compilation) -> None:
         if self._console is None:
             return
-        text = f"{compilation.kernels} functions"
+        text = f"{compilation.kernels} functions done"
         if compilation.share > 0.0:
             text += f", about {duration(compilation.seconds_left)} left"
         if not self._console.is_terminal:
             now = clock.monotonic()
             if self._compiling is None or now - self._compiling >= COMPILING_PERIOD:
                 self._compiling = now
-                self.say(f"{_COMPILING.capitalize()}: {compilation.share:.0%}, {text}")
+                self.say(f"{_COMPILING.capitalize()}: {100.0 * compilation.share:.0f} %, {text}")
         elif self._bar is None:
             from rich.progress import TextColumn
 

@@ -28,6 +28,7 @@ from cavalcade.scenario import (
 )
 from cavalcade.values import described
 
+# Where the kernels of jobs are, for the estimate of what there is to do.
 _MEASURED = (
     "cavalcade.geometry.string_pulling",
     "cavalcade.geometry.distances",
@@ -41,8 +42,8 @@ _PLANS = (
 )
 _UNEVEN = ("cavalcade.kinodynamic", "cavalcade.world.terrain.filters")
 _PHYSICS = ("cavalcade.locomotion.control", "cavalcade.fleet.mujoco")
-"""Where the kernels of jobs are, for the estimate of what there is to do."""
 
+# Those of them that few jobs take: compiled when they are.
 _RARE = (
     "cavalcade.coordination._joint",
     "cavalcade.geometry.distances.cells_clearance",
@@ -51,7 +52,6 @@ _RARE = (
 )
 _SURFACE = ("cavalcade.lattice.surface", "cavalcade.coordination.conflicts.first_conflict")
 _MOVING = ("cavalcade.formation._evasive_motion",)
-"""Those of them that few jobs take: compiled when they are."""
 
 
 @dataclass(frozen=True)
