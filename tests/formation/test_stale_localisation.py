@@ -74,6 +74,19 @@ def test_the_limit_of_the_age(limit, beyond, stopped, sign):
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
+def test_robots_that_are_too_near_are_stopped_as_well(variant):
+    """The safety filter moved them apart, by poses that nobody could rely on."""
+    close = STARTS.copy()
+    close[1, :2] = close[0, :2] + [0.0, 0.30]
+    planner = planner_of(variant=variant)
+    planner.set_dynamic_obstacles([cv.DynamicObstacle(cv.Circle((0.0, 2.5), 0.3), (1.0, 0.0))])
+    for cycle in range(5):
+        commands = planner.step(close, 10.0 + cycle * PERIOD, np.array([9.0, 10.2, 10.2, 10.2]))
+        assert planner.status.state == "stale"
+        assert not commands.any()
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
 def test_every_variant_looks_at_stamps_that_it_is_given(variant):
     planner = planner_of(variant=variant)
     assert not planner.step(STARTS, 10.0, np.array([10.0, 10.0, 10.0, 3.0])).any()

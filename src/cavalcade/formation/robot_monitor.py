@@ -89,7 +89,8 @@ class FollowingMonitor:
         held = []
         while self._coming and self._coming[0][0] <= now:
             held.append(self._coming.popleft()[1])
-        self._commands = np.mean(held, axis=0) if held else self._commands
+        if held:
+            self._commands = sum(held, np.zeros_like(poses)) / len(held)
         change = self._commands - self._velocities
         size = np.hypot(change[:, 0], change[:, 1])
         share = np.minimum(self._gain[0] * elapsed / np.maximum(size, 1e-9), 1.0)
@@ -125,12 +126,13 @@ class FollowingMonitor:
         along = (wanted[:, :2] * seen[:, :2]).sum(axis=1) / np.maximum(distance, 1e-9)
         turn = np.abs(wanted[:, 2])
         turned = seen[:, 2] * np.sign(wanted[:, 2])
-        far, turning = distance > self._far[0], turn > self._far[1]
-
-        def short(share: float) -> NDArray[np.bool_]:
-            return (far & (along < share * distance)) | (~far & turning & (turned < share * turn))
-
-        self._since = np.where(short(_DEAF), np.minimum(self._since, now), self._since)
-        self._since = np.where(short(_FOLLOWS), self._since, np.inf)
+        far = distance > self._far[0]
+        turning = ~far & (turn > self._far[1])
+        # The share of what was commanded that was seen; 1 where that was too little to tell.
+        share = np.ones(len(wanted))
+        share[far] = along[far] / distance[far]
+        share[turning] = turned[turning] / turn[turning]
+        since = np.where(share < _DEAF, np.minimum(self._since, now), self._since)
+        self._since = np.where(share < _FOLLOWS, since, np.inf)
         deaf = now - self._since >= _PATIENCE
         self.deaf = tuple(np.nonzero(deaf)[0].tolist()) if deaf.any() else ()
