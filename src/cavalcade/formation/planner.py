@@ -309,16 +309,16 @@ class FormationPlanner:
     def _make_status(self, poses: Array) -> PlannerStatus:
         origin = np.asarray(self._map.origin, dtype=float)
         status = self._mode.status
-        goal = status.goal
-        if goal is not None:
-            centre = transform_points(origin, goal[None, :2])[0]
-            goal = np.array([*centre, wrap_angle(goal[2] + origin[2])])
+        goal, paths = status.goal, status.paths
         goals = poses[:, :2].copy()
         known = np.isfinite(status.goals).all(axis=1)
-        goals[known] = transform_points(origin, status.goals[known])
-        paths = status.paths
+        goals[known] = status.goals[known]
         if origin.any():
+            goals[known] = transform_points(origin, goals[known])
             paths = tuple(transform_points(origin, path) for path in paths)
+        if goal is not None:
+            x, y = transform_points(origin, goal[None, :2])[0] if origin.any() else goal[:2]
+            goal = np.array([x, y, wrap_angle(goal[2] + origin[2])])
         doubt = self._doubt()
         state, message, involved = doubt or (status.state, status.message, status.involved)
         return replace(

@@ -100,10 +100,11 @@ class FollowingMonitor:
         self._velocities += change
         c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
         x, y, turn = (elapsed * self._velocities).T
-        seen = poses - self._poses
-        seen[:, 2] = wrap_angle(seen[:, 2])
-        wanted = np.stack([c * x - s * y, s * x + c * y, turn], axis=1)
-        self._totals = self._totals + np.array([wanted, seen])
+        moved = np.empty_like(self._totals)
+        moved[0, :, 0], moved[0, :, 1], moved[0, :, 2] = c * x - s * y, s * x + c * y, turn
+        moved[1] = poses - self._poses
+        moved[1, :, 2] = wrap_angle(moved[1, :, 2])
+        self._totals = self._totals + moved
         self._poses, self._time = poses, now
         self._past.append((now, self._totals))
         while now - self._past[0][0] > _WINDOW:
