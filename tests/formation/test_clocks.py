@@ -87,6 +87,36 @@ def test_what_is_odd_is_told_for_a_second(time, times, message):
     assert clock.message == ""
 
 
+@pytest.mark.parametrize("stall", [0.0, 0.05, 0.1, 0.3, 0.5, 2.0, 60.0])
+def test_a_clock_that_stood_still_and_goes_on_costs_no_time(stall):
+    """Own time crept on at a tenth of its pace until the clock had caught up."""
+    true = PERIOD * np.arange(40 + round(stall / PERIOD) + 40)
+    clock = np.where(true < 2.0 + stall, np.minimum(true, 2.0), true - stall)
+    times = np.array(advanced(clock.tolist()))
+    np.testing.assert_allclose(times, true, atol=PERIOD + 1e-9)
+    assert np.diff(times)[-20:] == pytest.approx(PERIOD)
+
+
+@pytest.mark.parametrize("stall", [0.2, 5.0])
+@pytest.mark.parametrize("delay", [0.0, 0.1])
+def test_a_team_goes_on_as_soon_as_a_simulation_does_that_was_halted(stall, delay):
+    """Its clock and its stamps stand still; the team stood as long again when they went on."""
+    planner = cv.FormationPlanner(ROOM, SQUARE, expected=cv.Imperfections(delay=delay))
+    planner.set_goal((7.4, 3.5, 0.0))
+    starts = np.column_stack([SQUARE.placed((1.6, 3.5, 0.0)), np.zeros(4)])
+    fleet = IdealFleet((GO1,) * 4, starts, delay=CommandDelay(delay))
+    halted = range(100, 100 + round(stall / PERIOD))
+    for cycle in range(halted.stop + 20):
+        seen = fleet.observe()
+        commands = planner.step(seen.poses, seen.time, seen.stamps)
+        if cycle > halted.stop:
+            assert planner.status.state != "stale"
+            assert commands.any()
+        fleet.send(commands)
+        if cycle not in halted:
+            fleet.advance(PERIOD)
+
+
 @pytest.mark.parametrize("factor", [1e3, 1e6])
 def test_milliseconds_given_as_seconds_are_refused(factor):
     planner = cv.FormationPlanner(ROOM, SQUARE)

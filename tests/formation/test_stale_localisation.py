@@ -8,6 +8,7 @@ import pytest
 import cavalcade as cv
 from cavalcade.fleet import CommandDelay, IdealFleet
 from cavalcade.formation import VARIANTS
+from cavalcade.formation.estimation import VelocityTracker
 from cavalcade.robots import robot_model
 
 GO1 = robot_model("go1")
@@ -58,6 +59,22 @@ def test_a_robot_whose_stamps_stop_is_not_driven_on_blind(robot, delay):
     assert planner.status.arrived
 
 
+@pytest.mark.parametrize("slid", [0.05, 0.2, 0.4])
+@pytest.mark.parametrize("gap", [0.55, 3.0])
+def test_a_robot_that_is_located_again_elsewhere_does_not_move_fast(slid, gap):
+    """It seemed to drive at 3 m/s, and the safety filter kept the others off its path."""
+    tracker = VelocityTracker(GO1, PERIOD)
+    stamps, poses = np.zeros(4), STARTS.copy()
+    for cycle in range(round(gap / PERIOD) + 6):
+        now = cycle * PERIOD
+        stamps = np.where(np.arange(4) == 1, 0.0, now)
+        if now > gap - 1e-9:
+            stamps[1], poses[1, 0] = now, STARTS[1, 0] + slid
+        _, velocities = tracker.update(poses.copy(), now, stamps)
+        tracker.commanded(np.zeros((4, 3)))
+        assert np.abs(velocities).max() < 1e-9
+
+
 @pytest.mark.parametrize("limit", [0.2, 0.5, 2.0])
 @pytest.mark.parametrize(("beyond", "stopped"), [(-0.01, False), (0.0, False), (0.01, True)])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -71,6 +88,19 @@ def test_the_limit_of_the_age(limit, beyond, stopped, sign):
     assert (planner.status.state == "stale") == stopped
     assert commands.any() != stopped
     assert planner.status.involved == ((1,) if stopped else ())
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_robots_that_are_too_near_are_stopped_as_well(variant):
+    """The safety filter moved them apart, by poses that nobody could rely on."""
+    close = STARTS.copy()
+    close[1, :2] = close[0, :2] + [0.0, 0.30]
+    planner = planner_of(variant=variant)
+    planner.set_dynamic_obstacles([cv.DynamicObstacle(cv.Circle((0.0, 2.5), 0.3), (1.0, 0.0))])
+    for cycle in range(5):
+        commands = planner.step(close, 10.0 + cycle * PERIOD, np.array([9.0, 10.2, 10.2, 10.2]))
+        assert planner.status.state == "stale"
+        assert not commands.any()
 
 
 @pytest.mark.parametrize("variant", VARIANTS)

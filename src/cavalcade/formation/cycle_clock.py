@@ -24,7 +24,8 @@ class CycleClock:
 
     As long as the caller's clock advances they are the same. A time that repeats, is set back or
     jumps ahead counts as one cycle; so commands that are under way stay so, and patience runs on.
-    A clock that repeats and catches up, as one of 10 Hz does under a loop of 20 Hz, is followed.
+    A clock that repeats and catches up, as one of 10 Hz does under a loop of 20 Hz, is followed;
+    one that stood still and goes on from there has lost that time.
 
     Attributes:
         now: The present cycle's time, s.
@@ -89,6 +90,9 @@ class CycleClock:
                 then = soon
                 self._break_off(time, then)
                 self._tell(f"the clock jumped ahead by {passed:.3g} s", then)
+        elif self.now - then >= self._period - _SAME:
+            then = self.now + min(passed, self._period)
+            self._break_off(time, then)
         then = max(then, self.now + _LEAST * min(self._period, passed or self._period))
         self._gap = False
         self.now = then

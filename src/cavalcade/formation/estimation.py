@@ -114,13 +114,15 @@ class VelocityTracker:
         self._velocities: Array = np.empty((0, 3))
         self._commands: Array = np.empty((0, 3))
         self._time = 0.0
+        self._stamps: Array | None = None
         # Per cycle: seconds, displacement seen and displacement predicted.
         self._history: deque[tuple[float, Array, Array]] = deque(maxlen=_WINDOW)
 
     def update(self, poses: Array, time: float, stamps: Array | None = None) -> tuple[Array, Array]:
         """The poses `(N, 3)`, and velocities `(N, 3)` in their frame, m/s, m/s, rad/s, now.
 
-        Stamps are not looked at.
+        Of `stamps` `(N,)`, when the poses were measured, s, only long gaps count: a robot that is
+        located again after one has not come there within a cycle.
         """
         elapsed = time - self._time
         if len(self._poses) != len(poses) or not 0.0 < elapsed < self._longest:
@@ -132,6 +134,8 @@ class VelocityTracker:
             )
             seen = poses - self._poses
             seen[:, 2] = wrap_angle(seen[:, 2])
+            if stamps is not None and self._stamps is not None:
+                seen[stamps - self._stamps > self._longest] = 0.0
             self._history.append((elapsed, seen, states[:, :3] - self._poses))
             span = sum(entry[0] for entry in self._history)
             moved = sum((entry[1] for entry in self._history), np.zeros_like(poses))
@@ -139,6 +143,7 @@ class VelocityTracker:
             agree = np.abs(moved - expected).max(axis=1) < _TRUSTED
             velocities = np.where(agree[:, None], states[:, 3:], moved / span)
         self._poses, self._velocities, self._time = poses.copy(), velocities.copy(), time
+        self._stamps = stamps
         return poses, velocities
 
     def foresees(self, poses: Array, time: float) -> bool:

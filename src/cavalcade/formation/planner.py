@@ -22,7 +22,7 @@ from cavalcade.formation.dynamic_obstacles import DynamicObstacle, obstacle_boxe
 from cavalcade.formation.estimation import Imperfections, StateEstimator, VelocityTracker
 from cavalcade.formation.planning_maps import PlanningMaps
 from cavalcade.formation.robot_monitor import AgeMonitor, FollowingMonitor
-from cavalcade.formation.safety_filter import SafetyFilter, SafetyInputs
+from cavalcade.formation.safety_filter import SafetyFilter, SafetyInputs, filtered
 from cavalcade.formation.settings import (
     PRESETS,
     FormationSettings,
@@ -249,10 +249,11 @@ class FormationPlanner:
         wanted = np.zeros_like(local)
         if self._ages.stale:
             self._mode.rest()
-        elif not self._paused:
-            wanted = self._mode.step(self._routes(local), local, velocities, now, boxes)
-        commands = self._commands(local, velocities, wanted, boxes)
-        commands[list(self._ages.stale)] = 0.0
+            commands = wanted  # the filter would move robots apart that are too near
+        else:
+            if not self._paused:
+                wanted = self._mode.step(self._routes(local), local, velocities, now, boxes)
+            commands = self._commands(local, velocities, wanted, boxes)
         self._tracker.commanded(commands)
         self._following.commanded(commands.copy())
         self._status = self._make_status(poses)
@@ -285,7 +286,7 @@ class FormationPlanner:
             rank = self._mode.rank()
             around = Surroundings(self._maps.distance, self._maps.cell, *boxes)
             team = TeamState(local, velocities, wanted, rank, frozen, evading, clearances)
-            commands, _ = self._filter.apply(SafetyInputs(team, around))
+            commands, _ = filtered(SafetyInputs(team, around), self._filter.parameters)
         else:
             commands = self._filter.in_body(local, wanted)
             commands[frozen] = 0.0
@@ -308,16 +309,16 @@ class FormationPlanner:
     def _make_status(self, poses: Array) -> PlannerStatus:
         origin = np.asarray(self._map.origin, dtype=float)
         status = self._mode.status
-        goal = status.goal
-        if goal is not None:
-            centre = transform_points(origin, goal[None, :2])[0]
-            goal = np.array([*centre, wrap_angle(goal[2] + origin[2])])
+        goal, paths = status.goal, status.paths
         goals = poses[:, :2].copy()
         known = np.isfinite(status.goals).all(axis=1)
-        goals[known] = transform_points(origin, status.goals[known])
-        paths = status.paths
+        goals[known] = status.goals[known]
         if origin.any():
+            goals[known] = transform_points(origin, goals[known])
             paths = tuple(transform_points(origin, path) for path in paths)
+        if goal is not None:
+            x, y = transform_points(origin, goal[None, :2])[0] if origin.any() else goal[:2]
+            goal = np.array([x, y, wrap_angle(goal[2] + origin[2])])
         doubt = self._doubt()
         state, message, involved = doubt or (status.state, status.message, status.involved)
         return replace(

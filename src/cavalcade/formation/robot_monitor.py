@@ -89,7 +89,8 @@ class FollowingMonitor:
         held = []
         while self._coming and self._coming[0][0] <= now:
             held.append(self._coming.popleft()[1])
-        self._commands = np.mean(held, axis=0) if held else self._commands
+        if held:
+            self._commands = sum(held, np.zeros_like(poses)) / len(held)
         change = self._commands - self._velocities
         size = np.hypot(change[:, 0], change[:, 1])
         share = np.minimum(self._gain[0] * elapsed / np.maximum(size, 1e-9), 1.0)
@@ -99,10 +100,11 @@ class FollowingMonitor:
         self._velocities += change
         c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
         x, y, turn = (elapsed * self._velocities).T
-        seen = poses - self._poses
-        seen[:, 2] = wrap_angle(seen[:, 2])
-        wanted = np.stack([c * x - s * y, s * x + c * y, turn], axis=1)
-        self._totals = self._totals + np.array([wanted, seen])
+        moved = np.empty_like(self._totals)
+        moved[0, :, 0], moved[0, :, 1], moved[0, :, 2] = c * x - s * y, s * x + c * y, turn
+        moved[1] = poses - self._poses
+        moved[1, :, 2] = wrap_angle(moved[1, :, 2])
+        self._totals = self._totals + moved
         self._poses, self._time = poses, now
         self._past.append((now, self._totals))
         while now - self._past[0][0] > _WINDOW:
@@ -125,12 +127,13 @@ class FollowingMonitor:
         along = (wanted[:, :2] * seen[:, :2]).sum(axis=1) / np.maximum(distance, 1e-9)
         turn = np.abs(wanted[:, 2])
         turned = seen[:, 2] * np.sign(wanted[:, 2])
-        far, turning = distance > self._far[0], turn > self._far[1]
-
-        def short(share: float) -> NDArray[np.bool_]:
-            return (far & (along < share * distance)) | (~far & turning & (turned < share * turn))
-
-        self._since = np.where(short(_DEAF), np.minimum(self._since, now), self._since)
-        self._since = np.where(short(_FOLLOWS), self._since, np.inf)
+        far = distance > self._far[0]
+        turning = ~far & (turn > self._far[1])
+        # The share of what was commanded that was seen; 1 where that was too little to tell.
+        share = np.ones(len(wanted))
+        share[far] = along[far] / distance[far]
+        share[turning] = turned[turning] / turn[turning]
+        since = np.where(share < _DEAF, np.minimum(self._since, now), self._since)
+        self._since = np.where(share < _FOLLOWS, since, np.inf)
         deaf = now - self._since >= _PATIENCE
         self.deaf = tuple(np.nonzero(deaf)[0].tolist()) if deaf.any() else ()

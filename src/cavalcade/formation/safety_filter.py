@@ -189,12 +189,17 @@ class SafetyFilter:
             InputError: Inputs that do not fit together, or are not finite.
         """
         _check_inputs(inputs)
-        team, surroundings = inputs
-        count = len(team.poses)
-        ratio = min(_PRECEDENCE, _WEIGHTS ** (1.0 / max(count - 1, 1)))
-        weights = np.where(team.frozen, 1e9, ratio ** (count - 1.0 - team.rank))
-        team = team._replace(clearances=np.where(team.frozen, 0.0, team.clearances))
-        return safe_commands(team, weights, surroundings, self.parameters)
+        return filtered(inputs, self.parameters)
+
+
+def filtered(inputs: SafetyInputs, parameters: FilterParameters) -> tuple[Array, NDArray[np.int64]]:
+    """What `SafetyFilter.apply` returns, of inputs that are known to be sound."""
+    team, surroundings = inputs
+    count = len(team.poses)
+    ratio = min(_PRECEDENCE, _WEIGHTS ** (1.0 / max(count - 1, 1)))
+    weights = np.where(team.frozen, 1e9, ratio ** (count - 1.0 - team.rank))
+    team = team._replace(clearances=np.where(team.frozen, 0.0, team.clearances))
+    return safe_commands(team, weights, surroundings, parameters)
 
 
 def _check_inputs(inputs: SafetyInputs) -> None:
