@@ -34,6 +34,13 @@ EFFORT = 20_000
 _CRAMPED = 50
 """A search that ends within so few expansions was shut in: the margins are what is too large."""
 
+_LEAST = (
+    MARGINS[-1]._replace(others=MARGINS[-2].others, time_step=MARGINS[-2].time_step),
+    MARGINS[-1],
+)
+"""For starts and goals that keep no others; near to the ground alone, robots keep off each other
+as ever: less would count as a conflict."""
+
 _LATE = 1e9
 """When everybody stands for good, s."""
 
@@ -128,7 +135,8 @@ class FlatPlanner(RobotPlanner):
 
     def _levels(self, robot: int, others: Others) -> list[Margins]:
         """The margins that start and goal keep; the least only where they keep no others."""
-        kept = [m for m in MARGINS[:-1] if self._keeps(robot, others, m)] or [MARGINS[-1]]
+        kept = [m for m in MARGINS[:-1] if self._keeps(robot, others, m)]
+        kept = kept or [next((m for m in _LEAST if self._keeps(robot, others, m)), MARGINS[-1])]
         return kept if self.problem.ground.flat else [*kept, FOOTING]
 
     def _keeps(self, robot: int, others: Others, margins: Margins) -> bool:
