@@ -96,6 +96,26 @@ def test_pairs_that_cannot_turn_were_not_found_in_the_product_space(
     judged(problem, plan_team(problem, "joint", PlanSettings(iterations=200_000)))
 
 
+@pytest.mark.parametrize("gap", [3e-3, 5e-3, 0.01, 0.02])
+@pytest.mark.parametrize("ends", ["start", "goal"])
+def test_places_along_a_wall_were_searched_for_in_vain(make_team_of_words, judged, gap, ends):
+    """No turn of the search's fits there."""
+    wall, free = (4.0, 0.14 + gap, 0.0), (2.0, 2.0, 0.0)
+    start, goal = (wall, free) if ends == "start" else (free, wall)
+    problem = make_team_of_words(ROOM, [("go1", start, goal)])
+    judged(problem, plan_team(problem, settings=PlanSettings(iterations=200_000)))
+
+
+def test_a_place_along_a_wall_is_led_into_past_others(make_team_of_words, judged):
+    robots = [
+        ("go1", (2.0, 2.0, 0.0), (4.0, 0.15, 0.0)),
+        ("go1", (4.0, 2.0, 0.0), (1.0, 2.0, 0.0)),
+        ("go1", (2.0, 0.16, 0.0), (4.5, 3.0, 0.0)),
+    ]
+    problem = make_team_of_words(ROOM, robots)
+    judged(problem, plan_team(problem, settings=PlanSettings(iterations=400_000)))
+
+
 @pytest.mark.parametrize("gap", [0.8e-3, 1.5e-3, 1.9e-3])
 def test_a_start_beside_a_wall_let_robots_pass_each_other_in_conflict(make_team_of_words, gap):
     """The passage between the box and the other is too narrow: the path leads round the other."""
