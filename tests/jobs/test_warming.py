@@ -65,6 +65,7 @@ EVENTS = """execution.events=[
         ("triangle-lab", "ideal", 30, ["planner.variant=published"]),
         ("cone", "ideal", 30, [EVENTS]),
         ("head-on", "ideal", 60, []),
+        ("alcove", "ideal", 60, []),
         ("cone", "mujoco", 4, []),
         ("gap", "mujoco", 30, ["robots.*.model=go1"]),
     ],
@@ -95,6 +96,8 @@ def test_all_kernels_of_an_own_loop() -> None:
     assert planner.status == before  # it was not touched
     with pytest.raises(cv.InputError, match="no-such"):
         cv.warm_up("no-such")
+    with pytest.raises(cv.InputError, match="whats: expected a scenario"):
+        cv.warm_up(["cone"])
 
 
 class _Kernels:

@@ -5,9 +5,15 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import numpy as np
 import pytest
+from numba.core.target_extension import cpu_target, jit_registry
+
+from cavalcade.kernels import kernel
+from cavalcade.kernels.cache import _Files
 
 HELPER = """
 from typing import NamedTuple
@@ -25,17 +31,25 @@ class Pair(NamedTuple):
 @subroutine
 def scaled(x):  # {comment}
     return {body}
+
+
+@subroutine
+def tripled(x):
+    return 3.0 * x
+
+
+chosen = {chosen}
 """
 
 KERNEL = """
-{empty}from helper import Pair, scaled
+{empty}from helper import Pair, chosen
 
 from cavalcade.kernels import kernel
 
 
 @kernel
 def total(pair):
-    return scaled(pair.a) - pair.b
+    return chosen(pair.a) - pair.b
 """
 
 CALL = """
@@ -45,7 +59,14 @@ from caller import total
 print(total(Pair(a=2.0, b=1.0)), sum(total.stats.cache_hits.values()))
 """
 
-PLAIN = {"factor": 3.0, "first": "a", "second": "b", "comment": "", "body": "FACTOR * x"}
+PLAIN = {
+    "chosen": "scaled",
+    "factor": 3.0,
+    "first": "a",
+    "second": "b",
+    "comment": "",
+    "body": "FACTOR * x",
+}
 
 
 @pytest.fixture
@@ -73,6 +94,7 @@ def test_what_did_not_change_is_not_compiled_again(call) -> None:
     assert call() == (5.0, 0)
     assert call() == (5.0, 1)
     assert call(comment="another comment") == (5.0, 1)
+    assert call(empty="\n\n\n") == (5.0, 1)  # numba names its files by the line
 
 
 @pytest.mark.parametrize(
@@ -81,6 +103,7 @@ def test_what_did_not_change_is_not_compiled_again(call) -> None:
         ({"body": "FACTOR + x"}, 4.0),
         ({"factor": 4.0}, 7.0),
         ({"first": "b", "second": "a"}, 5.0),  # fields of the same types in another order
+        ({"chosen": "tripled"}, 5.0),  # another name for one of two functions
     ],
 )
 def test_code_elsewhere_was_taken_for_unchanged(call, changed, value) -> None:
@@ -100,3 +123,45 @@ def test_what_an_older_version_left_ended_the_process(call, tmp_path: Path) -> N
     for index in (tmp_path / "cache").rglob("*.nbi"):
         index.write_bytes(index.read_bytes()[:-20])
     assert call() == (5.0, 0)
+
+
+def test_two_processes_kept_their_code_in_one_file(tmp_path: Path) -> None:
+    """numba writes the index first and numbers the data."""
+    one, other = (_Files(str(tmp_path), "kernel", "stamp") for _ in range(2))
+    save = one._save_data
+    one._save_data = lambda name, data: (other.save("int64", "of int64"), save(name, data))
+    one.save("float64", "of float64")
+    for files in (one, other, _Files(str(tmp_path), "kernel", "stamp")):
+        assert files.load("float64") == "of float64"
+        assert files.load("int64") == "of int64"
+    assert _Files(str(tmp_path), "kernel", "another stamp").load("int64") is None
+
+
+def test_folders_that_cannot_be_written(monkeypatch: pytest.MonkeyPatch) -> None:
+    @kernel
+    def double(x):
+        return 2.0 * x
+
+    def refuse(*_: object) -> None:
+        raise PermissionError
+
+    for name in ("_save_index", "_save_data", "_load_index"):
+        monkeypatch.setattr(_Files, name, refuse)
+    assert double(2.0) == 4.0
+
+
+def test_threads_that_compile_at_once() -> None:
+    """While a kernel is compiled, numba's own decorator is another one."""
+
+    def fresh():
+        @kernel
+        def sums(n):
+            return np.zeros(n).sum() + np.ones((n, n)).max()
+
+        return sums
+
+    kernels = [fresh() for _ in range(8)]
+    before = jit_registry[cpu_target]
+    with ThreadPoolExecutor(8) as threads:
+        assert list(threads.map(lambda each: each(3), kernels)) == [1.0] * 8
+    assert jit_registry[cpu_target] is before

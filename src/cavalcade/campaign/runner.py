@@ -18,7 +18,6 @@ from cavalcade.campaign.trial import Line
 from cavalcade.campaign.trial_runner import replay, run_trial
 from cavalcade.campaign.warming import needs_of_all, warm_all
 from cavalcade.jobs.reporter import Reporter
-from cavalcade.jobs.warming import warm
 
 
 class CampaignInterrupted(KeyboardInterrupt):
@@ -73,7 +72,7 @@ def run_campaign(
             reporter.warn(text)
         try:
             with Reporter(quiet) as before:
-                warm(needs, before)
+                warm_all(needs, before)
             with reporter:
                 if left:
                     with engine:

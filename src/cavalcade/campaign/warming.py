@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Sequence
 
 from cavalcade.campaign.samplers import unplanned
 from cavalcade.campaign.trial import Trial
-from cavalcade.errors import InputError
 from cavalcade.jobs.reporter import Reporter
 from cavalcade.jobs.warming import Needs, needs_of, warm
 from cavalcade.scenario import Scenario
@@ -20,9 +20,11 @@ def needs_of_all(trials: Iterable[Trial]) -> tuple[Needs, ...]:
         if key in found:
             continue
         try:
-            instance = unplanned(trial.sampler).sample(trial.seed, trial.data)
-            found[key] = needs_of_trial(trial, trial.scenario(instance))
-        except InputError:  # the trial will say so
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                instance = unplanned(trial.sampler).sample(trial.seed, trial.data)
+                found[key] = needs_of_trial(trial, trial.scenario(instance))
+        except Exception:  # whatever it is, the trial will say so
             continue
     return tuple(dict.fromkeys(found.values()))
 
@@ -33,10 +35,9 @@ def needs_of_trial(trial: Trial, scenario: Scenario) -> Needs:
     return needs_of(scenario, None if planned else scenario.execution.backend)
 
 
-def warm_all(wanted: Sequence[Needs]) -> None:
+def warm_all(wanted: Sequence[Needs], reporter: Reporter | None = None) -> None:
     """Compile or load what all of these need; whatever is wrong shows in the trials."""
-    for needs in wanted:
-        try:
-            warm([needs], Reporter(quiet=True))
-        except Exception:
-            continue
+    try:
+        warm(wanted, reporter or Reporter(quiet=True))
+    except Exception:
+        return

@@ -133,6 +133,8 @@ def _get_ready() -> None:
     search_joint(team, plant(starts, starts[::-1], 20), state, 0, 20)
     edge_free(team, starts, starts)
     word_between(team, 0, starts[0], starts[1])
+    body = footprint(robot_model("spirit"))
+    footprints_meet(body, tuple(starts[0].tolist()), body, tuple(starts[1].tolist()), 0.0)
 
 
 def _crowded(problem: TeamProblem, lattice: SpaceTimePlanner) -> bool:

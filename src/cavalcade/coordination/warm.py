@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 from cavalcade import lattice
 from cavalcade.coordination.budget import Budget
-from cavalcade.coordination.conflicts import conflicts_of, find_conflicts, first_conflict
+from cavalcade.coordination.conflicts import conflicts_of
 from cavalcade.coordination.feasibility import infeasible
 from cavalcade.coordination.problem import PlanSettings, TeamProblem
 from cavalcade.coordination.robot_planner import spans_of
@@ -30,23 +32,27 @@ def warm_up(terrain: bool) -> None:
     Those of uneven ground (`terrain`) only if asked for, those of the product space when they are
     first used (`coordination.joint`): few plans need them.
     """
+    _on_a_floor()
+    if terrain:
+        warming.warm_up()
+        _over_a_trench()
+
+
+@cache
+def _on_a_floor() -> None:
     problem = TeamProblem.on_map(
         OccupancyMap.empty((4.0, 3.0)), ("spirit", "spirit"), _STARTS, _STARTS[::-1]
     )
     planner = SpaceTimePlanner(problem.ground)
-    if not find_conflicts.signatures:
-        shape, track = footprint(problem.models[0]), np.array([_STARTS[0]])
-        lattice.warm_up()
-        infeasible(problem, planner, Deadline())
-        pose_free(planner.grid, shape, *_STARTS[0], 0.0)
-        place_free(NOBODY, shape, _STARTS[0], 0.0, 0.0)
-        conflicts_of([track, track], problem.models)
-    if terrain:
-        warming.warm_up()
-        if not first_conflict.signatures:
-            _over_a_trench()
+    shape, track = footprint(problem.models[0]), np.array([_STARTS[0]])
+    lattice.warm_up()
+    infeasible(problem, planner, Deadline())
+    pose_free(planner.grid, shape, *_STARTS[0], 0.0)
+    place_free(NOBODY, shape, _STARTS[0], 0.0, 0.0)
+    conflicts_of([track, track], problem.models)
 
 
+@cache
 def _over_a_trench() -> None:
     """Two robots, one after the other, over a trench that asks for a leap."""
     ground, model = warming.trench(), robot_model("spirit")

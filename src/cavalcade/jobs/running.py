@@ -19,7 +19,7 @@ from cavalcade.jobs.output_folder import FIGURES, PLAN, RECORDING, REPLAY, Outpu
 from cavalcade.jobs.planning import Coordinator, make_plan
 from cavalcade.jobs.reporter import JobReporter
 from cavalcade.jobs.tasks import TASKS, PolicyMaker
-from cavalcade.jobs.warming import needs_of, warm
+from cavalcade.jobs.warming import Needs, needs_of, warm
 from cavalcade.metrics.plan_summary import PlanResult
 from cavalcade.metrics.summary import Summary
 from cavalcade.recording.frames import FrameSink, Recording
@@ -154,7 +154,8 @@ def run(
         world = build_world(resolved)
         reporter.say(f"{resolved.name}: {len(resolved.robots)} robots")
         backend = resolved.execution.backend if fleet is None else "ideal"
-        warm([needs_of(resolved, backend)], reporter)
+        needs = needs_of(resolved, backend) if planner is None else Needs("commands", backend)
+        warm([needs], reporter)
         reporter.expect(resolved)
         task = TASKS[resolved.task.kind](resolved, world, reporter, planner)
         robots = task.make_fleet() if fleet is None else fleet

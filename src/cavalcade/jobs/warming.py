@@ -6,7 +6,6 @@ control cycle or a time budget then, and what is compiled is seen.
 
 from __future__ import annotations
 
-import gc
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cache
@@ -27,13 +26,19 @@ from cavalcade.scenario import (
     parse_scenario,
     resolve_scenario,
 )
+from cavalcade.values import described
 
 _MEASURED = (
     "cavalcade.geometry.string_pulling",
     "cavalcade.geometry.distances",
 )
 _FORMATION = ("cavalcade.eikonal", "cavalcade.formation", "cavalcade.robots.motion")
-_PLANS = ("cavalcade.lattice", "cavalcade.coordination", "cavalcade.locomotion.footholds")
+_PLANS = (
+    "cavalcade.coordination",
+    "cavalcade.eikonal.field",
+    "cavalcade.lattice",
+    "cavalcade.locomotion.footholds",
+)
 _UNEVEN = ("cavalcade.kinodynamic", "cavalcade.world.terrain.filters")
 _PHYSICS = ("cavalcade.locomotion.control", "cavalcade.fleet.mujoco")
 """Where the kernels of jobs are, for the estimate of what there is to do."""
@@ -43,7 +48,6 @@ _RARE = (
     "cavalcade.geometry.distances.cells_clearance",
     "cavalcade.geometry.distances.nearest_gaps",
     "cavalcade.geometry.string_pulling.string_pulled_length",
-    "cavalcade.eikonal._descent.nearest_reached",
 )
 _SURFACE = ("cavalcade.lattice.surface", "cavalcade.coordination.conflicts.first_conflict")
 _MOVING = ("cavalcade.formation._evasive_motion",)
@@ -99,7 +103,7 @@ def needs_of(scenario: Scenario, backend: str | None) -> Needs:
     )
 
 
-def warm_up(*whats: Scenario | str | Path | FormationPlanner | Needs, quiet: bool = True) -> None:
+def warm_up(*whats: Scenario | str | Path | FormationPlanner, quiet: bool = True) -> None:
     """Compile or load the kernels that jobs or a control loop of your own will call.
 
     The first time on a machine this takes from some seconds to a minute. Call it before a loop
@@ -123,14 +127,9 @@ def warm(wanted: Iterable[Needs], reporter: Reporter) -> None:
     wanted = list(dict.fromkeys(wanted))
     modules = dict.fromkeys(module for needs in wanted for module in needs.modules)
     unused = set.intersection(*(set(needs.unused) for needs in wanted)) if wanted else ()
-    with reporter.compiling(modules, unused) as compilation:
+    with reporter.compiling(modules, unused):
         for needs in wanted:
             _rehearse(needs)
-    if compilation.kernels:
-        # The compiler leaves millions of objects, of which most stay. Looking for garbage among
-        # them takes most of a second: now, and not in a control cycle.
-        gc.collect()
-        gc.freeze()
 
 
 def all_needs(everything: bool) -> list[Needs]:
@@ -148,14 +147,16 @@ def all_needs(everything: bool) -> list[Needs]:
         load_mujoco()
     except InputError:  # an extra that not everybody has
         return found
-    return [*found, *(Needs(kind, "mujoco") for kind in TASKS)]
+    found += [Needs(kind, "mujoco") for kind in TASKS]
+    return [*found, Needs("individual", "mujoco", uneven=True)]
 
 
-def _needs(what: Scenario | str | Path | FormationPlanner | Needs) -> list[Needs]:
-    if isinstance(what, Needs):
-        return [what]
+def _needs(what: Scenario | str | Path | FormationPlanner) -> list[Needs]:
     if isinstance(what, FormationPlanner):
         return [Needs("formation", None, what.variant.name, moving=True)]
+    wanted = "a scenario, its name or file, or a FormationPlanner"
+    if not isinstance(what, Scenario | str | Path):
+        raise InputError(f"expected {wanted}, got {described(what)}", key="whats")
     scenario = what if isinstance(what, Scenario) else load_scenario(what)
     needs = needs_of(scenario, scenario.execution.backend)
     return [needs, replace(needs, backend=None)] if scenario.goals else [needs]
@@ -189,15 +190,19 @@ def _rehearsal(needs: Needs) -> dict[str, Any]:
 
 
 def _formation(needs: Needs, execution: dict[str, Any]) -> dict[str, Any]:
-    # The goal is beyond the look-ahead and the box in the way: robots look for paths round it.
-    box = {"center": [2.2, 2.0], "size": [0.2, 1.2]}
+    # The goal is beyond the look-ahead and one box in the way: robots look for paths round it. The
+    # other one is so near to a robot that it has to leave the inflated zone first.
+    boxes = [
+        {"center": [2.2, 2.0], "size": [0.2, 1.2]},
+        {"center": [1.0, 2.78], "size": [0.2, 0.2]},
+    ]
     execution |= {"noise": {"position": 0.01}, "delay": {"mean": 0.1}}
     if needs.moving:
         moving = {"center": [3.5, 0.6], "radius": 0.2}
         move = {"circle": moving, "to": [0.5, 0.6], "speed": 1.0}
         execution["events"] = [{"at": 0.1, "move": move}]
     return {
-        "world": {"empty": {"size": [12.0, 4.0]}, "obstacles": [{"box": box}]},
+        "world": {"empty": {"size": [12.0, 4.0]}, "obstacles": [{"box": box} for box in boxes]},
         "robots": [{"model": "go1", "start": [1.0, y, 0.0]} for y in (1.6, 2.4)],
         "task": {"formation": {"shape": "line", "spacing": 0.8}, "goals": [[10.5, 2.0, 0.0]]},
         "planner": {"variant": needs.variant},
@@ -218,6 +223,9 @@ def _individual(needs: Needs, execution: dict[str, Any]) -> dict[str, Any]:
             "budget": {"iterations": 20_000},
         },
     }
+    # With an obstacle, so that the way is looked for on the grid.
+    box = {"center": [3.0, 0.4], "size": [0.2, 0.2]}
+    found["world"] = {"empty": {"size": [6.0, 4.0]}, "obstacles": [{"box": box}]}
     if needs.uneven:
         found["world"] = {"generate": {"kind": "step", "size": [6.0, 4.0], "height": 0.1}}
     return found

@@ -9,13 +9,13 @@ library of code without machine code, a compiler class with one more pass, and a
 import functools
 
 import numba
-from numba.core import ir
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
-from numba.core.compiler_machinery import AnalysisPass, LoweringPass, register_pass
+from numba.core.compiler_lock import global_compiler_lock
+from numba.core.compiler_machinery import LoweringPass, register_pass
 from numba.core.registry import CPUDispatcher
 from numba.core.target_extension import cpu_target, jit_registry
-from numba.core.typed_passes import NativeLowering, NopythonRewrites
+from numba.core.typed_passes import NativeLowering
 
 from cavalcade.kernels.cache import KernelCache, options_of
 
@@ -26,6 +26,7 @@ class _LinkedLibrary(JITCodeLibrary):
     def finalize(self):
         self._raise_if_finalized()
         for library in dict.fromkeys(self._linking_libraries):
+            self._reload_init.update(library._reload_init)
             self._final_module.link_in(library._get_module_for_linking(), preserve=True)
         self._finalize_dynamic_globals()
         self._finalized = True
@@ -48,50 +49,6 @@ class _NameForCallers(LoweringPass):
         return True
 
 
-@register_pass(mutates_CFG=False, analysis_only=True)
-class _WithoutReferences(AnalysisPass):
-    """Spares the counting of references to arrays where they are all the caller's.
-
-    A function that neither makes nor gives back arrays borrows those that it is called with; the
-    counts would only be optimised away again.
-    """
-
-    _name = "cavalcade_without_references"
-
-    def __init__(self):
-        AnalysisPass.__init__(self)
-
-    def run_pass(self, state):
-        borrowed = {
-            "getattr",
-            "getitem",
-            "static_getitem",
-            "cast",
-            "phi",
-            "build_tuple",
-            "exhaust_iter",
-            "iternext",
-            "pair_first",
-            "pair_second",
-            "getiter",
-        }
-
-        def counted(type):
-            return state.targetctx.data_model_manager[type].contains_nrt_meminfo()
-
-        if counted(state.return_type):
-            return False
-        for block in state.func_ir.blocks.values():
-            for statement in block.find_insts(ir.Assign):
-                if not counted(state.typemap[statement.target.name]):
-                    continue
-                value = statement.value
-                if isinstance(value, ir.Expr) and value.op not in borrowed:
-                    return False
-        state.targetctx.enable_nrt = False
-        return False
-
-
 class _KernelCompiler(CompilerBase):
     """The usual pipeline without what only C would call.
 
@@ -102,8 +59,6 @@ class _KernelCompiler(CompilerBase):
     def define_pipelines(self):
         self.state.flags.no_cfunc_wrapper = True
         passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
-        passes.add_pass_after(_WithoutReferences, NopythonRewrites)
-        passes.finalize()
         return [passes]
 
 
@@ -125,12 +80,13 @@ class _Linking(CPUDispatcher):
 
     def compile(self, sig):
         """The compiled function for a signature."""
-        usual = jit_registry[cpu_target]
-        dict.__setitem__(jit_registry, cpu_target, _as_subroutine)
-        try:
-            return super().compile(sig)
-        finally:
-            dict.__setitem__(jit_registry, cpu_target, usual)
+        with global_compiler_lock:
+            usual = jit_registry[cpu_target]
+            dict.__setitem__(jit_registry, cpu_target, _as_subroutine)
+            try:
+                return super().compile(sig)
+            finally:
+                dict.__setitem__(jit_registry, cpu_target, usual)
 
 
 def _as_subroutine(**options):

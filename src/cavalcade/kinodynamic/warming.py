@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 
 import numpy as np
 
-from cavalcade.kinodynamic._rrt_connect import search
 from cavalcade.kinodynamic.obstruction import find_path
 from cavalcade.kinodynamic.parameters import make_body, make_space
 from cavalcade.kinodynamic.planner import plan_body
@@ -18,10 +18,9 @@ from cavalcade.world.shapes import Shape
 from cavalcade.world.terrain import generate_terrain
 
 
+@cache
 def warm_up() -> None:
     """Use every kernel of `plan_body` once, unless this process has done so already."""
-    if search.signatures:
-        return
     ground, model = trench(), robot_model("spirit")
     start, goal = (1.0, 1.0, 0.0), (3.5, 1.0, 0.0)
     plan_body(ground, model, start, goal, BodySettings(iterations=300))

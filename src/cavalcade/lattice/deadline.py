@@ -46,8 +46,10 @@ class Deadline:
     def paused(self) -> Iterator[None]:
         """While kernels are compiled: that is no time of the call."""
         before = perf_counter()
-        yield
-        self._begin += perf_counter() - before
+        try:
+            yield
+        finally:
+            self._begin += perf_counter() - before
 
     def slices(self, begin: int, end: int) -> Iterator[int]:
         """Cut steps `begin` to `end` of a kernel into slices between looks at the clock.

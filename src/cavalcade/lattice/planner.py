@@ -44,7 +44,7 @@ from cavalcade.lattice.primitives import (
 from cavalcade.lattice.shortening import shortened_moves
 from cavalcade.lattice.surface import surface_along
 from cavalcade.robots import RobotModel, robot_model
-from cavalcade.world import OccupancyMap
+from cavalcade.world import Box, OccupancyMap
 
 _CRAMPED_SPEED = 0.4
 """Of the likely cost-to-go, where a body can go but not turn."""
@@ -297,7 +297,8 @@ def others_of(tracks: list[Array], models: list[RobotModel], spans: list[Any]) -
 
 def warm_up() -> None:
     """Compile or load every kernel of planar planning, on a problem of a moment."""
-    ground = make_ground(OccupancyMap.empty((4.0, 3.0)))
+    # With an obstacle, so that the way is looked for on the grid.
+    ground = make_ground(OccupancyMap.empty((4.0, 3.0)).with_shapes([Box((2.0, 0.2), (0.2, 0.2))]))
     model, planner = robot_model("spirit"), SpaceTimePlanner(ground)
     start, goal = np.array([0.6, 1.5, 0.0]), np.array([3.4, 1.5, np.pi])
     first, _, _ = planner.plan(model, start, goal)
