@@ -114,3 +114,23 @@ def test_discs_are_swept_as_discs():
     assert kinds(track, model="unicycle-sphere", world=world) == set()
     world["obstacles"] = [{"circle": {"center": [3.0 - 0.28, 5.28], "radius": 0.05}}]
     assert kinds(track, model="unicycle-sphere", world=world) == {"robot-obstacle"}
+
+
+@pytest.mark.parametrize("gap", [1e-5, 0.5e-3, 0.99e-3, 1e-3, 1.1e-3, 0.01])
+@pytest.mark.parametrize("beside", ["start", "goal"])
+def test_starts_and_goals_keep_what_planners_ask_for(gap, beside):
+    """The checker took places that planners refuse."""
+    track = moved(0.75)
+    x = float(track.pose[0 if beside == "start" else -1][0])
+    obstacle = {"box": {"center": [x, 5.14 + gap + 0.1], "size": [0.3, 0.2]}}
+    world = {"empty": {"size": [12, 10]}, "obstacles": [obstacle]}
+    kind = {"start": "start", "goal": "arrival"}[beside]
+    assert kinds(track, world=world) == (set() if gap >= 1e-3 else {kind})
+    assert kinds(track, world=world, success=False) <= {"start"}
+
+
+def test_a_diagonal_gap_is_measured_between_the_corners():
+    track, corner = moved(0.75), 0.8e-3
+    box = {"center": [3.0 - 0.325 - corner - 0.1, 5.14 + corner + 0.1], "size": [0.2, 0.2]}
+    world = {"empty": {"size": [12, 10]}, "obstacles": [{"box": box}]}
+    assert kinds(track, world=world) == set()

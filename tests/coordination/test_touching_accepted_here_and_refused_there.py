@@ -8,8 +8,12 @@ import numpy as np
 import pytest
 
 from cavalcade.coordination import PlanSettings, plan_team
+from cavalcade.coordination.budget import Budget
+from cavalcade.coordination.conflicts import conflicts_of
+from cavalcade.coordination.robot_planner import FlatPlanner, Span
 from cavalcade.errors import ScenarioError
 from cavalcade.geometry import CLEARANCE
+from cavalcade.lattice.planner import SpaceTimePlanner
 from cavalcade.world import OccupancyMap
 from cavalcade.world.gaps import body_at, gap_between, nearest_obstacle
 
@@ -66,7 +70,7 @@ def test_goals_beside_something(make_team_of_words, gap, beside):
 def test_pairs_side_by_side(make_team_of_words, judged, gap, method):
     robots = [
         ("go1", (2.0, 2.0, 0.0), (5.0, 2.0, 0.0)),
-        ("go1", (2.0, 2.28 + gap, 0.0), (5.0, 2.28 + gap if method == "joint" else 3.2, 0.0)),
+        ("go1", (2.0, 2.28 + gap, 0.0), (5.0, 3.2, 0.0)),
     ]
     if not enough(gap):
         with pytest.raises(ScenarioError, match=r"robots\[1\]\.start.*robot 0.*1 mm"):
@@ -74,6 +78,57 @@ def test_pairs_side_by_side(make_team_of_words, judged, gap, method):
         return
     problem = make_team_of_words(ROOM, robots)
     judged(problem, plan_team(problem, method))
+
+
+@pytest.mark.parametrize("gap", [1e-3, 2e-3, 5e-3, 0.02])
+@pytest.mark.parametrize("where", ["goals", "both", "in a row"])
+def test_pairs_that_cannot_turn_were_not_found_in_the_product_space(
+    make_team_of_words, judged, gap, where
+):
+    left, right = (2.0, 2.0, 0.0), (2.0, 2.28 + gap, 0.0)
+    ends = {
+        "goals": ([left, (2.0, 3.2, 0.0)], [(5.0, 2.0, 0.0), (5.0, 2.28 + gap, 0.0)]),
+        "both": ([left, right], [(5.0, 2.28 + gap, 0.0), (5.0, 2.0, 0.0)]),
+        "in a row": ([left, (2.65 + gap, 2.0, 0.0)], [(5.0, 1.0, 0.0), (5.0, 3.0, 0.0)]),
+    }
+    robots = [("go1", start, goal) for start, goal in zip(*ends[where], strict=True)]
+    problem = make_team_of_words(ROOM, robots)
+    judged(problem, plan_team(problem, "joint", PlanSettings(iterations=200_000)))
+
+
+@pytest.mark.parametrize("gap", [3e-3, 5e-3, 0.01, 0.02])
+@pytest.mark.parametrize("ends", ["start", "goal"])
+def test_places_along_a_wall_were_searched_for_in_vain(make_team_of_words, judged, gap, ends):
+    """No turn of the search's fits there."""
+    wall, free = (4.0, 0.14 + gap, 0.0), (2.0, 2.0, 0.0)
+    start, goal = (wall, free) if ends == "start" else (free, wall)
+    problem = make_team_of_words(ROOM, [("go1", start, goal)])
+    judged(problem, plan_team(problem, settings=PlanSettings(iterations=200_000)))
+
+
+def test_a_place_along_a_wall_is_led_into_past_others(make_team_of_words, judged):
+    robots = [
+        ("go1", (2.0, 2.0, 0.0), (4.0, 0.15, 0.0)),
+        ("go1", (4.0, 2.0, 0.0), (1.0, 2.0, 0.0)),
+        ("go1", (2.0, 0.16, 0.0), (4.5, 3.0, 0.0)),
+    ]
+    problem = make_team_of_words(ROOM, robots)
+    judged(problem, plan_team(problem, settings=PlanSettings(iterations=400_000)))
+
+
+@pytest.mark.parametrize("gap", [0.8e-3, 1.5e-3, 1.9e-3])
+def test_a_start_beside_a_wall_let_robots_pass_each_other_in_conflict(make_team_of_words, gap):
+    """The passage between the box and the other is too narrow: the path leads round the other."""
+    robots = [
+        ("go1", (2.0, 1.1409995, 0.0), (5.4, 3.0, 0.0)),
+        ("go1", (3.2, 1.421 + gap, 0.0), (5.4, 1.0, 0.0)),
+    ]
+    problem = make_team_of_words(ROOM, robots, [((2.75, 0.5), (2.5, 1.0))])
+    standing = np.array([problem.starts[1]])
+    planner = FlatPlanner(problem, SpaceTimePlanner(problem.ground))
+    path = planner.plan(0, [Span(1, standing)], Budget(200_000))
+    assert path is not None
+    assert conflicts_of([path.track, standing], problem.models) == []
 
 
 @pytest.mark.parametrize("method", ["auto", "sequential", "cbs", "joint"])

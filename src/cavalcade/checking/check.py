@@ -22,6 +22,7 @@ from cavalcade.checking.limits import TOLERANCE, Effort, exceeded, measure, with
 from cavalcade.checking.physics.leaps import check_leaps
 from cavalcade.checking.physics.record import RobotRecord, read_records
 from cavalcade.checking.physics.run import judge_motion
+from cavalcade.checking.places import check_places
 from cavalcade.checking.plans import judge_plan, read_plan
 from cavalcade.checking.report import Figures, Report, Violation, make_report
 from cavalcade.checking.solids import Scene, build_scene
@@ -88,6 +89,7 @@ def judge(scenario: Scenario, tracks: tuple[Track, ...], summary: dict[str, Any]
     violations, figures = judge_planar(scene, tracks, models, speeding)
     if figures is not None:
         violations += _claimed(scenario, tracks, summary, IDEAL)
+        violations += check_places(scenario, scene, bool(summary.get("success")), violations)
     return make_report(violations, figures)
 
 
@@ -109,6 +111,7 @@ def judge_physics(
         return make_report(violations)
     violations, gap, physics = judge_motion(scenario, tracks, records, summary, scene, heights)
     violations += _claimed(scenario, tracks, summary, PHYSICS)
+    violations += check_places(scenario, scene, bool(summary.get("success")), violations)
     if summary.get("success") and scenario.task.kind == "commands":
         violations += check_leaps(scenario, records, heights)
     efforts = [measure(track, model) for track, model in zip(tracks, scenario.models, strict=True)]

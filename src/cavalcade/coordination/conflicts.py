@@ -21,7 +21,7 @@ MARGIN = 0.002
 """Bodies nearer than this are in conflict, m: what sampled tracks may hide is less."""
 
 _CLOSE = MARGINS[-1].others
-"""The same of two robots that begin or end within `MARGIN`: they set off and stop slowly."""
+"""The same of robots that begin or end within `MARGIN` of another: they are planned with less."""
 
 _LOOK = 1.25
 """Time between looks at bodies that are near each other, s for each m of margin: at 1.5 m/s they
@@ -66,13 +66,13 @@ def conflicts_of(
 
 
 def _spare_neighbours(margins: Array, table: Array, shapes: Array) -> None:
-    """Ask less of pairs that begin or end nearer to each other than their margin."""
+    """Ask less of robots that begin or end nearer to another than their margin."""
     rows = [Footprint(length, width, disc > 0.0) for length, width, disc in shapes.tolist()]
     for i, j in combinations(range(len(table)), 2):
         for at in (0, -1):
             here, there = (tuple(table[k, at].tolist()) for k in (i, j))
             if footprints_meet(rows[i], here, rows[j], there, MARGIN):
-                margins[i, j] = _CLOSE
+                margins[[i, j], :] = margins[:, [i, j]] = _CLOSE
 
 
 @kernel

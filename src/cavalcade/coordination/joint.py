@@ -6,6 +6,7 @@ each robot's path is shortened in space and time among those of the others.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import cache
 from itertools import combinations
@@ -16,6 +17,7 @@ from cavalcade.coordination._joint import (
     FOUND,
     SPENT,
     TeamScene,
+    Trees,
     edge_free,
     plant,
     search_joint,
@@ -44,6 +46,12 @@ _ITERATIONS = 30
 
 _LONGEST = 3200
 """Extensions of one attempt at most."""
+
+_TURN = math.pi / 8.0
+"""Who cannot turn by this to both sides drives straight away first, rad."""
+
+_LEADS = (1.0, 0.5, 0.25)
+"""How far, m."""
 
 _AGAIN = 6
 """So many further searches for a cheaper plan."""
@@ -79,6 +87,8 @@ def solve_joint(
         team = TeamScene(lattice.grid, NOBODY, team_limits(limits), margins, metre_cost(mean_speed))
         most = max(1, budget.most(attempt * share) // share)
         trees, status, used = plant(starts, goals, most), SPENT, 0
+        if polish:
+            _lead_out(problem, team, trees)
         for end in budget.deadline.slices(0, most):
             status, nodes, used = search_joint(team, trees, state, used, end)
             if status == FOUND:
@@ -140,6 +150,41 @@ def _crowded(problem: TeamProblem, lattice: SpaceTimePlanner) -> bool:
             if footprints_meet(bodies[i], poses[i], bodies[j], poses[j], margins.others):
                 return True
     return False
+
+
+def _lead_out(problem: TeamProblem, team: TeamScene, trees: Trees) -> None:
+    """Grow the trees straight on from where robots are too near to something to turn, one by one.
+
+    Nearly all edges to samples begin with an arc or a turn, and none of them would leave.
+    """
+    for tree, ahead in ((0, 1.0), (1, -1.0)):
+        for k in range(len(problem.models)):
+            at = int(trees.counts[tree])
+            here = trees.nodes[tree, at - 1]
+            if at == trees.nodes.shape[1] or _can_turn(problem, team, here, k):
+                continue
+            for length in (sign * lead for lead in _LEADS for sign in (ahead, -ahead)):
+                there = here.copy()
+                there[k, :2] += length * np.cos(here[k, 2]), length * np.sin(here[k, 2])
+                if edge_free(team, *((here, there) if tree == 0 else (there, here))):
+                    trees.nodes[tree, at], trees.parents[tree, at] = there, at - 1
+                    trees.counts[tree] += 1
+                    break
+
+
+def _can_turn(problem: TeamProblem, team: TeamScene, poses: Array, k: int) -> bool:
+    """Whether robot `k` at its of the poses `(N, 3)` may turn a little to both sides."""
+    bodies = [footprint(model) for model in problem.models]
+    x, y, yaw = poses[k]
+    for turned in ((x, y, yaw + _TURN), (x, y, yaw - _TURN)):
+        if not pose_free(team.grid, bodies[k], *turned, team.margins.ground):
+            return False
+        for j, pose in enumerate(poses):
+            if j != k and footprints_meet(
+                bodies[k], turned, bodies[j], tuple(pose), team.margins.others
+            ):
+                return False
+    return True
 
 
 def _shortened(team: TeamScene, nodes: Array, deadline: Deadline) -> Array:

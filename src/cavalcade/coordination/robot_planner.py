@@ -16,6 +16,7 @@ from cavalcade.coordination.solution import Paths, RobotPath
 from cavalcade.geometry import Array
 from cavalcade.kinodynamic import BodyPlan, BodySettings, plan_body
 from cavalcade.lattice.collision import Margins, Others, move_free, place_free, pose_free
+from cavalcade.lattice.leads import has_room, lead_free, lead_from
 from cavalcade.lattice.motion_limits import footprint
 from cavalcade.lattice.planner import (
     FOOTING,
@@ -33,6 +34,13 @@ EFFORT = 20_000
 
 _CRAMPED = 50
 """A search that ends within so few expansions was shut in: the margins are what is too large."""
+
+_LEAST = (
+    MARGINS[-1]._replace(others=MARGINS[-2].others, time_step=MARGINS[-2].time_step),
+    MARGINS[-1],
+)
+"""For starts and goals that keep no others; near to the ground alone, robots keep off each other
+as ever: less would count as a conflict."""
 
 _LATE = 1e9
 """When everybody stands for good, s."""
@@ -96,7 +104,18 @@ class FlatPlanner(RobotPlanner):
     ) -> RobotPath | None:
         """See `RobotPlanner`."""
         others = others_among(self.problem, spans)
-        for margins in self._levels(robot, others):
+        levels = self._levels(robot, others)
+        if not self._has_room(robot, levels[-1]):
+            for margins in levels:
+                path = self._search(robot, others, margins, budget, min(effort, EFFORT))
+                path = path or self._led(robot, others, margins, budget)
+                if path is not None:
+                    return RobotPath(path, path.cost)
+                if budget.spent:
+                    return None
+            if effort <= EFFORT:
+                return None
+        for margins in levels:
             before = budget.used
             path = self._search(robot, others, margins, budget, effort)
             if path is not None:
@@ -128,7 +147,8 @@ class FlatPlanner(RobotPlanner):
 
     def _levels(self, robot: int, others: Others) -> list[Margins]:
         """The margins that start and goal keep; the least only where they keep no others."""
-        kept = [m for m in MARGINS[:-1] if self._keeps(robot, others, m)] or [MARGINS[-1]]
+        kept = [m for m in MARGINS[:-1] if self._keeps(robot, others, m)]
+        kept = kept or [next((m for m in _LEAST if self._keeps(robot, others, m)), MARGINS[-1])]
         return kept if self.problem.ground.flat else [*kept, FOOTING]
 
     def _keeps(self, robot: int, others: Others, margins: Margins) -> bool:
@@ -145,17 +165,60 @@ class FlatPlanner(RobotPlanner):
         self, robot: int, others: Others, margins: Margins, budget: Budget, effort: int
     ) -> TimedPath | None:
         problem = self.problem
+        ends = np.array(problem.starts[robot]), np.array(problem.goals[robot])
+        return self._between(robot, ends, others, margins, budget, effort)
+
+    def _between(
+        self,
+        robot: int,
+        ends: tuple[Array, Array],
+        others: Others,
+        margins: Margins,
+        budget: Budget,
+        effort: int,
+    ) -> TimedPath | None:
         path, _, expansions = self.lattice.plan(
-            problem.models[robot],
-            np.array(problem.starts[robot]),
-            np.array(problem.goals[robot]),
-            others,
-            budget.most(effort),
-            margins,
-            budget.deadline,
+            self.problem.models[robot], *ends, others, budget.most(effort), margins, budget.deadline
         )
         budget.spend(expansions)
         return path
+
+    def _has_room(self, robot: int, margins: Margins) -> bool:
+        """Whether the robot can turn at its start and at its goal, others aside."""
+        scene = self.lattice.scene(self.problem.models[robot], NOBODY, margins)
+        ends = self.problem.starts[robot], self.problem.goals[robot]
+        return all(has_room(scene, np.array(pose)) for pose in ends)
+
+    def _led(
+        self, robot: int, others: Others, margins: Margins, budget: Budget
+    ) -> TimedPath | None:
+        """A path that leads out of the start and into the goal where there is no room to turn."""
+        problem = self.problem
+        scene = self.lattice.scene(problem.models[robot], others, margins)
+        alone = scene._replace(others=NOBODY)
+        start, goal = np.array(problem.starts[robot]), np.array(problem.goals[robot])
+        out, begin = lead_from(alone, start, 1.0)
+        into, end = lead_from(alone, goal, -1.0)
+        if not len(out) and not len(into):
+            return None
+        # The search's clock starts at a sample of the others' tracks.
+        skip = math.ceil(float(out[:, DURATION].sum()) / TRACK_STEP)
+        wait = np.zeros((1, 6))
+        wait[0, DURATION] = skip * TRACK_STEP - out[:, DURATION].sum()
+        first = np.concatenate([out, wait])
+        later = _later(others, skip)
+        path = self._between(robot, (begin, end), later, margins, budget, EFFORT)
+        if path is None:
+            return None
+        stand = np.zeros((1, 6))
+        stand[0, DURATION] = others.tracks.shape[1] * others.step
+        last = np.concatenate([into, stand])
+        if not lead_free(scene, start, first, 0.0):
+            return None
+        if not lead_free(scene, end, last, skip * TRACK_STEP + path.duration):
+            return None
+        led = replace(path, start=start, moves=np.concatenate([first, path.moves, into]))
+        return self.lattice.shortened(led, others, margins, budget.deadline)
 
 
 @dataclass(frozen=True, eq=False)

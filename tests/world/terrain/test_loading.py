@@ -243,7 +243,8 @@ class TestMissingHeights:
         [
             (-9999.0, 0.4, True),
             (-9999.0, 900.0, True),
-            (-9999.0, 1200.0, False),  # it may well be one of them
+            (-9999.0, 5000.0, True),  # in mm
+            (-9999.0, 10000.0, False),  # it may well be one of them
             (-99.0, 0.4, False),
             (-101.0, 0.4, True),
             (-101.0, 12.0, False),

@@ -14,6 +14,7 @@ from cavalcade.checking.arrival import IDEAL
 from cavalcade.checking.contact import bodies, common_clock, find_contacts
 from cavalcade.checking.heights import Heights, floor_of, read_heights
 from cavalcade.checking.limits import with_own_limits
+from cavalcade.checking.places import check_places
 from cavalcade.checking.plans.body import check_body
 from cavalcade.checking.plans.drives import check_driven
 from cavalcade.checking.plans.footholds import check_footholds
@@ -67,8 +68,9 @@ def judge_plan(
         violations += _alone(scenario, motion, models[motion.robot], heights, bellies)
     gap = np.inf
     if known:
-        contacts, gap = _contacts(build_scene(scenario, heights), models, known, solved)
-        violations += contacts
+        scene = build_scene(scenario, heights)
+        contacts, gap = _contacts(scene, models, known, solved)
+        violations += contacts + check_places(scenario, scene, solved, contacts)
     if solved:
         for motion in known:
             violations += _check_goal(motion, models[motion.robot], scenario.goals[motion.robot])

@@ -177,8 +177,8 @@ def _equal(values: Array, nodata: float) -> NDArray[np.bool_]:
 def likely_nodata(heights: Array) -> float | None:
     """The value that looks as if it stood for missing heights, if one does.
 
-    It is the lowest or the highest of them, far from all others: ten times as far as these are
-    apart, and it is either a usual mark or at least 100 away.
+    It is the lowest or the highest of them, far from all others: a usual mark at least as far as
+    these are apart, any other number ten times as far and at least 100.
     """
     known = heights[np.isfinite(heights)]
     for extreme in (known.min(initial=np.inf), known.max(initial=-np.inf)):
@@ -187,7 +187,8 @@ def likely_nodata(heights: Array) -> float | None:
             continue
         gap = float(np.abs(others - extreme).min())
         usual = any(_equal(extreme, mark) for mark in _USUAL_NODATA)
-        if gap >= max(0.0 if usual else 100.0, 10.0 * float(np.ptp(others))):
+        spread = float(np.ptp(others))
+        if gap >= (spread if usual else max(100.0, 10.0 * spread)):
             return float(extreme)
     return None
 
