@@ -7,9 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import cavalcade as cv
 from cavalcade.eikonal import TravelGrid, surface_distance
 from cavalcade.formation import Formation, FormationPlanner, FormationSettings
 from cavalcade.formation.planning_maps import PlanningMaps
@@ -117,3 +119,13 @@ def test_a_team_drives_through_it_and_not_around(tools):
     assert drive.poses[:, :, 1].max() < 4.0
     length = np.hypot(*np.diff(drive.poses[..., :2], axis=0).transpose(2, 0, 1)).sum(axis=0)
     assert length.max() < 1.2 * 14.0
+
+
+@pytest.mark.parametrize(("said", "value"), [(".inf", math.inf), ("0", 0.0), ("0.35", 0.35)])
+def test_scenarios_may_leave_the_price_without_a_bound(said, value):
+    scenario = cv.load_scenario("cone", overrides=[f"planner.max_detour={said}"])
+    again = cv.parse_scenario(yaml.safe_load(cv.dump_scenario(scenario)))
+    assert again.planner.max_detour == scenario.planner.max_detour == value
+    for wrong in (".nan", "-1", "-.inf"):
+        with pytest.raises(cv.ScenarioError, match="planner.max_detour"):
+            cv.load_scenario("cone", overrides=[f"planner.max_detour={wrong}"])

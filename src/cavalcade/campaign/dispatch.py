@@ -73,6 +73,9 @@ def dispatch(
     again: deque[_Job] = deque()
     under_way: dict[str, _Job] = {}
     if prepare is not None:
+        while not engine.room:
+            engine.collect(_WAIT)
+            tick()
         engine.submit(_PREPARING, *prepare, COMPILING)
         while not engine.collect(_WAIT):
             tick()

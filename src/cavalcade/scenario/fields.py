@@ -109,6 +109,13 @@ class Choice(Section):
 
 
 def _number(value: Any) -> float:
+    number = _number_or_inf(value)
+    if not math.isfinite(number):
+        raise expected("expected a finite number")
+    return number
+
+
+def _number_or_inf(value: Any) -> float:
     if isinstance(value, str) and _SCIENTIFIC.fullmatch(value):
         value = float(value)
     if isinstance(value, bool) or not isinstance(value, int | float):
@@ -116,8 +123,8 @@ def _number(value: Any) -> float:
     try:
         number = float(value)
     except OverflowError:
-        number = math.inf
-    if not math.isfinite(number):
+        raise expected("expected a finite number") from None
+    if math.isnan(number):
         raise expected("expected a finite number")
     return number
 
@@ -151,6 +158,7 @@ def below_file(path: Path, info: ValidationInfo) -> Path:
 Number = Annotated[float, BeforeValidator(_number)]
 Positive = Annotated[Number, Field(gt=0)]
 NotNegative = Annotated[Number, Field(ge=0)]
+NotNegativeOrInf = Annotated[float, BeforeValidator(_number_or_inf), Field(ge=0)]
 Fraction = Annotated[Number, Field(ge=0, le=1)]
 Coordinate = Annotated[Number, Field(ge=-LIMIT, le=LIMIT)]
 Length = Annotated[Number, Field(gt=0, le=LIMIT)]

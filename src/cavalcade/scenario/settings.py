@@ -12,6 +12,7 @@ from cavalcade.scenario.fields import (
     Index,
     Length,
     NotNegative,
+    NotNegativeOrInf,
     Number,
     Point,
     Pose,
@@ -165,7 +166,7 @@ class PlannerSection(Section):
     v_max_y: Speed | None = None
     v_min: NotNegative | None = None
     d_slowdown: Length | None = None
-    max_detour: NotNegative | None = None
+    max_detour: NotNegativeOrInf | None = None
     expect: Expectations = Expectations()
 
 

@@ -85,7 +85,7 @@ class InfeasibleSampler(TeamSampler):
             side, thick = round(float(rng.uniform(1.2, 1.6)), 3), 0.2
             solids = [
                 Box(_ahead((x, y, yaw), side / 2.0, k * math.pi / 2.0), (thick, side + thick),
-                    round(yaw + k * math.pi / 2.0, 6))
+                    round(math.remainder(yaw + k * math.pi / 2.0, 2.0 * math.pi), 6))
                 for k in range(4)
             ]  # fmt: skip
         free = [robot.start for robot in robots] + [r.goal for r in robots if r is not one]
