@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from cavalcade.formation import Formation, FormationPlanner, FormationSettings, SafetyFilter
+from cavalcade.formation import Formation, FormationPlanner, FormationSettings
 from cavalcade.formation._clearance import Footprint
 from cavalcade.formation.cycle import Cycle
 from cavalcade.formation.goals import GoalPlan
 from cavalcade.formation.planning_maps import PlanningMaps
+from cavalcade.formation.safety_filter import filtered
 from cavalcade.formation.team import Team
 from cavalcade.geometry import rotation
 from cavalcade.robots.motion import advance, limits_of
@@ -169,11 +170,10 @@ def tools() -> Tools:
 def seen_velocities(monkeypatch) -> list[np.ndarray]:
     """What planners take the velocities `(N, 3)` for, cycle by cycle, as their filter sees it."""
     seen: list[np.ndarray] = []
-    apply = SafetyFilter.apply
 
-    def watched(self, inputs):
+    def watched(inputs, parameters):
         seen.append(inputs.team.velocities)
-        return apply(self, inputs)
+        return filtered(inputs, parameters)
 
-    monkeypatch.setattr(SafetyFilter, "apply", watched)
+    monkeypatch.setattr("cavalcade.formation.planner.filtered", watched)
     return seen

@@ -198,9 +198,10 @@ def _own_goals(rng: random.Random, world: Data, robots: list[Data], turn: int) -
     method, variant = METHODS[turn % len(METHODS)]
     # In iterations alone: seconds would make results those of a busy machine.
     planner: Data = {"method": method, "variant": variant, "budget": {"iterations": 20_000}}
-    if rng.random() < 0.3:
+    # Keys only where they have an effect.
+    if rng.random() < 0.3 and variant != "published" and method != "joint":
         planner["improve"] = 2_000
-    if rng.random() < 0.3:
+    if rng.random() < 0.3 and method not in ("joint", "sequential"):
         planner["conflict"] = rng.choice(["costly", "earliest", "first"])
     return {
         "world": world,

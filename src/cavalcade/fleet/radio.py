@@ -188,4 +188,6 @@ class RadioFleet:
 def start_poses(poses: ArrayLike, robots: int) -> Array:
     """Start poses as an array `(robots, 3)` of their own, which must be finite."""
     what = f"one finite pose (x, y, yaw) per robot, shape ({robots}, 3)"
+    if not robots:
+        raise InputError(f"expected {what}, and a robot", key="poses")
     return number_array(poses, "poses", (robots, 3), what)

@@ -169,7 +169,9 @@ class MujocoFleet(RadioFleet):
                 self._place_obstacles(self._steps * self._step)
             if self._leapers.due(now):
                 self._hear(self._leapers.steer(now, state[0]), now)
-            simulator.step(control.step(now, *state))
+            # Motion that is no number any more is MuJoCo's to tell of, when it takes its step.
+            sound = np.isfinite(state[1].sum())
+            simulator.step(control.step(now, *state) if sound else np.zeros((len(state[1]), 12)))
             self._steps += 1
             if self._sampler.step():
                 self._judge()
