@@ -1,7 +1,8 @@
 """In these worlds with events a robot fled into a dead end, or against one that stood there.
 
-On the ways of the time, for which the price of room has no bound: on those of today nobody flees
-there.
+On the ways of that time, for which the price of room has no bound. With the bound of today 10066
+has an avoidable contact again, as `docs/results/formations.md` says: a box sets out right beside a
+robot there.
 """
 
 from __future__ import annotations

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -11,7 +9,6 @@ from cavalcade.formation import Formation, FormationPlanner
 from cavalcade.jobs import run
 from cavalcade.world import Box, OccupancyMap
 
-CASES = Path(__file__).resolve().parents[3] / "shared" / "data" / "cases"
 GO1 = (0.65, 0.28)
 
 
@@ -35,9 +32,8 @@ def test_bodies_touched_the_corners_of_coarse_cells(tools, cell, shape):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not CASES.is_dir(), reason="needs data of others")
-def test_eight_robots_on_a_street_map_touched_a_corner():
-    result = run(str(CASES / "coarse-cells-grid8.yaml"), figures=False, replay=False)
+def test_eight_robots_on_a_street_map_touched_a_corner(shared_data):
+    result = run(shared_data("cases/coarse-cells-grid8.yaml"), figures=False, replay=False)
     assert result.success
     assert result.summary.min_footprint_gap_m > 0.005
 

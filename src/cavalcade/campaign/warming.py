@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import warnings
 from collections.abc import Iterable, Sequence
 
@@ -37,7 +38,6 @@ def needs_of_trial(trial: Trial, scenario: Scenario) -> Needs:
 
 def warm_all(wanted: Sequence[Needs], reporter: Reporter | None = None) -> None:
     """Compile or load what all of these need; whatever is wrong shows in the trials."""
-    try:
-        warm(wanted, reporter or Reporter(quiet=True))
-    except Exception:
-        return
+    for needs in wanted:
+        with contextlib.suppress(Exception):
+            warm([needs], reporter or Reporter(quiet=True))
