@@ -9,6 +9,7 @@ from .coordination.result import TeamPlan as TeamPlan
 from .eikonal import TravelGrid as TravelGrid
 from .eikonal import arrival_times as arrival_times
 from .errors import CavalcadeError as CavalcadeError
+from .errors import FleetError as FleetError
 from .errors import InputError as InputError
 from .errors import MapError as MapError
 from .errors import OutputError as OutputError

@@ -66,3 +66,7 @@ class OutputError(CavalcadeError):
 
 class RecordingError(InputError):
     """A recording or a result folder cannot be read."""
+
+
+class FleetError(CavalcadeError):
+    """Robots cannot be reached, or do not do what has to be done before they can be driven."""

@@ -212,5 +212,6 @@ class _Judge:
             self._notes.append(f"watchdog: {text}")
         standing = bool((np.abs(self._fleet.true_velocities()) < _STANDING).all())
         if standing or time - self._stopped >= _LONGEST_STOP:
-            return "stopped", f"watchdog: {text}", tuple(fault.robot for fault in cause)
+            robots = tuple(fault.robot for fault in cause if fault.robot is not None)
+            return "stopped", f"watchdog: {text}", robots
         return None

@@ -1,13 +1,14 @@
 from .ideal import IdealFleet as IdealFleet
 from .protocol import Fall as Fall
 from .protocol import FallingFleet as FallingFleet
+from .protocol import Fault as Fault
 from .protocol import Fleet as Fleet
 from .protocol import LeapingFleet as LeapingFleet
 from .protocol import LeapRequest as LeapRequest
+from .protocol import LiveFleet as LiveFleet
 from .protocol import Observation as Observation
 from .protocol import SampledFleet as SampledFleet
 from .radio import CommandDelay as CommandDelay
 from .radio import LocalisationNoise as LocalisationNoise
-from .watchdog import Fault as Fault
 from .watchdog import Watchdog as Watchdog
 from .watchdog import WatchdogReport as WatchdogReport

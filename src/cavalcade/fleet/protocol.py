@@ -13,6 +13,26 @@ from cavalcade.recording.physics_track import PhysicsTrack
 
 
 @dataclass(frozen=True)
+class Fault:
+    """Something because of which the team must not go on.
+
+    Attributes:
+        robot: The robot that it is about; None for the whole team, such as of a clock.
+        kind: One word for it: `stale` (report too old), `nan` (not finite), `out-of-map`, `jump`,
+            or what a fleet knows of its robots itself.
+        detail: More about it for people, without the robot's name; may be empty.
+    """
+
+    robot: int | None
+    kind: str
+    detail: str = ""
+
+    def __str__(self) -> str:
+        where = "" if self.robot is None else f": robot {self.robot}"
+        return f"{self.kind}{where}" + (f" ({self.detail})" if self.detail else "")
+
+
+@dataclass(frozen=True)
 class Observation:
     """What is known of the team at one moment.
 
@@ -21,11 +41,13 @@ class Observation:
         poses: `(N, 3)` the newest pose report of each robot: x, y in m, yaw in rad, map frame.
             May hold nan for a robot that has reported nonsense; that is what a watchdog is for.
         stamps: `(N,)` when each of these poses was measured, s.
+        faults: What the fleet itself knows to be wrong now, such as a report in a wrong frame.
     """
 
     time: float
     poses: Array
     stamps: Array
+    faults: tuple[Fault, ...] = ()
 
 
 @runtime_checkable
@@ -54,6 +76,25 @@ class Fleet(Protocol):
 
     def true_velocities(self) -> Array:
         """`(N, 3)` true velocities now, map frame: m/s, m/s, rad/s."""
+
+
+@runtime_checkable
+class LiveFleet(Fleet, Protocol):
+    """Robots that move in a time of their own, whether or not anybody plans.
+
+    `advance` waits until the next cycle is due. Any thread may call `observe` and `send`. True
+    poses and velocities are the best that is known.
+    """
+
+    def start(self, timeout: float) -> None:
+        """Connect, and wait until every robot has been heard.
+
+        Raises:
+            FleetError: Somebody was not heard within `timeout` s; it says who and where.
+        """
+
+    def close(self) -> None:
+        """Command all robots to stop and leave; a second call does nothing."""
 
 
 @dataclass(frozen=True)

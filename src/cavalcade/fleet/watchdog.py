@@ -6,24 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from cavalcade.fleet.protocol import Observation
+from cavalcade.fleet.protocol import Fault, Observation
 from cavalcade.world import OccupancyMap
-
-
-@dataclass(frozen=True)
-class Fault:
-    """What is wrong with one robot's reports.
-
-    Attributes:
-        robot: Its index.
-        kind: `stale` (too old), `nan` (not finite), `out-of-map` or `jump`.
-    """
-
-    robot: int
-    kind: str
-
-    def __str__(self) -> str:
-        return f"{self.kind}: robot {self.robot}"
 
 
 @dataclass(frozen=True)
