@@ -116,7 +116,7 @@ class FormationPlanner:
             self._tracker = StateEstimator(self.model, period, self._expected)
             self._late = self._expected.delay
         self._clock = CycleClock(period)
-        self._ages = AgeMonitor(self._expected)
+        self._ages = AgeMonitor(self._expected.max_age)
         self._following = FollowingMonitor(self.model, robots, period, self._expected)
         self._filter = SafetyFilter(self.model, period, self._expected)
         self._obstacles: tuple[DynamicObstacle, ...] = ()
@@ -132,6 +132,31 @@ class FormationPlanner:
     def status(self) -> PlannerStatus:
         """What the last cycle came to."""
         return self._status
+
+    @property
+    def map(self) -> OccupancyMap:
+        """The world as it was told last."""
+        return self._map
+
+    @property
+    def robots(self) -> int:
+        """Number of robots, lost ones too."""
+        return self._team.size
+
+    @property
+    def expected(self) -> Imperfections:
+        """How well the robots are located and reached."""
+        return self._expected
+
+    def limit_age(self, max_age: float) -> None:
+        """Have poses count as stale from this age on, s, in the place of `expected.max_age`.
+
+        A supervisor sets its own limit so, that there is one.
+        """
+        self._expected = replace(self._expected, max_age=max_age)
+        self._ages = AgeMonitor(max_age)
+        if isinstance(self._tracker, StateEstimator):
+            self._tracker.max_age = max_age
 
     def set_goal(self, pose: Sequence[float] | ArrayLike) -> None:
         """Drive the formation's centre to a pose (x, y, yaw), from the next cycle on."""
