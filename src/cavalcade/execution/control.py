@@ -100,6 +100,8 @@ class ControlLoop:
             self.policy.pause()
             self._paused = True
         commands = self.supervisor.admit(wanted, time.perf_counter() - began)
+        if report.ok:
+            tell_sent(self.policy, wanted, commands)
         return Cycle(observation, report, commands, planning, began)
 
     def send(self, commands: Array, cycle: Cycle | None = None) -> Array:
@@ -182,6 +184,12 @@ class ControlLoop:
             np.where(sound, stamps, known[1]),
         )
         return self._known[0].copy(), self._known[1].copy()
+
+
+def tell_sent(policy: Policy, wanted: Array, admitted: Array) -> None:
+    """Let a planner that reckons with its commands know what became of them."""
+    if isinstance(policy, FormationPlanner) and not np.array_equal(wanted, admitted):
+        policy.commanded(admitted)
 
 
 def fitted(supervision: Supervision, policy: Policy, deadline: float | None) -> Supervision:

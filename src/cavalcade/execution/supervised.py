@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cavalcade.errors import InputError
-from cavalcade.execution.control import fitted
+from cavalcade.execution.control import fitted, tell_sent
 from cavalcade.execution.policy import Degradable, Policy
 from cavalcade.execution.supervisor import Supervision, Supervisor, SupervisorReport
 from cavalcade.fleet import Fault, Observation
 from cavalcade.formation import FormationPlanner, Imperfections
+from cavalcade.formation.cycle import named
 from cavalcade.geometry import Array
 from cavalcade.recording.status import PlannerStatus
 from cavalcade.robots import RobotModel, robot_model
@@ -81,6 +82,7 @@ class SupervisedPlanner(Policy):
         )
         self._report = SupervisorReport(False, (), ())
         self._halted = self._paused = False
+        self._unresponsive: set[int] = set()
         swiftest = max(model.max_speed_x for model in robots)
         self._located = _Located(len(robots), period, _FROZEN + expected.delay * swiftest)
         self._size = len(robots)
@@ -109,13 +111,18 @@ class SupervisedPlanner(Policy):
         cause = self._supervisor.cause
         if cause:
             involved = tuple(sorted({f.robot for f in cause if f.robot is not None}))
-            message = f"{self.report.message}: resume when it is over"
+            message = f"stopped: {self.report.message}; resume when it is over"
             return replace(
                 status, state="stopped", arrived=False, involved=involved, message=message
             )
         lost = self._supervisor.lost
         arrived = status.arrived and not self._located.doubted(lost)
-        return replace(status, state="paused" if self._paused else status.state, arrived=arrived)
+        message, involved = status.message, status.involved
+        if self._unresponsive and not message:
+            involved = tuple(sorted(self._unresponsive))
+            message = f"{named(involved)}: no motion as commanded; the others go on"
+        state = "paused" if self._paused else status.state
+        return replace(status, state=state, arrived=arrived, message=message, involved=involved)
 
     def step(self, poses: ArrayLike, time: float, stamps: ArrayLike | None = None) -> Array:
         """One cycle.
@@ -150,6 +157,7 @@ class SupervisedPlanner(Policy):
         if isinstance(self._policy, Degradable):
             for robot in self._report.unresponsive:
                 self._policy.lose(robot)
+                self._unresponsive.add(robot)
         wanted = np.zeros((self._size, 3))
         if not self._report.ok:
             self._halt()
@@ -157,6 +165,8 @@ class SupervisedPlanner(Policy):
             self._go_on()
             wanted = self._wanted(seen, now, measured, stamps is not None)
         commands = supervisor.admit(wanted, clock.perf_counter() - began)
+        if self._report.ok:
+            tell_sent(self._policy, wanted, commands)
         self._located.commanded(commands)
         return commands
 
@@ -191,6 +201,7 @@ class SupervisedPlanner(Policy):
     def rejoin(self, robot: int) -> None:
         """Take a lost robot back."""
         self._supervisor.rejoin(robot)
+        self._unresponsive.discard(robot)
         if isinstance(self._policy, Degradable):
             self._policy.rejoin(robot)
 

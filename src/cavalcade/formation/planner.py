@@ -279,10 +279,17 @@ class FormationPlanner:
             if not self._paused:
                 wanted = self._mode.step(self._routes(local), local, velocities, now, boxes)
             commands = self._commands(local, velocities, wanted, boxes)
-        self._tracker.commanded(commands)
-        self._following.commanded(commands.copy())
+        self.commanded(commands)
         self._status = self._make_status(poses)
         return commands
+
+    def commanded(self, commands: Array) -> None:
+        """Say what `(N, 3)` was really sent after the last `step`, where it is something else.
+
+        As under a supervisor with a cap of its own, so that slow robots are expected to be slow.
+        """
+        self._tracker.commanded(commands)
+        self._following.commanded(commands.copy())
 
     def _maps_of(self, map: OccupancyMap) -> PlanningMaps:
         half = self.model.width / 2.0

@@ -124,8 +124,11 @@ class FollowingMonitor:
         self._judge(wanted, seen, now)
 
     def commanded(self, commands: Array) -> None:
-        """Body-frame commands `(N, 3)` that are sent now."""
-        self._coming.append((self._now + self._delay, commands))
+        """Body-frame commands `(N, 3)` that are sent now; said again, they replace the former."""
+        due = self._now + self._delay
+        if self._coming and self._coming[-1][0] == due:
+            self._coming.pop()
+        self._coming.append((due, commands))
 
     def forget(self) -> None:
         """Poses and commands before now say nothing of those that come."""
