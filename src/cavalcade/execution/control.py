@@ -27,14 +27,12 @@ class Cycle:
         report: What the supervisor made of it.
         commands: `(N, 3)` body-frame velocities to send, as the supervisor admits them.
         planning: Time spent in the policy, s of wall time.
-        began: When the cycle began, s of the process's performance counter.
     """
 
     observation: Observation
     report: SupervisorReport
     commands: Array
     planning: float
-    began: float = 0.0
 
 
 class ControlLoop:
@@ -75,7 +73,6 @@ class ControlLoop:
 
     def plan(self) -> Cycle:
         """Observe and decide; nothing is sent yet."""
-        began = time.perf_counter()
         observation = self.fleet.observe()
         if self._guard is not None:
             self._guard.begin(observation.time)
@@ -99,10 +96,11 @@ class ControlLoop:
         elif not self._paused:
             self.policy.pause()
             self._paused = True
-        commands = self.supervisor.admit(wanted, time.perf_counter() - began)
+        took = self.fleet.time - observation.time  # nothing in simulated time
+        commands = self.supervisor.admit(wanted, took)
         if report.ok:
             tell_sent(self.policy, wanted, commands)
-        return Cycle(observation, report, commands, planning, began)
+        return Cycle(observation, report, commands, planning)
 
     def send(self, commands: Array, cycle: Cycle | None = None) -> Array:
         """Command the fleet; nothing but zeros leaves if something happened since `plan`.
@@ -120,10 +118,10 @@ class ControlLoop:
             return sent
         sent = self._guard.send(commands)
         if cycle is not None:
-            stamps = np.delete(cycle.observation.stamps, self.supervisor.lost)
-            age = self.fleet.time - float(stamps.min()) if len(stamps) else np.nan
-            took = time.perf_counter() - cycle.began
-            self.statistics.add(cycle.observation.time, took, age)
+            seen, now = cycle.observation, self.fleet.time
+            stamps = np.delete(seen.stamps, self.supervisor.lost)
+            age = now - float(stamps.min()) if len(stamps) else np.nan
+            self.statistics.add(seen.time, now - seen.time, age)
         return sent
 
     def stop(self, detail: str = "") -> None:

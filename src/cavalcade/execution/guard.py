@@ -18,7 +18,7 @@ _LOG = logging.getLogger(__name__)
 class CommandGuard:
     """A thread beside the planner's through which commands leave; it sends zeros when they don't.
 
-    A cycle that has delivered no command two periods after it began, or was to begin, stops the
+    A cycle that has delivered no command two deadlines after it began, or was to begin, stops the
     team (`deadline`), and zeros leave again and again until commands come; those are zero, too,
     until an operator resumes. The same for a clock that goes back or stands still for longer than
     the age limit, and for a planner's thread that ends without a word.
@@ -47,15 +47,15 @@ class CommandGuard:
     def begin(self, now: float) -> None:
         """A cycle begins at `now` s of the fleet's clock, in the thread that calls."""
         self._planner = current_thread()
-        self._due = now + 2.0 * self._period
+        self._due = now + 2.0 * (self._supervisor.supervision.deadline or self._period)
 
     def send(self, commands: Array) -> Array:
         """Send admitted commands `(N, 3)` as far as nothing has happened since; what was sent."""
         with self._lock:
             sent = self._supervisor.gate(commands)
             self._fleet.send(sent)
-            if self._due is not None:
-                # The next one begins a period after this one did, and has two.
+            if self._due is not None:  # not before the first cycle
+                # The next one begins a period after this one did, and has as long.
                 self._due += self._period
         return sent
 
@@ -91,7 +91,7 @@ class CommandGuard:
                 last, since = now, wall
             due = self._due
             if due is not None and now > due:
-                self._supervisor.stop("deadline", "no commands for two periods")
+                self._supervisor.stop("deadline", "no commands came in time")
             if still or (due is not None and now > due):
                 self._send_zeros()
 

@@ -407,13 +407,15 @@ class Supervisor:
 
     def _capped(self, wanted: Array) -> Array:
         """The commands, those beyond a cap scaled down to it."""
-        for cap, size in (
-            (self.supervision.max_speed, np.hypot(wanted[:, 0], wanted[:, 1])),
-            (self.supervision.max_yaw_rate, np.abs(wanted[:, 2])),
-        ):
-            if cap is not None and (size > cap).any():
-                wanted = wanted * np.minimum(cap / np.maximum(size, cap), 1.0)[:, None]
-        return wanted
+        allowed = self.supervision
+        share = np.ones(len(wanted))
+        if allowed.max_speed is not None:
+            speed = np.hypot(wanted[:, 0], wanted[:, 1])
+            share = allowed.max_speed / np.maximum(speed, allowed.max_speed)
+        if allowed.max_yaw_rate is not None:
+            turn = np.maximum(np.abs(wanted[:, 2]), allowed.max_yaw_rate)
+            share = np.minimum(share, allowed.max_yaw_rate / turn)
+        return wanted * share[:, None]
 
 
 def _on_map(report: _Report, area: OccupancyMap) -> bool:
