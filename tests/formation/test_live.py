@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import threading
 from concurrent.futures import wait
 
@@ -260,6 +261,18 @@ class TestUntilItIsPrepared:
             planner.step(poses, 0.05)
         planner._prepared = prepared
         assert tools.drive(planner, poses, 60.0, hooked({})).status[-1].arrived
+
+
+def test_its_thread_ends_with_the_planner(tools):
+    planner = live()
+    planner.set_goal(GOAL)
+    planner.step(tools.placed(SQUARE, START), 0.0)
+    settled(planner)
+    (thread,) = planner._preparation._thread._threads
+    del planner
+    gc.collect()
+    thread.join(60.0)
+    assert not thread.is_alive()
 
 
 class TestMaps:
