@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cavalcade.cli import campaigns, options
+from cavalcade.cli import campaigns, options, ros2
 from cavalcade.errors import CavalcadeError, OutputError
 
 if TYPE_CHECKING:
@@ -158,6 +158,7 @@ def schema() -> None:
 
 app.command()(campaigns.campaign)
 app.command()(campaigns.trial)
+app.add_typer(ros2.app)
 
 
 @app.command("import")
