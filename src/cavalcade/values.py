@@ -218,3 +218,19 @@ def described(value: object) -> str:
 
 def _with_article(name: str) -> str:
     return f"{'an' if name[:1].lower() in 'aeiou' else 'a'} {name}"
+
+
+def did_you_mean(word: str, choices: Iterable[str]) -> str:
+    """`; did you mean x?` where one of the choices resembles the word, else nothing."""
+    import difflib
+
+    near = difflib.get_close_matches(word[:80], list(choices), n=1, cutoff=0.6)
+    return f"; did you mean {near[0]}?" if near else ""
+
+
+def is_missing(others: Iterable[str] = ()) -> str:
+    """`is missing`, with the names of what is missing besides."""
+    named = list(others)
+    if not named:
+        return "is missing"
+    return f"is missing, and so {'is' if len(named) == 1 else 'are'} {', '.join(named)}"

@@ -73,7 +73,7 @@ BAD = [
     ("max_speed_x", True, "expected a number"),
     ("max_speed_y", -1.0, "expected 0 to 100"),
     ("max_speed_y", 0.0, "moves sideways"),
-    ("max_acceleration", 0.5, "max_speed_x * max_yaw_rate, 0.6"),
+    ("max_acceleration", 0.5, "max_speed_x * max_yaw_rate, 0.6, which turning at full speed"),
     ("drive", "hover", "unknown drive (one of: legged, unicycle"),
     ("round", True, "the same length and width"),
 ]
@@ -108,9 +108,12 @@ def test_a_file_says_all_or_what_it_is_like(tmp_path):
     [
         ("", "expected a mapping of keys such as name"),
         ("a: [", "not valid YAML"),
-        ("{length: 1}", "width: is missing; expected it, or a model that it is like"),
+        ("{length: 1}", "width: is missing, and so are height, max_speed_x, "),
+        ("{length: 1}", "; or say what it is like, as `like: go1`"),
+        ("{like: go1, max_sped_x: 1}", "max_sped_x: unknown key; did you mean max_speed_x? (one"),
+        ("{like: go1, 7: 1}", "7: unknown key (one of: like"),
         ("{like: go1, colour: red}", "colour: unknown key (one of: like, name, length"),
-        ("{like: go9}", "like: unknown robot model (one of: go1"),
+        ("{like: go9}", "like: unknown robot model 'go9' (one of: go1"),
         ("{like: [go1]}", "like: unknown robot model"),
         ("{like: go1, round: 1.5}", "round: expected yes or no"),
         ("{like: go1, source: [a]}", "source: expected text"),
@@ -188,3 +191,8 @@ def test_a_run_of_it_passes_the_check(scenario_file, tmp_path):
     result = cv.run(cv.load_scenario(scenario_file), out=tmp_path / "run")
     assert result.summary["success"]
     assert cv.check(tmp_path / "run").ok
+
+
+def test_a_file_given_for_a_name_is_told_how_files_are_read(tmp_path):
+    with pytest.raises(cv.InputError, match=r"'mine\.yaml'; cavalcade\.robots\.load_model reads"):
+        robot_model("mine.yaml")

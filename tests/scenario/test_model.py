@@ -150,7 +150,7 @@ _TWO = {**_CIRCLE, "box": {"center": [1, 1], "size": [1, 1]}}
         ("name", "a\nb", "name: expected one line of text"),
         ("wrold", {}, "wrold: unknown key; did you mean world?"),
         ("world", ..., "world: missing; expected a mapping with map, terrain"),
-        ("world", 3, "world: expected a mapping, got 3"),
+        ("world", 3, "world: expected a mapping with map, terrain"),
         ("world.map", "lab.yaml", "world: expected exactly one source (one of: map,"),
         ("world.terrain", "hills.yaml", "world: expected exactly one source (one of: map, terrain"),
         ("world.empty.size", [8], "world.empty.size: expected [width, height]: 2 numbers"),

@@ -379,7 +379,10 @@ anything = st.recursive(
 )
 
 
-@settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=80, deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
+)  # fmt: skip
 @given(st.dictionaries(st.sampled_from([*KEYS, "mode", "unknown"]), anything))
 def test_no_description_leads_to_another_error(tmp_path, changes):
     import yaml
@@ -433,3 +436,24 @@ def test_real_maps(shared_data, tmp_path, name, shape, warned):
     for image in ("pgm", "png"):
         save_map(occupancy, tmp_path / "m.yaml", image)
         assert load_map(tmp_path / "m.yaml") == occupancy
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("{image: m.pgm, origin: [0, 0, 0], negate: 0, occupied_thresh: 0.6, free_thresh: 0.2}",
+         "resolution: is missing"),
+        ("{image: m.pgm, resolution: 0.05, origin: [0, 0, 0]}",
+         "negate: is missing, and so are occupied_thresh, free_thresh; usual is negate: 0, "
+         "occupied_thresh: 0.65, free_thresh: 0.196"),
+        ("{image: m.pgm, negate: 0, origin: [0, 0, 0], occupied_thresh: 0.6}",
+         "resolution: is missing, and so is free_thresh; usual is free_thresh: 0.196"),
+        ("{image: m.pgm, mode: raw, resolution: 0.05}",
+         "origin: is missing, and so is negate; usual is negate: 0"),
+    ],
+)  # fmt: skip
+def test_all_that_a_description_lacks_is_named_at_once(tmp_path, text, message):
+    (tmp_path / "m.yaml").write_text(text)
+    with pytest.raises(MapError) as caught:
+        load_map(tmp_path / "m.yaml")
+    assert str(caught.value) == f"{tmp_path / 'm.yaml'}: {message}"

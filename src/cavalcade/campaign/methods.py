@@ -10,8 +10,9 @@ from collections.abc import Iterable
 from typing import Any, get_args
 
 from cavalcade.errors import ScenarioError
-from cavalcade.scenario.messages import did_you_mean, short
+from cavalcade.scenario.messages import short
 from cavalcade.scenario.settings import TEAM_VARIANTS, Variant
+from cavalcade.values import did_you_mean
 
 PUBLISHED = "published"
 _SUFFIX = f"-{PUBLISHED}"

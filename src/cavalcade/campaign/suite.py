@@ -13,10 +13,11 @@ from cavalcade.campaign.methods import VARIANTS, check_variant
 from cavalcade.campaign.samplers import SAMPLERS, DataFolder, Sampler
 from cavalcade.errors import InputError, ScenarioError
 from cavalcade.scenario.fields import Positive, Section, Seed, expected
-from cavalcade.scenario.messages import did_you_mean, scenario_error, short
+from cavalcade.scenario.messages import scenario_error, short
 from cavalcade.scenario.settings import Delay, Noise, PhysicsSection
 from cavalcade.scenario.shipped import read_text
 from cavalcade.scenario.spellings import current_value
+from cavalcade.values import did_you_mean
 from cavalcade.yaml_text import parse_yaml
 
 SUITES = Path(__file__).parent / "suites"

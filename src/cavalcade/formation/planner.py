@@ -63,7 +63,8 @@ class FormationPlanner:
         formation: The shape; it has one slot per robot.
         robots: Number of robots.
         model: Their model or its name.
-        settings: The paper's parameters, or the name of a preset; None for the variant's own.
+        settings: The parameters, or the name of a preset; None for the variant's own, from which
+            `default_settings(variant).with_values(...)` sets some.
         variant: One of `cavalcade.formation.VARIANTS`.
         rate: Cycles per second, 0.1 to 1000.
         seed: Of the choices that break a repeated deadlock.

@@ -12,7 +12,7 @@ from cavalcade.errors import InputError
 from cavalcade.robots.description import QuadrupedDescription
 from cavalcade.robots.model import Drive, LegModel, RobotModel, check_model
 from cavalcade.robots.unitree import GO1_BODY, GO2_BODY
-from cavalcade.values import described, instance_of
+from cavalcade.values import described, did_you_mean, instance_of, is_missing
 
 _PAPER = "Norén et al., Role-Adaptive Collaborative Formation Planning"
 _TRACKING_ERROR = 0.03
@@ -209,7 +209,9 @@ def robot_model(model: str | RobotModel) -> RobotModel:
     try:
         return MODELS[model]
     except KeyError:
-        raise InputError(f"unknown robot model {described(model)}", choices=MODELS) from None
+        hint = "; cavalcade.robots.load_model reads a file" if is_model_file(model) else ""
+        text = f"unknown robot model {described(model)}{hint}"
+        raise InputError(text, choices=MODELS) from None
 
 
 _MAX_BYTES = 100_000
@@ -252,7 +254,8 @@ def load_model(path: str | Path) -> RobotModel:
 def _model(said: dict[str, Any], path: Path) -> RobotModel:
     for key in said:
         if key not in KEYS:
-            raise InputError("unknown key", key=key[:40], choices=KEYS)
+            text = "unknown key" + did_you_mean(str(key), KEYS)
+            raise InputError(text, key=str(key)[:40], choices=KEYS)
     numbers = {key: float(value) for key, value in said.items() if type(value) is int}
     given = {"name": path.stem, "source": path.name, **said, **numbers}
     like = given.pop("like", None)
@@ -260,16 +263,17 @@ def _model(said: dict[str, Any], path: Path) -> RobotModel:
         if key in given and not isinstance(given[key], kind):
             raise InputError("expected text" if kind is str else "expected yes or no", key=key)
     if like is None:
-        for field in _FIELDS:
-            if field.default is MISSING and field.name not in given:
-                raise InputError(
-                    "is missing; expected it, or a model that it is like", key=field.name
-                )
+        needed = [field.name for field in _FIELDS if field.default is MISSING]
+        missing = [key for key in needed if key not in given]
+        if missing:
+            text = f"{is_missing(missing[1:])}; or say what it is like, as `like: go1`"
+            raise InputError(text, key=missing[0])
         model = RobotModel(**given)
     elif isinstance(like, str) and like in MODELS:
         model = replace(robot_model(like), **given)
     else:
-        raise InputError("unknown robot model", key="like", choices=MODELS)
+        text = f"unknown robot model {described(like)}"
+        raise InputError(text, key="like", choices=MODELS)
     check_model(model)
     if model.name in MODELS.shipped:
         raise InputError(f"there is another robot model {model.name!r}", key="name")

@@ -166,11 +166,12 @@ def check_model(model: RobotModel) -> None:
         raise InputError("expected the same length and width of a round robot", key="round")
     if model.drive in ("legged", "integrator", "integrator-2") and model.max_speed_y == 0.0:
         raise InputError(f"a robot with drive {model.drive} moves sideways, too", key="max_speed_y")
-    # Otherwise turning at full speed alone would break the acceleration limit.
     turning = model.max_speed_x * model.max_yaw_rate
     if turning > model.max_acceleration:
         raise InputError(
-            f"expected at least max_speed_x * max_yaw_rate, {turning:g}", key="max_acceleration"
+            f"expected at least max_speed_x * max_yaw_rate, {turning:g}, which turning at full "
+            f"speed takes; got {model.max_acceleration:g}",
+            key="max_acceleration",
         )
 
 

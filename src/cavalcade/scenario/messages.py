@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any, get_args
 from pydantic import BaseModel, ValidationError
 
 from cavalcade.errors import ScenarioError
+from cavalcade.values import did_you_mean
 
 _EXPECTED = {
     "model_type": "expected a mapping",
@@ -59,6 +59,9 @@ def scenario_error(
         message = f"expected at most {context['max_length']}"
     else:
         message = _EXPECTED.get(kind, first["msg"].replace("Input should be", "expected"))
+        section = _section_at(model, place)
+        if section is not None and kind.startswith("model_"):
+            message += f" with {', '.join(section.model_fields)}"
         message += _got(value, message)
     return ScenarioError(message, file=file, key=dotted(place), choices=choices)
 
@@ -69,12 +72,6 @@ def dotted(place: Iterable[str | int]) -> str:
     for part in place:
         text += f"[{part}]" if isinstance(part, int) else f".{_clean(part)}"
     return text.removeprefix(".")
-
-
-def did_you_mean(word: str, choices: Iterable[str]) -> str:
-    """`, did you mean x?` where one of the choices resembles the word, else nothing."""
-    near = difflib.get_close_matches(word[:80], list(choices), n=1, cutoff=0.6)
-    return f"; did you mean {near[0]}?" if near else ""
 
 
 def short(value: Any) -> str:

@@ -54,7 +54,7 @@ def find_scenario(name_or_path: str | Path) -> Path:
         raise ScenarioError(f"no file can be named {ascii(name)[:60]}", choices=names) from None
     if folder:
         raise ScenarioError("a folder without scenario.yaml; expected a scenario file", file=name)
-    from cavalcade.scenario.messages import did_you_mean
+    from cavalcade.values import did_you_mean
 
     text = "no such file or shipped scenario" + did_you_mean(name, names)
     raise ScenarioError(text, file=name, choices=names)

@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from cavalcade.errors import MapError
 from cavalcade.files import write_file
 from cavalcade.geometry import beyond_a_turn
-from cavalcade.values import instance_of, path_of
+from cavalcade.values import instance_of, is_missing, path_of
 from cavalcade.world._descriptions import choice, load_mapping, number, numbers, required
 from cavalcade.world._images import encode_pgm, encode_png, read_grey
 from cavalcade.world.occupancy import (
@@ -180,6 +180,7 @@ def _read_description(path: Path) -> _Description:
     document = load_mapping(path)
     try:
         mode = choice(document, "mode", MODES, "trinary")
+        _check_complete(document, mode)
         return _Description(
             image=_image(document, "image"),
             resolution=checked_resolution(number(document, "resolution")),
@@ -192,6 +193,23 @@ def _read_description(path: Path) -> _Description:
     except MapError as error:
         # The parts know the key; the file is known here.
         raise error.at(file=path, key=error.key) from None
+
+
+def _check_complete(document: dict[str, Any], mode: Mode) -> None:
+    """Name all that is missing at once, with the values that are usual."""
+    usual = {"negate": "0"}
+    if mode != "raw":
+        free, occupied = _THRESHOLDS["trinary"]
+        usual |= {"occupied_thresh": f"{occupied:g}", "free_thresh": f"{free:g}"}
+    keys = ("image", "resolution", "origin", *usual)
+    missing = [key for key in keys if document.get(key) is None]
+    if not missing:
+        return
+    text = is_missing(missing[1:])
+    said = ", ".join(f"{key}: {value}" for key, value in usual.items() if key in missing)
+    if said:
+        text += f"; usual is {said}"
+    raise MapError(text, key=missing[0])
 
 
 def _image(document: dict[str, Any], key: str) -> str:

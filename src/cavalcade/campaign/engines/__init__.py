@@ -36,7 +36,7 @@ def make_engine(name: str, workers: int | None) -> Engine:
         from cavalcade.campaign.engines.ray import RayEngine
 
         return RayEngine(workers)
-    from cavalcade.scenario.messages import did_you_mean
+    from cavalcade.values import did_you_mean
 
     text = f"unknown engine {ascii(name)[:40]}{did_you_mean(name, ENGINES)}"
     raise InputError(text, key="--engine", choices=ENGINES)

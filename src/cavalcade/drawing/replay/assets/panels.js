@@ -40,7 +40,7 @@ function alarmAt(robot, time) {
 // The columns of the team's table: head, alignment, text at a time, whether it is of use.
 const { series } = run || {}, wanted = scene.commands && { time: sums(scene.commands.time, 1000), speed: scene.commands.speed.map((list) => sums(list, 100)) };
 const clearAt = (k, time) => series.obstacle[k][reached(series.time, time)];
-const slotAt = (k, time) => (lost(k, time) ? "lost" : phaseAt(time).roles[k] < 0 ? "–" : `${phaseAt(time).roles[k] + 1}${leads(k, time) ? " ★" : ""}`);
+const slotAt = (k, time) => (lost(k, time) ? "lost" : phaseAt(time).roles[k] < 0 ? "–" : `${phaseAt(time).roles[k]}${leads(k, time) ? " ★" : ""}`);
 const COLUMNS = [
   ["robot", "", (k) => String(k), true],
   ["slot", "", slotAt, formation],
