@@ -52,8 +52,8 @@ class Ros2Fleet:
     node publishes on the robot's velocity topic) and `ros2` (an error in a callback). Robots are
     commanded as often as `send` is called, and told to stop by `close` and at the process's exit.
 
-    True poses are the last reported ones, true velocities those that odometry reports, or else
-    the trend of the poses in the last second.
+    True poses are the last reported ones, true velocities the trend of those of the last second:
+    what walking robots and noisy reports say of a moment is not how fast they get on.
 
     Args:
         robots: Who they are and where they are found.
@@ -191,7 +191,7 @@ class Ros2Fleet:
             return np.array([track.sound_pose for track in self._tracks])
 
     def true_velocities(self) -> Array:
-        """`(N, 3)` velocities as reported or from the last poses, map frame: m/s, m/s, rad/s."""
+        """`(N, 3)` the trend of the last poses, map frame: m/s, m/s, rad/s."""
         with self._lock:
             return np.array([track.velocity() for track in self._tracks])
 

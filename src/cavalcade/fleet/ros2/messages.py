@@ -116,7 +116,7 @@ def fill_pose(pose: Any, planar: Array | Pose, height: float = 0.0) -> None:
     fill_quaternion(pose.orientation, quaternion_of_yaw(yaw))
 
 
-def fill_quaternion(turn: Any, quaternion: Quaternion) -> None:
+def fill_quaternion(turn: Any, quaternion: Array | Quaternion) -> None:
     """Set a `geometry_msgs/Quaternion`."""
     turn.x, turn.y, turn.z, turn.w = (float(value) for value in quaternion)
 

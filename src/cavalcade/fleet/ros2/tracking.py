@@ -33,7 +33,6 @@ class PoseTrack:
         self._heard = False
         self._frame: str | None = None
         self._ahead = 0.0
-        self._velocity: Pose | None = None
         self._past: deque[tuple[float, float, float, float]] = deque()
 
     def hear(self, report: PoseReport, now: float) -> None:
@@ -48,7 +47,6 @@ class PoseTrack:
             self._past.clear()
         self.pose, self.stamp, self._heard = report.pose, report.stamp, True
         self._ahead = report.stamp - now
-        self._velocity = report.velocity
         if all(map(math.isfinite, report.pose)):
             self._keep(report)
 
@@ -79,12 +77,7 @@ class PoseTrack:
         return self._past[-1][1:] if self._past else (0.0, 0.0, 0.0)
 
     def velocity(self) -> Pose:
-        """In the map frame: m/s, m/s, rad/s; zeros where nothing is known."""
-        reported = self._velocity
-        if reported is not None and all(map(math.isfinite, reported)):
-            vx, vy, rate = reported
-            c, s = math.cos(self.sound_pose[2]), math.sin(self.sound_pose[2])
-            return c * vx - s * vy, s * vx + c * vy, rate
+        """The trend of its poses, map frame: m/s, m/s, rad/s; zeros where there is none."""
         if len(self._past) < _FEW:
             return 0.0, 0.0, 0.0
         rows: Array = np.array(self._past)
