@@ -16,6 +16,7 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
     os.environ[_name] = "1"
 
 import argparse
+import gc
 import sys
 import threading
 import time
@@ -94,6 +95,8 @@ def drive(seconds: float, live: bool, seed: int) -> tuple[NDArray[np.float64], l
     shape = cv.Formation.column(ROBOTS, 0.9)
     planner = cv.FormationPlanner(office(), shape, rate=1.0 / PERIOD, seed=seed, live=live)
     cv.warm_up(planner)
+    gc.collect()
+    gc.freeze()
     poses = np.column_stack([shape.placed((6.0, 1.5, 0.0)), np.zeros(ROBOTS)])
     fleet = IdealFleet([cv.robot_model("go1")] * ROBOTS, poses)
     planner.set_goal((55.0, 16.5, 0.0))

@@ -6,11 +6,12 @@ import json
 import textwrap
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import pytest
 
 from cavalcade.campaign.definition import Definition, define_campaign
+from cavalcade.campaign.engines.protocol import Ended, Work
 from cavalcade.campaign.trial import without_times
 
 SCENARIO = """\
@@ -38,6 +39,35 @@ disturbances:
 worlds:
   - {name: short, sampler: shipped, scenario: SCENARIO, seeds: 3}
 """
+
+
+class InThisProcess:
+    """An engine without processes: what trials give by themselves, for what needs no worker."""
+
+    def __init__(self) -> None:
+        self._ended: list[Ended] = []
+
+    @property
+    def room(self) -> int:
+        return 1 - len(self._ended)
+
+    def submit(self, key: str, work: Work, arguments: tuple[Any, ...], limit: float) -> None:
+        self._ended.append(Ended(key, "done", work(*arguments)))
+
+    def collect(self, timeout: float) -> list[Ended]:
+        ended, self._ended = self._ended, []
+        return ended
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        pass
+
+
+@pytest.fixture
+def in_this_process() -> InThisProcess:
+    return InThisProcess()
 
 
 @pytest.fixture
@@ -83,7 +113,6 @@ import time
 from multiprocessing.connection import Connection
 from pathlib import Path
 
-from cavalcade.campaign.trial_runner import run_trial
 from cavalcade.campaign.trial import failure_line
 
 FOLDER = Path(FOLDER_NAME)
@@ -111,6 +140,8 @@ def dies_once(trial):
     """The third trial kills its worker, but only the first time."""
     if trial.seed == 1 and trial.variant == "cavalcade" and _first_time("died-" + trial.id):
         os.kill(os.getpid(), signal.SIGKILL)
+    from cavalcade.campaign.trial_runner import run_trial  # takes long to import
+
     return run_trial(trial)
 
 

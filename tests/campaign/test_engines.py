@@ -15,6 +15,7 @@ from cavalcade.campaign.definition import Definition
 from cavalcade.campaign.dispatch import dispatch
 from cavalcade.campaign.engines import ENGINES, local, make_engine
 from cavalcade.campaign.engines.local import LocalEngine, WorkersError
+from cavalcade.campaign.engines.protocol import Engine
 from cavalcade.campaign.runner import run_campaign
 from cavalcade.errors import InputError
 
@@ -22,16 +23,14 @@ Table = Callable[[Path], list[dict[str, Any]]]
 
 
 @pytest.mark.usefixtures("no_report")
-def test_any_number_of_workers_and_any_deaths_give_the_same_table(
-    tiny_plan: Definition, table: Table, tmp_path: Path, planted: Any
+def test_any_workers_and_any_deaths_give_the_same_table(
+    tiny_plan: Definition, table: Table, tmp_path: Path, planted: Any, in_this_process: Engine
 ) -> None:
-    one, two, dying = (tmp_path / name for name in ("one", "two", "dying"))
-    run_campaign(tiny_plan, one, LocalEngine(1))
-    expected = table(one)
+    none, dying = (tmp_path / name for name in ("none", "dying"))
+    run_campaign(tiny_plan, none, in_this_process)
+    expected = table(none)
     assert [line["outcome"] for line in expected] == ["arrived"] * 12
     assert all(line["success"] and line["feasible"] for line in expected)
-    run_campaign(tiny_plan, two, LocalEngine(2))
-    assert table(two) == expected
     # A worker that is killed by `kill -9` in a trial costs one retry.
     run_campaign(tiny_plan, dying, LocalEngine(2), work=planted.dies_once)
     assert len(list(planted.FOLDER.glob("died-*"))) == 2
@@ -118,7 +117,7 @@ def test_workers_that_never_start_end_the_campaign_and_no_trial(
 ) -> None:
     monkeypatch.setattr(local, "start_worker", planted.die_at_once)
     with pytest.raises(WorkersError, match="the worker processes end before they take a trial"):
-        run_campaign(tiny_plan, tmp_path / "a", LocalEngine(2), work=planted.fake)
+        run_campaign(tiny_plan, tmp_path / "a", LocalEngine(1), work=planted.fake)
     assert (tmp_path / "a" / "trials.jsonl").read_text() == ""
 
 

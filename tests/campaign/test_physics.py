@@ -13,7 +13,9 @@ import pytest
 
 from cavalcade.campaign import judging
 from cavalcade.campaign.definition import Definition, define_campaign
+from cavalcade.campaign.dispatch import dispatch
 from cavalcade.campaign.engines.local import LocalEngine
+from cavalcade.campaign.engines.protocol import Engine
 from cavalcade.campaign.runner import run_campaign
 from cavalcade.campaign.samplers import DataFolder
 from cavalcade.campaign.trial import without_times
@@ -42,25 +44,27 @@ def definition(tmp_path: Path) -> Definition:
     return define_campaign(file)
 
 
-def test_the_same_lines_with_any_number_of_workers(
-    definition: Definition, tmp_path: Path, table: Callable[[Path], list[dict[str, Any]]]
+def test_the_same_lines_with_workers_and_without(
+    definition: Definition,
+    tmp_path: Path,
+    table: Callable[[Path], list[dict[str, Any]]],
+    in_this_process: Engine,
 ) -> None:
-    results = [
-        run_campaign(definition, tmp_path / str(workers), LocalEngine(workers))
-        for workers in (1, 2)
-    ]
-    one, two = (table(tmp_path / str(workers)) for workers in (1, 2))
-    assert one == two
+    result = run_campaign(definition, tmp_path / "a", in_this_process)
+    with LocalEngine(2) as engine:
+        by_workers = [without_times(line) for line in dispatch(engine, definition.trials, 60.0)]
+    one = table(tmp_path / "a")
+    assert one == sorted(by_workers, key=lambda line: line["trial"])
     assert [(line["trial"], line["outcome"], line["violations"]) for line in one] == [
         (trial.id, "done", []) for trial in sorted(definition.trials, key=lambda trial: trial.id)
     ]
-    assert results[0].summary["success"] == 4
+    assert result.summary["success"] == 4
     steady = next(line for line in one if line["scenario"] == "steady")["summary"]
     assert steady["falls"] == 0
     assert steady["commanded"]["speed_error"] < 0.03
     assert 0.005 < steady["commanded"]["rms_m_s"] < 0.04
     assert steady["path_length_m"][0] == pytest.approx(0.4 * 4.5, abs=0.15)
-    text = (tmp_path / "1" / "report.md").read_text(encoding="utf-8")
+    text = (tmp_path / "a" / "report.md").read_text(encoding="utf-8")
     assert "## Following commands" in text
     assert "## Legs and bodies" in text
     assert "2 of 2 tasks done" in text

@@ -13,6 +13,7 @@ import pytest
 
 from cavalcade.campaign.definition import define_campaign
 from cavalcade.campaign.engines.local import LocalEngine
+from cavalcade.campaign.engines.protocol import Engine
 from cavalcade.campaign.judging import judged_plan, measured_plan
 from cavalcade.campaign.repeat import repeat_trial
 from cavalcade.campaign.runner import run_campaign
@@ -195,14 +196,15 @@ def test_what_has_to_be_warm() -> None:
     assert {(needs.kind, needs.backend) for needs in driven} == {("formation", "ideal")}
 
 
+@pytest.mark.usefixtures("no_report")
 def test_a_campaign_and_one_of_its_trials_again(
-    tmp_path: Path, table: Callable[[Path], list[dict[str, Any]]]
+    tmp_path: Path, table: Callable[[Path], list[dict[str, Any]]], in_this_process: Engine
 ) -> None:
     file = tmp_path / "tiny-plans.yaml"
     file.write_text(SUITE, encoding="utf-8")
     plans = define_campaign(file)
-    run_campaign(plans, tmp_path / "a", LocalEngine(1))
-    run_campaign(plans, tmp_path / "b", LocalEngine(2))
+    run_campaign(plans, tmp_path / "a", LocalEngine(2))
+    run_campaign(plans, tmp_path / "b", in_this_process)
     lines = table(tmp_path / "a")
     assert lines == table(tmp_path / "b")
     assert [line["outcome"] for line in lines] == [

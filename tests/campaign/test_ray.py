@@ -13,7 +13,7 @@ pytest.importorskip("ray")
 
 from cavalcade.campaign.definition import Definition
 from cavalcade.campaign.dispatch import dispatch
-from cavalcade.campaign.engines.local import LocalEngine
+from cavalcade.campaign.engines.protocol import Engine
 from cavalcade.campaign.engines.ray import ClusterError, RayEngine
 from cavalcade.campaign.runner import run_campaign
 
@@ -50,9 +50,14 @@ def cluster(monkeypatch: pytest.MonkeyPatch, planted: Any) -> Iterator[Any]:
 
 @pytest.mark.usefixtures("no_report")
 def test_two_nodes_and_one_killed_on_the_way(
-    cluster: Any, tiny_plan: Definition, table: Table, tmp_path: Path, planted: Any
+    cluster: Any,
+    tiny_plan: Definition,
+    table: Table,
+    tmp_path: Path,
+    planted: Any,
+    in_this_process: Engine,
 ) -> None:
-    run_campaign(tiny_plan, tmp_path / "local", LocalEngine(1))
+    run_campaign(tiny_plan, tmp_path / "local", in_this_process)
     run_campaign(tiny_plan, tmp_path / "ray", RayEngine())
     assert table(tmp_path / "ray") == table(tmp_path / "local")
 

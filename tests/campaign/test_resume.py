@@ -14,6 +14,10 @@ from typing import Any
 
 import pytest
 
+from cavalcade.campaign.definition import define_campaign
+from cavalcade.campaign.engines.protocol import Engine
+from cavalcade.campaign.runner import run_campaign
+
 pytestmark = pytest.mark.skipif(
     not Path("/proc/self/status").exists(), reason="processes are looked up in /proc"
 )
@@ -23,10 +27,10 @@ Table = Callable[[Path], list[dict[str, Any]]]
 # The report has tests of its own.
 PROGRAM = """\
 import sys
-from cavalcade.campaign import runner
+from cavalcade.campaign import report
 from cavalcade.cli import main
 
-runner._write_report = lambda *_: ()
+report.write_report = lambda *_, **__: ()
 if __name__ == "__main__":
     sys.exit(main())
 """
@@ -44,8 +48,9 @@ def start(tmp_path: Path, suite: Path) -> Callable[..., subprocess.Popen[str]]:
     program = tmp_path / "program.py"
     program.write_text(PROGRAM)
 
-    def begin(out: str, *more: str) -> subprocess.Popen[str]:
-        words = ["campaign", str(suite), "--out", str(tmp_path / out), "--workers", "2", *more]
+    def begin(out: str, *more: str, workers: int = 2) -> subprocess.Popen[str]:
+        words = ["campaign", str(suite), "--out", str(tmp_path / out)]
+        words += ["--workers", str(workers), *more]
         return subprocess.Popen(
             [sys.executable, str(program), *words],
             stdout=subprocess.PIPE,
@@ -105,10 +110,14 @@ def finish(process: subprocess.Popen[str]) -> str:
 
 
 def test_kill_9_of_a_worker_and_of_the_parent(
-    start: Callable[..., subprocess.Popen[str]], tmp_path: Path, table: Table
+    start: Callable[..., subprocess.Popen[str]],
+    suite: Path,
+    tmp_path: Path,
+    table: Table,
+    in_this_process: Engine,
+    no_report: None,
 ) -> None:
-    whole = start("whole")
-    finish(whole)
+    run_campaign(define_campaign(suite), tmp_path / "whole", in_this_process)
     expected = table(tmp_path / "whole")
     assert len(expected) == 28
 
@@ -124,7 +133,7 @@ def test_kill_9_of_a_worker_and_of_the_parent(
     done = len((tmp_path / "killed" / "trials.jsonl").read_text().splitlines())
     assert 6 <= done < 28
 
-    again = start("killed", "--resume", "--json")
+    again = start("killed", "--resume", "--json", workers=1)
     summary = json.loads(finish(again))
     assert (summary["trials"], summary["outcomes"]) == (28, {"arrived": 28})
     assert table(tmp_path / "killed") == expected
@@ -153,7 +162,7 @@ def test_ctrl_c_ends_cleanly_and_says_how_to_go_on(
     _, err = other.communicate(timeout=60)
     assert other.returncode == 2
     assert "was begun with other overrides (--set): execution.rate=25" in err
-    finish(start("a", "--resume", "--set", "execution.rate=25", "--quiet"))
+    finish(start("a", "--resume", "--set", "execution.rate=25", "--quiet", workers=1))
     assert len(table(tmp_path / "a")) == 28
     assert (tmp_path / "a" / "trials.jsonl").read_bytes().startswith(before)
 
@@ -165,7 +174,7 @@ def test_a_full_disk_in_the_middle(
     program = tmp_path / "program.py"
     limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (8000, 8000))\n"
     program.write_text(PROGRAM.replace("if __name__", limit + "if __name__"))
-    process = start("a")
+    process = start("a", workers=1)
     _, err = process.communicate(timeout=60)
     assert process.returncode == 2
     assert err.count("\n") == 1
@@ -175,7 +184,7 @@ def test_a_full_disk_in_the_middle(
     assert text.endswith("}\n")
     assert 3 <= text.count("\n") < 28
     program.write_text(PROGRAM)
-    again = start("a", "--resume")
+    again = start("a", "--resume", workers=1)
     out, err = again.communicate(timeout=120)
     assert (again.returncode, err) == (0, "")
     assert len(table(tmp_path / "a")) == 28

@@ -16,6 +16,7 @@ import pytest
 from cavalcade.campaign import judging
 from cavalcade.campaign.avoidable import CONTACT, lost_since
 from cavalcade.campaign.definition import Definition, define_campaign
+from cavalcade.campaign.engines.protocol import Engine
 from cavalcade.campaign.runner import run_campaign
 from cavalcade.campaign.trial import TIMES, Trial, without_times
 from cavalcade.campaign.trial_runner import lost_line, replay, run_trial, run_trial_into
@@ -112,13 +113,15 @@ def carry_out_status(count: int) -> Any:
 
 @pytest.mark.usefixtures("no_report")
 def test_a_trial_of_a_campaign_again(
-    tiny_plan: Definition, tmp_path: Path, table: Callable[[Path], Any]
+    tiny_plan: Definition,
+    tmp_path: Path,
+    table: Callable[[Path], Any],
+    in_this_process: Engine,
 ) -> None:
     """Bit for bit: with recording and figures the summary is the same but for times."""
-    from cavalcade.campaign.engines.local import LocalEngine
     from cavalcade.campaign.repeat import repeat_trial
 
-    run_campaign(tiny_plan, tmp_path / "c", LocalEngine(1))
+    run_campaign(tiny_plan, tmp_path / "c", in_this_process)
     trial = "short.0001.fixed-roles.noise"
     done = repeat_trial(tmp_path / "c", trial, tmp_path / "t")
     assert done.same is True

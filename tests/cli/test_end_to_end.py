@@ -1,4 +1,8 @@
-"""Real commands in a process of their own: the main job, refusals and Ctrl-C."""
+"""Real commands: the main job, refusals and Ctrl-C.
+
+The main job and Ctrl-C are shown in processes of their own, what is refused in this one: that its
+exit code reaches the shell stands in `test_main.py`.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +15,10 @@ import time
 from pathlib import Path
 
 import pytest
+
+from cavalcade.cli import main
+
+Captured = pytest.CaptureFixture[str]
 
 _SCENARIO = """\
 version: 1
@@ -42,15 +50,18 @@ def _command(*arguments: object) -> subprocess.CompletedProcess[str]:
     )
 
 
-def _one_line(done: subprocess.CompletedProcess[str]) -> str:
-    assert done.returncode == 2, done.stderr
-    assert done.stdout == ""
-    assert done.stderr.startswith("cavalcade: ")
-    assert done.stderr.count("\n") == 1
-    return done.stderr
+def _refused(capfd: Captured, *arguments: object) -> str:
+    """The one line that a command in this process is refused with."""
+    code = main([str(argument) for argument in arguments])
+    out, error = capfd.readouterr()
+    assert code == 2, error
+    assert out == ""
+    assert error.startswith("cavalcade: ")
+    assert error.count("\n") == 1
+    return error
 
 
-def test_run_then_check(scenario: Path, tmp_path: Path) -> None:
+def test_run_then_check(scenario: Path, tmp_path: Path, capfd: Captured) -> None:
     out = tmp_path / "a"
     done = _command("run", scenario, "--out", out, "--json")
     assert done.returncode == 0, done.stderr
@@ -58,9 +69,10 @@ def test_run_then_check(scenario: Path, tmp_path: Path) -> None:
     assert summary["success"] is True
     assert summary["reason"] == "arrived"
     assert json.loads((out / "summary.json").read_text(encoding="utf-8")) == summary
-    assert _command("check", out).returncode == 0
+    assert main(["check", str(out)]) == 0
+    capfd.readouterr()
     # What holds something is not overwritten unless that is said.
-    assert "--force" in _one_line(_command("run", scenario, "--out", out))
+    assert "--force" in _refused(capfd, "run", scenario, "--out", out)
 
 
 @pytest.mark.parametrize(
@@ -78,10 +90,10 @@ def test_run_then_check(scenario: Path, tmp_path: Path) -> None:
     ],
 )
 def test_bad_input_leaves_nothing(
-    scenario: Path, tmp_path: Path, change: str, message: str
+    scenario: Path, tmp_path: Path, capfd: Captured, change: str, message: str
 ) -> None:
-    done = _command("run", scenario, "--out", tmp_path / "a", "--set", change)
-    assert message in _one_line(done)
+    line = _refused(capfd, "run", scenario, "--out", tmp_path / "a", "--set", change)
+    assert message in line
     assert os.listdir(tmp_path) == ["short.yaml"]
 
 
@@ -96,7 +108,7 @@ def test_bad_input_leaves_nothing(
     ],
 )
 def test_a_bad_map_leaves_nothing(
-    scenario: Path, tmp_path: Path, picture: bytes, yaml: str, message: str
+    scenario: Path, tmp_path: Path, capfd: Captured, picture: bytes, yaml: str, message: str
 ) -> None:
     said = {
         "image": "lab.pgm",
@@ -110,8 +122,8 @@ def test_a_bad_map_leaves_nothing(
     (tmp_path / "lab.pgm").write_bytes(picture)
     (tmp_path / "lab.yaml").write_text("".join(f"{k}: {v}\n" for k, v in said.items()))
     before = sorted(os.listdir(tmp_path))
-    done = _command("run", scenario, "--out", tmp_path / "a", "--set", "world={map: lab.yaml}")
-    assert message in _one_line(done)
+    to_map = ("--set", "world={map: lab.yaml}")
+    assert message in _refused(capfd, "run", scenario, "--out", tmp_path / "a", *to_map)
     assert sorted(os.listdir(tmp_path)) == before
 
 
@@ -125,16 +137,17 @@ def test_a_bad_map_leaves_nothing(
     ],
 )
 def test_a_bad_scenario_leaves_nothing(
-    scenario: Path, tmp_path: Path, text: str, message: str
+    scenario: Path, tmp_path: Path, capfd: Captured, text: str, message: str
 ) -> None:
     scenario.write_text(text, encoding="utf-8")
-    assert message in _one_line(_command("run", scenario, "--out", tmp_path / "a"))
+    assert message in _refused(capfd, "run", scenario, "--out", tmp_path / "a")
     assert os.listdir(tmp_path) == ["short.yaml"]
 
 
-def test_an_output_folder_that_cannot_be_made(scenario: Path, tmp_path: Path) -> None:
-    done = _command("run", scenario, "--out", scenario / "a")
-    assert str(scenario) in _one_line(done)
+def test_an_output_folder_that_cannot_be_made(
+    scenario: Path, tmp_path: Path, capfd: Captured
+) -> None:
+    assert str(scenario) in _refused(capfd, "run", scenario, "--out", scenario / "a")
     assert os.listdir(tmp_path) == ["short.yaml"]
 
 

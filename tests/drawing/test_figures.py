@@ -26,6 +26,10 @@ NAMES = ["sequence.png", "obstacle_distance.png", "pair_distance.png", "arrival_
 
 @pytest.fixture(autouse=True)
 def straight_arrival_times(monkeypatch):
+    straight_arrival(monkeypatch)
+
+
+def straight_arrival(monkeypatch):
     """Distance in a straight line in place of fast marching: the pictures do not care."""
 
     def surface_distance(occupied, cell):
@@ -46,8 +50,20 @@ def draw(run, folder):
     return make_figures(run.scenario, run.world, folder, recording=run.recording)
 
 
-def test_a_run_leaves_four_pictures(run, tmp_path):
-    files = draw(run, tmp_path / "new" / "figures")
+@pytest.fixture(scope="module")
+def pictures(run, tmp_path_factory):
+    """What the run left, and whether matplotlib's settings were changed by it."""
+    import matplotlib
+
+    with pytest.MonkeyPatch.context() as patch:
+        straight_arrival(patch)
+        before = dict(matplotlib.rcParams)
+        files = draw(run, tmp_path_factory.mktemp("run") / "new" / "figures")
+        return files, dict(matplotlib.rcParams) == before
+
+
+def test_a_run_leaves_four_pictures(pictures):
+    files, _ = pictures
     assert [file.name for file in files] == NAMES
     assert sorted(path.name for path in files[0].parent.iterdir()) == sorted(NAMES)
     for file in files:
@@ -60,9 +76,9 @@ def test_a_run_leaves_four_pictures(run, tmp_path):
             assert len(picture.convert("RGB").getcolors(1 << 24)) > 50
 
 
-def test_pictures_are_the_widths_of_a_printed_page(run, tmp_path):
+def test_pictures_are_the_widths_of_a_printed_page(pictures):
     sizes = {}
-    for file in draw(run, tmp_path):
+    for file in pictures[0]:
         with Image.open(file) as picture:
             sizes[file.name] = picture.size[0] / picture.info["dpi"][0]
     assert sizes["sequence.png"] == pytest.approx(7.16, abs=0.02)
@@ -70,8 +86,8 @@ def test_pictures_are_the_widths_of_a_printed_page(run, tmp_path):
         assert sizes[name] == pytest.approx(3.5, abs=0.02)
 
 
-def test_the_same_run_gives_the_same_bytes(run, tmp_path):
-    one = {file.name: file.read_bytes() for file in draw(run, tmp_path / "a")}
+def test_the_same_run_gives_the_same_bytes(run, pictures, tmp_path):
+    one = {file.name: file.read_bytes() for file in pictures[0]}
     other = {file.name: file.read_bytes() for file in draw(run, tmp_path / "b")}
     assert one == other
 
@@ -222,12 +238,9 @@ def test_a_place_that_cannot_be_written_is_named(run, tmp_path):
     assert [path.name for path in (tmp_path / "figures").iterdir()] == ["sequence.png"]
 
 
-def test_drawing_leaves_matplotlib_as_it_was(run, tmp_path):
-    import matplotlib
-
-    before = dict(matplotlib.rcParams)
-    draw(run, tmp_path)
-    assert dict(matplotlib.rcParams) == before
+def test_drawing_leaves_matplotlib_as_it_was(pictures):
+    _, unchanged = pictures
+    assert unchanged
 
 
 def test_a_scenario_is_drawn_without_running_it(run, tmp_path):

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 import pytest
@@ -70,12 +72,17 @@ def placed(formation: Formation, pose: tuple[float, float, float]) -> np.ndarray
     return np.column_stack([formation.placed(pose), np.full(formation.size, pose[2])])
 
 
-def rectangle_points(pose: np.ndarray, length: float, width: float, step: float) -> np.ndarray:
-    """Points that cover a rectangle: its corners, its edges and its inside, `step` apart."""
+@cache
+def _points(length: float, width: float, step: float) -> np.ndarray:
+    """See `rectangle_points`, at the origin."""
     x = np.linspace(-length / 2, length / 2, max(2, int(np.ceil(length / step)) + 1))
     y = np.linspace(-width / 2, width / 2, max(2, int(np.ceil(width / step)) + 1))
-    grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-    return grid @ rotation(pose[2]).T + pose[:2]
+    return np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+
+
+def rectangle_points(pose: np.ndarray, length: float, width: float, step: float) -> np.ndarray:
+    """Points that cover a rectangle: its corners, its edges and its inside, `step` apart."""
+    return _points(length, width, step) @ rotation(pose[2]).T + pose[:2]
 
 
 def distance_to_rectangle(
@@ -91,6 +98,8 @@ def sampled_gap(
     a: np.ndarray, b: np.ndarray, size_a: tuple, size_b: tuple, step: float = 0.05
 ) -> float:
     """Gap of two rectangles; exact where they are apart, for a corner is always nearest."""
+    if math.dist(a[:2], b[:2]) > (math.hypot(*size_a) + math.hypot(*size_b)) / 2:
+        step = math.inf  # too far away to overlap: corners are enough
     return float(
         min(
             distance_to_rectangle(rectangle_points(a, *size_a, step), b, *size_b).min(),
@@ -105,19 +114,38 @@ def occupied_gap(pose: np.ndarray, size: tuple, occupied: np.ndarray, cell: floa
     Where two convex shapes are apart, a corner of one of them is nearest; and a cell is too
     small to cut through a body without one of its corners lying in it.
     """
-    corners = rectangle_points(pose, *size, max(size))
+    corners = rectangle_points(pose, *size, math.inf)
     height, width = np.array(occupied.shape) * cell
     best = float(np.minimum(corners, (width, height) - corners).min())
-    rows, cols = np.nonzero(occupied)
-    if len(rows) == 0:
-        return best
-    low = np.column_stack([cols, rows]) * cell
+    # Cells beyond `near` of the body are looked at only where nothing else is as near.
+    for near in (0.3, math.inf):
+        low = _occupied_within(corners, near, occupied, cell)
+        if len(low):
+            best = min(best, _gap_to_cells(corners, low, pose, size, cell))
+        if best <= near:
+            break
+    return best
+
+
+def _occupied_within(
+    corners: np.ndarray, near: float, occupied: np.ndarray, cell: float
+) -> np.ndarray:
+    """Lower corners `(N, 2)` of all occupied cells within `near` of a body, and of some others."""
+    top = occupied.shape[::-1]
+    c0, r0 = np.clip(np.floor((corners.min(axis=0) - near) / cell), 0, top).astype(int)
+    c1, r1 = np.clip(np.ceil((corners.max(axis=0) + near) / cell), 0, top).astype(int)
+    return (np.argwhere(occupied[r0:r1, c0:c1])[:, ::-1] + (c0, r0)) * cell
+
+
+def _gap_to_cells(
+    corners: np.ndarray, low: np.ndarray, pose: np.ndarray, size: tuple, cell: float
+) -> float:
+    """See `occupied_gap`, of cells with these lower corners."""
     out = np.maximum(low[None] - corners[:, None], corners[:, None] - low[None] - cell)
     out = np.maximum(out, 0.0)
     squares = (low[:, None] + cell * np.array([[0, 0], [0, 1], [1, 0], [1, 1]])).reshape(-1, 2)
     return float(
         min(
-            best,
             np.hypot(out[..., 0], out[..., 1]).min(),
             distance_to_rectangle(squares, pose, *size).min(),
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import product
 
 import numpy as np
 import pytest
@@ -151,12 +152,19 @@ def gap_of(tools, poses) -> float:
     return min((tools.sampled_gap(poses[a], poses[b], BODY, BODY, 0.2) for a, b in near), default=1)
 
 
-@pytest.mark.parametrize("delay", [0.0, 0.1, 0.3])
-@pytest.mark.parametrize("name", CLOCKS)
-def test_commands_under_way_are_not_forgotten(name, delay, tools):
-    """With 0.3 s of delay and a clock of 10 Hz, teams touched things in seven of ten worlds."""
+@pytest.fixture(scope="module")
+def clutter():
     shapes = cv.generate("clutter", (9.0, 7.0), 3, obstacles=10, require_feasible=True).shapes
-    world = ROOM.with_shapes(shapes)
+    return ROOM.with_shapes(shapes)
+
+
+@pytest.mark.parametrize(
+    ("name", "delay"),
+    [*product(CLOCKS, (0.0, 0.3)), *product(("steady", "10 Hz", "stands still"), (0.1,))],
+)
+def test_commands_under_way_are_not_forgotten(name, delay, tools, clutter):
+    """With 0.3 s of delay and a clock of 10 Hz, teams touched things in seven of ten worlds."""
+    world = clutter
     planner = cv.FormationPlanner(world, SQUARE, expected=cv.Imperfections(delay=delay))
     planner.set_goal((7.4, 3.5, 0.0))
     starts = np.column_stack([SQUARE.placed((1.6, 3.5, 0.0)), np.zeros(4)])

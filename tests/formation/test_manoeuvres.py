@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from cavalcade.eikonal import surface_distance
@@ -15,6 +15,7 @@ from cavalcade.robots import robot_model
 from cavalcade.world import Box, OccupancyMap
 
 CELL, TOP, GO1 = 0.05, 0.5, (0.65, 0.28)
+PARTS = 32  # of a step, for which gaps are kept
 EMPTY = OccupancyMap.empty((10.0, 8.0), CELL)
 REST = np.zeros(3)
 EAST, NORTH = np.array([1.0, 0.0]), np.array([0.0, 1.0])
@@ -41,31 +42,44 @@ def gap_to_mover(tools, pose, scene, time):
 
 
 @settings(max_examples=60, deadline=None)
-@given(st.integers(0, 2**32 - 1))
-def test_a_manoeuvre_is_clear_until_it_is_hit(tools, seed):
+@given(st.integers(0, 2**32 - 1), st.sampled_from([0.5, 1.5]))
+@example(586, 0.5)  # chosen, it was hit 0.1 s before the latest hit of all, which was told
+@example(1045, 0.5)  # between two poses it came 13 mm too near
+def test_a_manoeuvre_is_clear_until_it_is_hit(footprint_gap, seed, fastest):
     rng = np.random.default_rng(seed)
     pose = np.array([5.0, 4.0, rng.uniform(-3, 3)])
     away = rng.uniform(-3.1, 3.1)
     place = pose[:2] + rng.uniform(0.9, 2.0) * np.array([np.cos(away), np.sin(away)])
-    speed = -rng.uniform(0.1, 0.5) * np.array([np.cos(away), np.sin(away)])
+    speed = -rng.uniform(0.1, fastest) * np.array([np.cos(away), np.sin(away)])
     others = [(5.0 + 0.9 * np.cos(a), 4.0 + 0.9 * np.sin(a), a) for a in rng.uniform(-3, 3, 2)]
     wall = Box(tuple(rng.uniform((3.5, 2.5), (6.5, 3.2))), (0.8, 0.3))
-    scene = scene_of(pose, [(*place, rng.uniform(-3, 3), 0.3, 0.2)], [speed], others, [wall])
+    mover = np.array([*place, rng.uniform(-3, 3)])
+    scene = scene_of(pose, [(*mover, 0.3, 0.2)], [speed], others, [wall])
     search = ManoeuvreSearch(robot_model("go1"), TOP)
     best, hit = search.best(NORTH, EAST, None, scene)
     if hit < 0.0:
         return  # not even standing is free of others
     poses = search.poses(best, pose, REST)
-    first = gap_to_mover(tools, pose, scene, 0.0)
-    for k, at in enumerate(poses):
-        time = k * STEP
-        if time >= hit:
-            assert gap_to_mover(tools, at, scene, time) < 0.02 + 1e-6
-            break
-        assert gap_to_mover(tools, at, scene, time) >= min(0.02, first) - 1e-5
+
+    def gaps(shape, at, there):
+        return footprint_gap((0.325, 0.14, False), at, shape, np.broadcast_to(there, at.shape))
+
+    # The mover is met at no time before, also between the poses, and then it is.
+    times = np.append(np.arange(0.0, min(hit, (STEPS - 1) * STEP), STEP / PARTS), min(hit, 7.9))
+    at = np.column_stack([np.interp(times, STEP * np.arange(STEPS), p) for p in poses.T])
+    there = np.column_stack([mover[:2] + times[:, None] * speed, np.full(len(times), mover[2])])
+    near = gaps((0.3, 0.2, False), at, there)
+    assert near[:-1].min() >= min(0.02, near[0]) - 1e-5 - (TOP + fastest) * STEP / PARTS
+    if hit < np.inf:
+        assert near[-1] < 0.02 + 1e-6
+    else:
+        assert near[-1] >= min(0.02, near[0]) - 1e-5
+    # What stands is not met at any pose after the first until then.
+    looks = poses[1 : int(min(hit, STEPS * STEP) / STEP + 1e-9)]
+    if len(looks):
+        assert gaps((0.4, 0.15, False), looks, [*wall.center, 0.0]).min() > 0.0
         for other in others:
-            assert tools.sampled_gap(at, np.array(other), GO1, GO1) > 0.0 or k == 0
-        assert tools.sampled_gap(at, np.array([*wall.center, 0.0]), GO1, wall.size) > 0.0 or k == 0
+            assert gaps((0.325, 0.14, False), looks, other).min() > 0.0
 
 
 def test_standing_is_a_manoeuvre_where_that_is_best():

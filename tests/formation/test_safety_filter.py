@@ -185,7 +185,7 @@ def test_wishes_become_body_velocities_within_the_limits(seed):
     assert back @ wanted[0, :2] == pytest.approx(np.hypot(*back) * np.hypot(*wanted[0, :2]))
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(seeds)
 def test_the_mirrored_problem_has_the_mirrored_answer(tools, seed):
     scene, rng = random_scene(tools, seed, moving=True)

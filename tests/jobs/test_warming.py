@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
+import os
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -13,142 +16,16 @@ from cavalcade.jobs import warming
 from cavalcade.jobs.reporter import JobReporter
 from cavalcade.kernels import progress
 
-WATCHED_RUN = """
-import sys
-from numba.core import event
-import cavalcade as cv
-from cavalcade.kernels.cache import LOADED
-
-class Seen(event.Listener):
-    names = []
-    running = True
-    def on_start(self, event):
-        pass
-    def on_end(self, event):
-        function = event.data["dispatcher"].py_func if isinstance(event.data, dict) else event.data
-        if self.running and function.__module__.startswith("cavalcade."):
-            self.names.append(function.__qualname__)
-
-def cycle(frame):
-    seen.running = frame.status.state not in ("arrived", "stuck", "infeasible")
-
-seen = Seen()
-event.register("numba:compile", seen)
-event.register(LOADED, seen)
-name, backend, timeout, *overrides = sys.argv[1:]
-overrides += [f"execution.timeout={timeout}"]
-scenario = cv.load_scenario(name, overrides=overrides).with_backend(backend)
-cv.warm_up(scenario)
-seen.names.clear()
-cv.run(scenario, sinks=[cycle])
-# The summary is made after the last cycle; it is what looks at cells of a map.
-print(*sorted(set(seen.names) - {"cells_clearance"}))
-"""
-"""Which kernels are compiled or loaded by a run after the warm-up, up to its last cycle."""
-
-
-DELAY = "execution={delay: {mean: 0.1}, noise: {position: 0.02}}"
-EVENTS = """execution.events=[
-    {at: 2, move: {circle: {center: [9, 4], radius: 0.3}, to: [2, 4], speed: 0.5}},
-    {at: 4, lose: 2},
-    {at: 9, rejoin: 2},
-]"""
+WATCHED = Path(__file__).with_name("watched.py")
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("name", "backend", "timeout", "overrides"),
-    [
-        ("cone", "ideal", 30, []),
-        ("office", "ideal", 90, []),
-        ("square-clutter", "ideal", 60, [DELAY]),
-        ("triangle-corridor", "ideal", 60, []),
-        ("triangle-lab", "ideal", 30, ["planner.variant=published"]),
-        ("cone", "ideal", 30, [EVENTS]),
-        ("head-on", "ideal", 60, []),
-        ("alcove", "ideal", 60, []),
-        ("cone", "mujoco", 4, []),
-        ("gap", "mujoco", 30, ["robots.*.model=go1"]),
-    ],
-)  # fmt: skip
-def test_a_cycle_waited_for_the_compiler(
-    name: str, backend: str, timeout: float, overrides: list[str]
-) -> None:
-    if backend == "mujoco":
-        pytest.importorskip("mujoco")
-    words = [sys.executable, "-c", WATCHED_RUN, name, backend, str(timeout), *overrides]
-    done = subprocess.run(words, capture_output=True, text=True, check=True)
-    assert done.stdout.split() == []
-
-
-OWN_LOOP = """
-import sys
-import numpy as np
-from numba.core import event
-import cavalcade as cv
-from cavalcade.formation.settings import VARIANTS
-from cavalcade.fleet import IdealFleet
-from cavalcade.kernels.cache import LOADED
-
-class Seen(event.Listener):
-    names = []
-    def on_start(self, event):
-        pass
-    def on_end(self, event):
-        function = event.data["dispatcher"].py_func if isinstance(event.data, dict) else event.data
-        if function.__module__.startswith("cavalcade."):
-            self.names.append(function.__qualname__)
-
-def lost(planner):
-    planner.lose(1)
-
-def back(planner):
-    planner.rejoin(1)
-
-empty = cv.OccupancyMap.empty((9.0, 5.0))
-wall = empty.with_shapes([cv.Box((3.4, 1.9), (0.2, 2.6))])
-closed = empty.with_shapes([cv.Box((4.0, 2.5), (0.2, 5.0))])
-news = {
-    10: lambda planner: planner.update_map(wall),
-    20: lambda planner: planner.set_dynamic_obstacles(
-        [cv.DynamicObstacle(cv.Circle((3.0, 4.0), 0.2), (-0.5, -0.4))]
-    ),
-    50: lambda planner: planner.set_dynamic_obstacles([]),
-    60: lost,
-    80: back,
-    90: lambda planner: planner.set_formation(cv.Formation.column(3, 0.9)),
-    120: lambda planner: planner.update_map(closed),
-}
-seen = Seen()
-expected = cv.Imperfections(position=0.01, delay=0.1)
-for variant in VARIANTS:
-    for expects in (None, expected):
-        shape = cv.Formation.triangle(1.0)
-        planner = cv.FormationPlanner(empty, shape, variant=variant, expected=expects)
-        cv.warm_up(planner)
-        event.register("numba:compile", seen)
-        event.register(LOADED, seen)
-        starts = np.column_stack([shape.placed((1.2, 2.5, 0.0)), np.zeros(3)])
-        planner.set_goal((7.5, 2.5, 0.0))
-        robots = IdealFleet([planner.model] * 3, starts)
-        for cycle in range(160):
-            if cycle in news:
-                news[cycle](planner)
-            now = robots.observe()
-            robots.send(planner.step(now.poses, now.time, now.stamps))
-            robots.advance(0.05)
-        event.unregister("numba:compile", seen)
-        event.unregister(LOADED, seen)
-print(*sorted(set(seen.names)))
-"""
-"""Which kernels a loop of one's own compiles or loads after the warm-up."""
-
-
-@pytest.mark.slow
-def test_a_loop_of_ones_own_waited_for_the_compiler() -> None:
-    words = [sys.executable, "-c", OWN_LOOP]
-    done = subprocess.run(words, capture_output=True, text=True, check=True)
-    assert done.stdout.split() == []
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="a process per job is forked")
+def test_a_cycle_waited_for_the_compiler() -> None:
+    done = subprocess.run([sys.executable, WATCHED], capture_output=True, text=True, check=True)
+    found = json.loads(done.stdout)
+    assert len(found) > 8
+    assert {job: kernels for job, kernels in found.items() if kernels} == {}
 
 
 def test_what_jobs_need() -> None:

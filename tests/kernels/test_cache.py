@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import importlib
+import linecache
 import os
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import numba
 import numpy as np
 import pytest
 from numba.core.target_extension import cpu_target, jit_registry
@@ -69,13 +72,39 @@ PLAIN = {
 }
 
 
+def _write(folder: Path, empty: str, changed: dict[str, object]) -> None:
+    (folder / "helper.py").write_text(HELPER.format(**PLAIN | changed))
+    (folder / "caller.py").write_text(KERNEL.format(empty=empty))
+
+
 @pytest.fixture
-def call(tmp_path: Path):
-    """Call the kernel in a process of its own; what it gave and how often it was on disk."""
+def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Call the kernel, imported anew; what it gave and how often it was on disk."""
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "cache"))
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    monkeypatch.syspath_prepend(tmp_path)
 
     def called(empty: str = "", **changed: object) -> tuple[float, int]:
-        (tmp_path / "helper.py").write_text(HELPER.format(**PLAIN | changed))
-        (tmp_path / "caller.py").write_text(KERNEL.format(empty=empty))
+        _write(tmp_path, empty, changed)
+        importlib.invalidate_caches()
+        linecache.clearcache()
+        try:
+            helper, caller = (importlib.import_module(name) for name in ("helper", "caller"))
+            value = caller.total(helper.Pair(a=2.0, b=1.0))
+            return value, sum(caller.total.stats.cache_hits.values())
+        finally:
+            for name in ("helper", "caller"):
+                sys.modules.pop(name, None)
+
+    return called
+
+
+@pytest.fixture
+def call_apart(tmp_path: Path):
+    """The same in a process of its own."""
+
+    def called() -> tuple[float, int]:
+        _write(tmp_path, "", {})
         environment = os.environ | {
             "NUMBA_CACHE_DIR": str(tmp_path / "cache"),
             "PYTHONDONTWRITEBYTECODE": "1",
@@ -113,16 +142,16 @@ def test_code_elsewhere_was_taken_for_unchanged(call, changed, value) -> None:
     assert call(**changed) == (value, 1)
 
 
-def test_what_an_older_version_left_ended_the_process(call, tmp_path: Path) -> None:
+def test_what_an_older_version_left_ended_the_process(call_apart, tmp_path: Path) -> None:
     """The records of cached signatures are looked up by module and name."""
-    assert call() == (5.0, 0)
+    assert call_apart() == (5.0, 0)
     for index in (tmp_path / "cache").rglob("*.nbi"):
         index.write_bytes(index.read_bytes().replace(b"helper", b"gone__"))
-    assert call() == (5.0, 0)
-    assert call() == (5.0, 1)
+    assert call_apart() == (5.0, 0)
+    assert call_apart() == (5.0, 1)
     for index in (tmp_path / "cache").rglob("*.nbi"):
         index.write_bytes(index.read_bytes()[:-20])
-    assert call() == (5.0, 0)
+    assert call_apart() == (5.0, 0)
 
 
 def test_two_processes_kept_their_code_in_one_file(tmp_path: Path) -> None:

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numba import njit
 
+from cavalcade.kernels import kernel
 from cavalcade.locomotion._horizon import (
     STILL,
     approach,
@@ -48,7 +48,7 @@ def turn(yaw):
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
-@njit
+@kernel
 def solve_walk(parameters, values, body, state):
     solve_forces(walk_problem(parameters, values, body, state), state)
 

@@ -27,11 +27,12 @@ stars = st.builds(lambda offset: STAR.moved(offset), st.tuples(st.floats(-3, 3),
 
 def crosses(a, b, c, d):
     """Whether segments a-b and c-d have a point in common (not for parallel ones)."""
-    turn = np.cross([*(b - a), 0], [*(d - c), 0])[2]
+    (abx, aby), (cdx, cdy), (acx, acy) = (b - a).tolist(), (d - c).tolist(), (c - a).tolist()
+    turn = abx * cdy - aby * cdx
     if turn == 0:
         return False
-    s = np.cross([*(c - a), 0], [*(d - c), 0])[2] / turn
-    t = np.cross([*(c - a), 0], [*(b - a), 0])[2] / turn
+    s = (acx * cdy - acy * cdx) / turn
+    t = (acx * aby - acy * abx) / turn
     return 0 <= s <= 1 and 0 <= t <= 1
 
 

@@ -379,7 +379,10 @@ anything = st.recursive(
 )
 
 
-@settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=80, deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
+)  # fmt: skip
 @given(st.dictionaries(st.sampled_from([*KEYS, "mode", "unknown"]), anything))
 def test_no_description_leads_to_another_error(tmp_path, changes):
     import yaml

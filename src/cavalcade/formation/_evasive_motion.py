@@ -24,6 +24,7 @@ SEEN = 0.3
 """m: larger gaps are as good as this one."""
 _GAIN = 3.0  # 1/s, of a body that turns its longer axis into its direction of motion
 _EPS = 1e-6
+_FINEST = 1.0 / 32.0  # of a step, to which it is known when a gap becomes too small
 
 
 class Manoeuvres(NamedTuple):
@@ -144,6 +145,42 @@ def box_gap(pose, half, boxes, time):
 
 
 @subroutine
+def meets(before, after, half, boxes, t, gaps):
+    """When a body on its way to step `t` comes nearer to a dynamic obstacle than it may.
+
+    By conservative advancement: until it has gone by the gap that is left, it cannot be there.
+    A corner that passes a corner between two poses is nearer there than at both.
+
+    Args:
+        before, after: Poses `(3,)` of the body one step before and at step `t`.
+        half: Of the body.
+        boxes: The dynamic obstacles.
+        t: The step.
+        gaps: At both poses, and the one to keep, m.
+
+    Returns:
+        The fraction of the step gone by then, found to within `_FINEST`; inf for never.
+    """
+    first, last, least = gaps
+    dx, dy, turn = after[0] - before[0], after[1] - before[1], after[2] - before[2]
+    travel = 0.0
+    for j in range(boxes.poses.shape[0]):
+        vx, vy = boxes.velocities[j, 0], boxes.velocities[j, 1]
+        travel = max(travel, math.hypot(dx - STEP * vx, dy - STEP * vy))
+    travel = max(travel + math.hypot(half[0], half[1]) * abs(turn), _EPS)
+    part, end = (first - least) / travel, 1.0 - max(last - least, 0.0) / travel
+    at = np.empty(3)
+    while part < end:
+        part = max(part, _FINEST)
+        at[0], at[1], at[2] = before[0] + part * dx, before[1] + part * dy, before[2] + part * turn
+        gap = box_gap(at, half, boxes, (t - 1 + part) * STEP)
+        if gap < least:
+            return part
+        part += max((gap - least) / travel, _FINEST)
+    return 1.0 if last < least else np.inf
+
+
+@subroutine
 def barred(pose, half, others, t, gaps, first):
     """Whether one of the others `(K, T, 3)` is too near at step `t`, and nearer than at first.
 
@@ -195,7 +232,7 @@ def judge_manoeuvres(pose, velocity, candidates, drive, footprint, surroundings,
     states = np.empty((steps, 6))
     for c in range(len(candidates.directions)):
         known = 0  # steps that are judged: the beginning is common to all durations
-        hit, behind = never, 0.0
+        hit, behind, gap_then = never, 0.0, to_box
         for d in range(len(durations)):
             moving = durations[d]
             roll_out_manoeuvre(
@@ -203,6 +240,7 @@ def judge_manoeuvres(pose, velocity, candidates, drive, footprint, surroundings,
                 states,
             )  # fmt: skip
             here_hit, here_behind, closed = hit, behind, False
+            gap_before = gap_then
             for t in range(known, steps):
                 at = states[t, :3]
                 still = t > moving and math.hypot(states[t, 3], states[t, 4]) < 0.01
@@ -214,10 +252,12 @@ def judge_manoeuvres(pose, velocity, candidates, drive, footprint, surroundings,
                     break
                 gap_now = box_gap(at, half, boxes, t * STEP)
                 here_behind = max(here_behind, aimed - gap_now)
-                if gap_now < least:
-                    here_hit = t * STEP
+                if t > 0:
+                    before, near = states[t - 1, :3], (gap_before, gap_now, least)
+                    here_hit = min(never, (t - 1 + meets(before, at, half, boxes, t, near)) * STEP)
+                gap_before = gap_now
                 if t <= moving:
-                    known, hit, behind = t + 1, here_hit, here_behind
+                    known, hit, behind, gap_then = t + 1, here_hit, here_behind, gap_now
                 if here_hit < never:
                     break
             if closed:

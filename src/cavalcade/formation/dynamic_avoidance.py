@@ -116,12 +116,14 @@ class ManoeuvreSearch:
         if before is not None:
             tried.append(before)
         hits, short = self._judged(tried, scene)
-        latest = float(hits.max())
-        cost = np.where(hits >= latest - _LATER, _DURATIONS * STEP + _DEARER * short, np.inf)
+        cost = np.where(hits >= hits.max() - _LATER, _DURATIONS * STEP + _DEARER * short, np.inf)
         if before is not None:
             cost[-1] -= _KEPT
         k, j = np.unravel_index(int(np.argmin(cost)), cost.shape)
-        return Manoeuvre(tried[k].direction, tried[k].turning, int(_DURATIONS[j])), latest
+        # Not the latest hit of all: the chosen one may be hit up to `_LATER` sooner.
+        return Manoeuvre(tried[k].direction, tried[k].turning, int(_DURATIONS[j])), float(
+            hits[k, j]
+        )
 
     def command(self, manoeuvre: Manoeuvre, yaw: float) -> Array:
         """Velocity `(3,)` in the grid's frame: m/s, m/s, rad/s."""

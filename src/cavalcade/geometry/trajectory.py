@@ -82,8 +82,10 @@ class Trajectory:
         Linear between samples: within 1 mm at walking speeds.
         """
         times = number_array(times, "times", (None,), "times (K,) in s", _MOST)
-        columns = (self.position[:, 0], self.position[:, 1], self.yaw)
-        return np.stack([np.interp(times, self.time, column) for column in columns], axis=1)
+        poses = np.empty((len(times), 3))
+        for k, column in enumerate((self.position[:, 0], self.position[:, 1], self.yaw)):
+            poses[:, k] = np.interp(times, self.time, column)
+        return poses
 
 
 def common_clock(trajectories: Sequence[Trajectory], step: float = STEP) -> Array:

@@ -8,7 +8,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
@@ -129,6 +129,23 @@ def test_bodies_meet_as_points_inside_say(first, second):
     if keeps_apart("spirit", first, [("go1", second)], 0.05):
         assert not meet
         assert depth >= 0.03
+
+
+@settings(deadline=None, max_examples=100)
+@given(places, places, st.sampled_from([0.0, 0.05, 0.4]))
+def test_bodies_keep_apart_if_they_do_along_a_side(first, second, gap):
+    """As their corners say: apart along one of the four sides, at whatever distance."""
+    one, other = MODELS["spirit"], MODELS["go1"]
+    bodies = [rectangle_corners(first, one.length, one.width),
+              rectangle_corners(second, other.length, other.width)]  # fmt: skip
+    widest = -np.inf
+    for yaw in (first[2], first[2] + math.pi / 2, second[2], second[2] + math.pi / 2):
+        a, b = (body @ (math.cos(yaw), math.sin(yaw)) for body in bodies)
+        widest = max(widest, b.min() - a.max(), a.min() - b.max())
+    assume(abs(widest - gap) > 1e-9)
+    assert keeps_apart("spirit", first, [("go1", second)], gap) == (widest > gap)
+    far = ("go1", (9.0, 9.0, 0.0))
+    assert keeps_apart("spirit", first, [far, ("go1", second)], gap) == (widest > gap)
 
 
 @pytest.mark.parametrize("keep", ["colliding", "free"])

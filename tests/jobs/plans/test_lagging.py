@@ -112,9 +112,10 @@ def test_shipped_teams(name):
         assert least_gap(poses, models) > 0.0, seed
         assert (follower.delays >= 0.0).all()
         assert follower.delays.max() > 0.0
-        _, poses, _ = carried(paths, models, LaggingFleet(models, starts, seed), CLOCK)
-        met += least_gap(poses, models) <= 0.0
-    # By the clock they run into each other, so the test can fail.
+        # By the clock they run into each other, so the test can fail.
+        if met < 1:
+            _, poses, _ = carried(paths, models, LaggingFleet(models, starts, seed), CLOCK)
+            met += least_gap(poses, models) <= 0.0
     assert met >= 1
 
 
@@ -128,8 +129,10 @@ def test_crowds(crowd):
         )
         assert done, (seed, follower.progress)
         assert least_gap(poses, models) > 0.0, seed
-        _, poses, _ = carried(paths, models, LaggingFleet(models, starts, seed, pauses=2.0), CLOCK)
-        met += least_gap(poses, models) <= 0.0
+        if met < 2:
+            fleet = LaggingFleet(models, starts, seed, pauses=2.0)
+            _, poses, _ = carried(paths, models, fleet, CLOCK)
+            met += least_gap(poses, models) <= 0.0
     assert met >= 2
 
 

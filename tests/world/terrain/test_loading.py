@@ -404,7 +404,9 @@ def test_a_picture_alone_does_not_say_its_scale(tmp_path: Path) -> None:
 
 
 def test_an_archive_that_unpacks_to_too_much(tmp_path: Path) -> None:
-    np.savez_compressed(tmp_path / "h.npz", height=np.zeros((5000, 5000)), resolution=0.05)
+    np.savez_compressed(
+        tmp_path / "h.npz", height=np.zeros((5000, 5000), np.uint8), resolution=0.05
+    )
     assert "5000 x 5000 heights are too many" in _refused(tmp_path / "h.npz")
     assert os.path.getsize(tmp_path / "h.npz") < 1_000_000
 

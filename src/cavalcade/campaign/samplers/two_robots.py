@@ -8,6 +8,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from cavalcade.campaign.samplers.individual_goals import (
+    ATTEMPTS,
     Robot,
     TeamSampler,
     bodies_meet,
@@ -56,9 +57,13 @@ class PairsSampler(TeamSampler):
         x, y = self.size[0] / 2.0, self.size[1] / 2.0
         beside = [(x, y - self.apart / 2.0, 0.0), (x, y + self.apart / 2.0, 0.0)]
         starts = None if self.starts == "random" else beside
+        crowded = 0
         for _ in range(_MOST_DRAWS):
             robots = self.sample_robots(rng, seed, [(area, area)] * 2, starts=starts)
             if robots is None:
+                crowded += 1
+                if crowded == ATTEMPTS:
+                    break
                 continue
             if self.keep == "any" or self._collide(robots) == (self.keep == "colliding"):
                 name, world = f"pair-{self.keep}-{seed}", open_world(self.size)
