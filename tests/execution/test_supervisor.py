@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from cavalcade.errors import InputError
 from cavalcade.execution import Supervision, Supervisor
-from cavalcade.fleet import Fault, Observation
+from cavalcade.fleet import Fault, IdealFleet, Observation
 from cavalcade.robots import robot_model
 from cavalcade.world import OccupancyMap
 
@@ -363,6 +363,19 @@ def test_the_last_robot_that_does_not_follow_stops_the_team():
         if not report.ok:
             break
     assert [(fault.robot, fault.kind) for fault in report.cause] == [(0, "unresponsive")]
+
+
+@pytest.mark.parametrize("half", [0.4, 1.0, 1.3, 2.5])
+def test_a_robot_that_goes_there_and_back_is_not_accused(half):
+    """One that evaded and came back, 1 s each, was lost by the team: its way led nowhere."""
+    watch = Supervisor([GO1], 0.05)
+    fleet = IdealFleet([GO1], [(2.0, 2.0, 0.0)])
+    for cycle in range(400):
+        assert watch.check(fleet.observe()).ok
+        sign = 1.0 if int(cycle * 0.05 / half) % 2 else -1.0
+        fleet.send(watch.admit(np.array([(0.4 * sign, 0.13, 1.2)])))
+        fleet.advance(0.05)
+    assert not watch.lost
 
 
 def test_a_robot_that_was_handed_over_is_not_accused():

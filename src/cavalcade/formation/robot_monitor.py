@@ -115,13 +115,17 @@ class FollowingMonitor:
         moved[0, :, 0], moved[0, :, 1], moved[0, :, 2] = c * x - s * y, s * x + c * y, turn
         moved[1] = poses - self._poses
         moved[1, :, 2] = wrap_angle(moved[1, :, 2])
-        self._totals = self._totals + moved
+        self._totals = self._totals + self._counted(moved)
         self._poses, self._time = poses, now
         self._past.append((now, self._totals))
         while now - self._past[0][0] > self._window + 1e-9:
             self._past.popleft()
         wanted, seen = self._totals - self._past[0][1]
         self._judge(wanted, seen, now)
+
+    def _counted(self, moved: Array) -> Array:
+        """What counts of motion `(2, N, 3)` of a moment, commanded and seen, map frame."""
+        return moved
 
     def commanded(self, commands: Array) -> None:
         """Body-frame commands `(N, 3)` that are sent now; said again, they replace the former."""
@@ -156,8 +160,9 @@ class FollowingMonitor:
 class UnresponsiveMonitor(FollowingMonitor):
     """Says who was told to go at 0.1 m/s or more for 2 s and covered less than 20 % of that.
 
-    Commands are those that were sent; what a robot cannot do is not asked of it. Times in which
-    nobody is commanded count for nothing.
+    What is covered is counted along the commanded path, wherever that leads: there and back again
+    is following, though it leads nowhere. Commands are those that were sent; what a robot cannot
+    do is not asked of it.
     """
 
     _window = _TOLD_FOR
@@ -185,11 +190,19 @@ class UnresponsiveMonitor(FollowingMonitor):
         self._idle[:] = np.inf
         self.deaf = ()
 
+    def _counted(self, moved: Array) -> Array:
+        """Of each robot the length of the commanded path, and what of it was covered, m."""
+        wanted, seen = moved[:, :, :2]
+        length = np.hypot(wanted[:, 0], wanted[:, 1])
+        counted = np.zeros_like(moved)
+        counted[0, :, 0] = length
+        counted[1, :, 0] = (wanted * seen).sum(axis=1) / np.maximum(length, 1e-9)
+        return counted
+
     def _judge(self, wanted: Array, seen: Array, now: float) -> None:
         told = np.hypot(self._commands[:, 0], self._commands[:, 1]) >= _TOLD - 1e-9
         self._idle = np.where(told, np.minimum(self._idle, now), now)
-        distance = np.hypot(wanted[:, 0], wanted[:, 1])
-        along = (wanted[:, :2] * seen[:, :2]).sum(axis=1) / np.maximum(distance, 1e-9)
-        deaf = told & (now - self._idle >= _TOLD_FOR - 1e-9) & (along < _COVERED * distance)
-        deaf &= distance > self._far[0]
+        length, covered = wanted[:, 0], seen[:, 0]
+        deaf = told & (now - self._idle >= _TOLD_FOR - 1e-9) & (covered < _COVERED * length)
+        deaf &= length > self._far[0]
         self.deaf = tuple(np.nonzero(deaf)[0].tolist()) if deaf.any() else ()
