@@ -17,7 +17,7 @@ class FakeFleet:
     `speed` is how much faster its time goes than the wall's.
     """
 
-    def __init__(self, starts, speed: float = 4.0) -> None:
+    def __init__(self, starts, speed: float = 2.0) -> None:
         self._poses = np.array(starts, dtype=float)
         self._command = np.zeros_like(self._poses)
         self._begin, self._speed = wall.monotonic(), speed

@@ -28,6 +28,7 @@ def team_with(**more):
             "version": 1,
             "robots": [{"name": name} for name in names],
             "formation": {"shape": "line", "spacing": 1.0},
+            "supervision": {"deadline": 2.0},  # the machine may be busy with other things
         }
         | more
     )
@@ -148,7 +149,9 @@ def test_fault_stops_all_until_resume(live, what):
         live.stop("by hand")
     until(lambda: live.status.state == "stopped" and not moving(live))
     live.resume()  # it is not over yet: the request is dropped
-    until(lambda: len(live.frames) and not live.status.ok)
+    frames = len(live.frames)
+    until(lambda: len(live.frames) > frames + 3)
+    assert not live.status.ok
     live.fleet.garbled.clear()
     live.fleet.silent.clear()
     live.fleet.faults = ()

@@ -131,6 +131,7 @@ class TeamNavigator:
         self._refused = self._trouble = ""
         self._last: tuple[Frame, Cycle] | None = None
         self._begin: float | None = None
+        self._asked = self._done = self._shown = 0  # changes of the task, and which are in effect
         self._changes: queue.SimpleQueue[Callable[[], None] | None] = queue.SimpleQueue()
         self._end, self._first = threading.Event(), threading.Event()
         self._threads: list[threading.Thread] = []
@@ -159,14 +160,8 @@ class TeamNavigator:
                 threading.Thread(target=self._run, name="cavalcade-planner", daemon=True),
                 threading.Thread(target=self._work, name="cavalcade-changes", daemon=True),
             ]
-        needs = []
-        if self._formation is not None:
-            variant = self._formation.variant.name
-            needs.append(warming.Needs("formation", None, variant, moving=True))
-        if self._individual is not None:
-            needs.append(warming.Needs("individual", None))
         with Reporter(quiet) as reporter:
-            warming.warm(needs, reporter)
+            warming.warm(kernels_of(self.team, self._individual is not None), reporter)
         for thread in self._threads:
             thread.start()
         if not self._first.wait(_FIRST_CYCLE):
@@ -218,8 +213,7 @@ class TeamNavigator:
 
         with self._lock:
             self._goals, self._own_goals = told, [None] * self._fleet.size
-            self._taken(f"new goal{'s' if len(told) > 1 else ''}: {_poses_in_words(told)}")
-            self._later(change)
+            self._redirect(change, f"new goal{'s'[: len(told) - 1]}: {_poses_in_words(told)}")
 
     def set_robot_goal(self, name: str, goal: Sequence[float] | ArrayLike) -> None:
         """Drive one robot to a pose (x, y, yaw); the others keep their own goals or stay.
@@ -241,8 +235,7 @@ class TeamNavigator:
         with self._lock:
             self._goals = ()
             self._own_goals[robot] = pose
-            self._taken(f"new goal of {name}: {_poses_in_words([pose])}")
-            self._later(change)
+            self._redirect(change, f"new goal of {name}: {_poses_in_words([pose])}")
 
     def set_formation(self, section: object) -> None:
         """Change the shape while standing or moving.
@@ -259,7 +252,7 @@ class TeamNavigator:
         formation = formation_of(self._shape(section), self._fleet.size, self.team.planner)
         planner.set_formation(formation)  # refuses at once; it waits for a cycle at most
         with self._lock:
-            self._taken(f"new formation: {formation.name}")
+            self._redirect(lambda: None, f"new formation: {formation.name}")
 
     def set_map(self, map: OccupancyMap) -> None:
         """Replace the map, while robots stand or move; what is the same already is left out."""
@@ -300,8 +293,7 @@ class TeamNavigator:
 
         with self._lock:
             self._goals, self._own_goals = (), [None] * self._fleet.size
-            self._taken("goals cancelled")
-            self._later(change)
+            self._redirect(change, "goals cancelled")
 
     def stop(self, detail: str = "") -> None:
         """The e-stop: zeros leave at once, and nothing else until `reset_stop` and `resume`."""
@@ -344,6 +336,7 @@ class TeamNavigator:
         with self._lock:
             last, goals, own = self._last, self._goals, tuple(self._own_goals)
             refused, trouble = self._refused, self._trouble
+            coming = self._shown != self._asked
             mode: Mode = "formation" if self._wanted is self._formation else "individual"
         names = self.team.names
         now, cause = self._fleet.time, self._supervisor.cause
@@ -368,7 +361,7 @@ class TeamNavigator:
             )
             for k, name in enumerate(names)
         )
-        state = _state(planner, bool(goals or any(own)), lines, mode)
+        state = _state(planner, bool(goals or any(own)), lines, coming)
         return TeamStatus(
             state, mode, now, robots, lines, _message(planner, lines, trouble, names), refused,
             goals, planner.waypoint, planner.goal_moved,
@@ -400,12 +393,21 @@ class TeamNavigator:
             raise InputError(str(said_of.get("text")), key=str(said_of.get("key"))) from None
         return section
 
-    def _taken(self, note: str) -> None:
-        self._refused = ""
-        self._notes.append(note)
-
     def _later(self, change: Callable[[], None]) -> None:
         self._changes.put(change)
+
+    def _redirect(self, change: Callable[[], None], note: str) -> None:
+        """Let the team get something else to do; until then it has not arrived."""
+        self._refused = ""
+        self._notes.append(note)
+        self._asked += 1
+        number = self._asked
+
+        def act() -> None:
+            change()
+            self._done = number
+
+        self._later(act)
 
     def _work(self) -> None:
         """The thread in which changes come about that may take longer than a cycle."""
@@ -480,7 +482,7 @@ class TeamNavigator:
             self._end.set()
 
     def _cycle(self) -> None:
-        self._take_over()
+        done = self._take_over()
         try:
             cycle = self._control.plan()
         except Exception as error:
@@ -502,13 +504,18 @@ class TeamNavigator:
             self._note(f"watchdog: {self.team.names[robot]} does not follow; the others go on")
             self._later(lambda robot=robot: self._count(robot, False))  # type: ignore[misc]
         sent = self._control.send(commands, cycle)
-        self._tell(cycle, sent, policy.status)
+        self._tell(cycle, sent, policy.status, done)
         self._first.set()
 
-    def _take_over(self) -> None:
-        """What was asked for since the last cycle and concerns the loop itself."""
+    def _take_over(self) -> int:
+        """What was asked for since the last cycle and concerns the loop itself.
+
+        Returns:
+            The number of the last change of the task that this cycle is to know.
+        """
         control = self._control
         with self._lock:
+            done = self._done
             policy, paused = self._wanted, self._paused
             resuming, self._resuming = self._resuming, False
         if policy is not control.policy:
@@ -523,8 +530,9 @@ class TeamNavigator:
         if resuming:
             with self._lock:
                 self._trouble = ""
+        return done
 
-    def _tell(self, cycle: Cycle, sent: np.ndarray, status: PlannerStatus) -> None:
+    def _tell(self, cycle: Cycle, sent: np.ndarray, status: PlannerStatus, done: int) -> None:
         observation = cycle.observation
         with self._lock:
             notes, self._notes = tuple(self._notes), []
@@ -545,7 +553,7 @@ class TeamNavigator:
             maps,
         )
         with self._lock:
-            self._last = frame, cycle
+            self._last, self._shown = (frame, cycle), done
         for sink in tuple(self._sinks):
             try:
                 sink(frame)
@@ -558,6 +566,16 @@ class TeamNavigator:
     def _note(self, text: str) -> None:
         with self._lock:
             self._notes.append(text)
+
+
+def kernels_of(team: Team, individual: bool) -> list[warming.Needs]:
+    """What has to be compiled before a team is driven, with goals of single robots or without."""
+    found = []
+    if team.formation is not None:
+        found.append(warming.Needs("formation", None, team.planner.variant, moving=True))
+    if individual:
+        found.append(warming.Needs("individual", None))
+    return found
 
 
 def make_team_planner(team: Team, map: OccupancyMap) -> FormationPlanner:
@@ -596,13 +614,15 @@ def same_map(one: OccupancyMap, other: OccupancyMap) -> bool:
     )
 
 
-def _state(planner: PlannerStatus, goals: bool, cause: tuple[str, ...], mode: str) -> str:
+def _state(planner: PlannerStatus, goals: bool, cause: tuple[str, ...], coming: bool) -> str:
     if cause:
         return "stopped"
     if planner.state in ("paused", "stale"):
         return planner.state
     if not goals:
         return "idle"
+    if coming and planner.state in ("inactive", "final", "stuck", "infeasible"):
+        return "partial"  # the planner's state is of what was to be done before
     return "arrived" if planner.arrived else planner.state
 
 
