@@ -17,6 +17,7 @@ from pydantic_core import PydanticCustomError
 
 from cavalcade.errors import FleetError, InputError
 from cavalcade.execution import ControlLoop, Degradable, Supervisor
+from cavalcade.execution.arrival import LIVE, ArrivalMonitor
 from cavalcade.execution.control import Cycle, fitted, tell_sent
 from cavalcade.execution.formation_policy import formation_of, settings_of
 from cavalcade.fleet import Fault, LiveFleet
@@ -131,6 +132,7 @@ class TeamNavigator:
         self._refused = self._trouble = ""
         self._last: tuple[Frame, Cycle] | None = None
         self._begin: float | None = None
+        self._arrival, self._arrived = ArrivalMonitor(LIVE), False
         self._asked = self._done = self._shown = 0  # changes of the task, and which are in effect
         self._changes: queue.SimpleQueue[Callable[[], None] | None] = queue.SimpleQueue()
         self._end, self._first = threading.Event(), threading.Event()
@@ -336,7 +338,7 @@ class TeamNavigator:
         with self._lock:
             last, goals, own = self._last, self._goals, tuple(self._own_goals)
             refused, trouble = self._refused, self._trouble
-            coming = self._shown != self._asked
+            coming, arrived = self._shown != self._asked, self._arrived
             mode: Mode = "formation" if self._wanted is self._formation else "individual"
         names = self.team.names
         now, cause = self._fleet.time, self._supervisor.cause
@@ -361,7 +363,7 @@ class TeamNavigator:
             )
             for k, name in enumerate(names)
         )
-        state = _state(planner, bool(goals or any(own)), lines, coming)
+        state = _state(planner, bool(goals or any(own)), lines, coming, arrived)
         return TeamStatus(
             state, mode, now, robots, lines, _message(planner, lines, trouble, names), refused,
             goals, planner.waypoint, planner.goal_moved,
@@ -542,6 +544,7 @@ class TeamNavigator:
             lines = ", ".join(_line(fault, self.team.names) for fault in cycle.report.cause)
             notes = (*notes, f"watchdog: {lines}")
             _LOG.warning("stopped: %s", lines)
+        self._judge_arrival(observation.time, cycle, status, done)
         frame = Frame(
             round(observation.time - (self._begin or 0.0), 9),
             self._fleet.true_poses(),
@@ -562,6 +565,17 @@ class TeamNavigator:
                 _LOG.exception("a sink of frames has failed")
                 with self._lock:
                     self._trouble = f"what was recorded ends here: {type(error).__name__}: {error}"
+
+    def _judge_arrival(self, now: float, cycle: Cycle, status: PlannerStatus, done: int) -> None:
+        """All stand at their goals, turned right, for a while: see `ArrivalMonitor`."""
+        driving = status.state == "final" or status.targets is not None
+        if done != self._shown or not driving or not cycle.report.ok:
+            self._arrival, self._arrived = ArrivalMonitor(LIVE), False
+            return
+        with self._lock:
+            last = max(len(self._goals) - 1, 0)
+        poses, velocities = self._fleet.true_poses(), self._fleet.true_velocities()
+        self._arrived = self._arrival.update(now, poses, velocities, status, last)
 
     def _note(self, text: str) -> None:
         with self._lock:
@@ -614,7 +628,9 @@ def same_map(one: OccupancyMap, other: OccupancyMap) -> bool:
     )
 
 
-def _state(planner: PlannerStatus, goals: bool, cause: tuple[str, ...], coming: bool) -> str:
+def _state(
+    planner: PlannerStatus, goals: bool, cause: tuple[str, ...], coming: bool, arrived: bool
+) -> str:
     if cause:
         return "stopped"
     if planner.state in ("paused", "stale"):
@@ -623,7 +639,7 @@ def _state(planner: PlannerStatus, goals: bool, cause: tuple[str, ...], coming: 
         return "idle"
     if coming and planner.state in ("inactive", "final", "stuck", "infeasible"):
         return "partial"  # the planner's state is of what was to be done before
-    return "arrived" if planner.arrived else planner.state
+    return "arrived" if arrived else planner.state
 
 
 def _message(
