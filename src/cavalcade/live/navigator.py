@@ -6,9 +6,10 @@ import logging
 import math
 import queue
 import threading
-from collections.abc import Callable, Sequence
+import time as wall
+from collections.abc import Callable, Sequence, Sized
 from dataclasses import replace
-from typing import Literal, Protocol, Self, runtime_checkable
+from typing import Any, Literal, Protocol, Self, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -40,6 +41,9 @@ Mode = Literal["formation", "individual"]
 
 _FIRST_CYCLE = 10.0
 """The first cycle is waited for so long, s."""
+
+_FIGURES = 2.0
+"""Figures of the cycles are found anew this often, s."""
 
 _ENDING = 5.0
 """The threads' ends are waited for so long, s."""
@@ -133,6 +137,7 @@ class TeamNavigator:
         self._last: tuple[Frame, Cycle] | None = None
         self._begin: float | None = None
         self._arrival, self._arrived = ArrivalMonitor(LIVE), False
+        self._figures: tuple[float, dict[str, Any]] = -math.inf, {}
         self._asked = self._done = self._shown = 0  # changes of the task, and which are in effect
         self._changes: queue.SimpleQueue[Callable[[], None] | None] = queue.SimpleQueue()
         self._end, self._first = threading.Event(), threading.Event()
@@ -198,9 +203,9 @@ class TeamNavigator:
         Raises:
             InputError: They are no finite poses, or the team has no formation.
         """
-        poses = number_array(goals, "goals", (None, 3), "poses (x, y, yaw)")
-        if not len(poses):
+        if isinstance(goals, Sized) and len(goals) == 0:
             raise InputError("expected at least one pose", key="goals")
+        poses = number_array(goals, "goals", (None, 3), "poses (x, y, yaw)")
         formation = self._formation
         if formation is None:
             raise InputError(
@@ -342,7 +347,6 @@ class TeamNavigator:
             mode: Mode = "formation" if self._wanted is self._formation else "individual"
         names = self.team.names
         now, cause = self._fleet.time, self._supervisor.cause
-        pace = self._control.statistics.to_dict(self._supervisor.missed)
         lines = tuple(_line(fault, names) for fault in cause)
         if last is None or self._closed:
             robots = tuple(RobotStatus(name) for name in names)
@@ -368,8 +372,21 @@ class TeamNavigator:
             state, mode, now, robots, lines, _message(planner, lines, trouble, names), refused,
             goals, planner.waypoint, planner.goal_moved,
             names[planner.leader] if mode == "formation" and planner.leader >= 0 else "",
-            self._supervision.dry_run, pace,
+            self._supervision.dry_run, self._pace(),
         )  # fmt: skip
+
+    def _pace(self) -> dict[str, Any]:
+        """Figures of the cycles; percentiles of an hour take too long to be found each time."""
+        now = wall.monotonic()
+        with self._lock:
+            known, found = self._figures
+            if now - known < _FIGURES:
+                return found
+            self._figures = now, found
+        found = self._control.statistics.to_dict(self._supervisor.missed)
+        with self._lock:
+            self._figures = now, found
+        return found
 
     def _robot(self, name: str) -> int:
         if name not in self.team.names:

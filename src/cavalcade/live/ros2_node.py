@@ -247,7 +247,8 @@ class NavigationNode:
             try:
                 act(message)
             except CavalcadeError as error:
-                self.refuse(f"{topic}: {error}")
+                text = str(error)
+                self.refuse(text if text.startswith(topic) else f"{topic}: {text}")
             except Exception as error:
                 _LOG.exception("a message on %s could not be used", topic)
                 self.refuse(f"{topic}: {type(error).__name__}: {error}")
