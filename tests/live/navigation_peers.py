@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import itertools
 import json
-import os
 import signal
 import subprocess
 import sys
@@ -26,8 +24,6 @@ task:
   goals: [[7.0, 3.0, 0.0]]
 """
 
-_DOMAINS = itertools.count(1 + os.getpid() % 90)
-
 
 class Peers:
     """Processes in a domain of their own, and an operator among them who hears everything."""
@@ -36,13 +32,6 @@ class Peers:
         self.folder = folder
         self.scenario = folder / "hall.yaml"
         self.scenario.write_text(SCENARIO)
-        (folder / "log").mkdir()
-        self.domain = str(next(_DOMAINS) % 100)
-        self.environment = os.environ | {
-            "ROS_DOMAIN_ID": self.domain,
-            "ROS_LOG_DIR": str(folder / "log"),
-        }
-        os.environ |= {"ROS_DOMAIN_ID": self.domain, "ROS_LOG_DIR": str(folder / "log")}
         self._running: list[subprocess.Popen] = []
         self.graph = Graph("operator")
         self.status: dict = {}
@@ -103,7 +92,6 @@ class Peers:
         with open(self.folder / f"{number}.out", "w") as output:
             process = subprocess.Popen(
                 [sys.executable, "-m", "cavalcade", *words],
-                env=self.environment,
                 stdout=output,
                 stderr=subprocess.STDOUT,
             )
