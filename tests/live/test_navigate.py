@@ -10,7 +10,6 @@ import sys
 import time as wall
 
 import pytest
-
 from navigation_peers import Peers
 
 from cavalcade.errors import InputError
