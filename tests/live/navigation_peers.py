@@ -104,9 +104,9 @@ class Peers:
         self.until(lambda: len(self.poses) == 2, process)
         return process
 
-    def navigate(self, *words: str) -> subprocess.Popen:
+    def navigate(self, *words: str, team=None) -> subprocess.Popen:
         self.status = {}
-        process = self.run("ros2", "navigate", str(self.scenario), *words)
+        process = self.run("ros2", "navigate", str(team or self.scenario), *words)
         state = "unconfigured" if "--wait" in words else "active"
         self.until(lambda: self.status.get("lifecycle") == state, process)
         return process

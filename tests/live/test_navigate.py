@@ -170,6 +170,20 @@ def test_dry_run_commands_nobody(peers):
     assert peers.status["dry_run"]
 
 
+def test_team_file_with_odometry_a_map_by_topic_and_a_speed_limit(peers, tmp_path):
+    pose = "pose: {type: Odometry, topic: odom}"
+    file = tmp_path / "team.yaml"
+    file.write_text(
+        f"version: 1\nrobots: [{{name: robot_0, {pose}}}, {{name: robot_1, {pose}}}]\n"
+        "formation: {shape: line, spacing: 1.0}\nlimits: {max_speed: 0.25}\n"
+    )
+    navigate = peers.navigate(team=file)
+    peers.send_goal((3.0, 3.0, 0.0))
+    peers.until(lambda: arrived_at(peers, (3.0, 3.0, 0.0)), navigate)
+    speeds = [math.hypot(*c[:2]) for kept in peers.commands.values() for _, c in kept]
+    assert 0.2 < max(speeds) < 0.25 + 1e-6
+
+
 def test_bad_input_and_robots_that_are_not_there_end_with_2(tmp_path, monkeypatch):
     monkeypatch.setenv("ROS_LOG_DIR", str(tmp_path))
     file = tmp_path / "team.yaml"

@@ -264,9 +264,9 @@ class TeamNavigator:
     def set_map(self, map: OccupancyMap) -> None:
         """Replace the map, while robots stand or move; what is the same already is left out."""
         instance_of(map, OccupancyMap, "map")
+        if same_map(map, self.map):
+            return
         with self._lock:
-            if same_map(map, self._map):
-                return
             self._map = map
             waiting = self._new_map is not None
             self._new_map = map
