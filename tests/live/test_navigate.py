@@ -57,7 +57,7 @@ def test_goals_shapes_stops_and_bad_input_by_topics_and_services(peers):
         (lambda: peers.send_formation("shape: sqare"), "did you mean square"),
         (lambda: peers.send_formation("{shape: ["), "formation"),
         (lambda: peers.send_formation("line"), "expected a mapping"),
-        (lambda: peers.send_goal(GOAL, robot="robot_0"), "formation alone"),
+        (lambda: peers.send_goal(GOAL, "odom", "robot_0"), "/robot_0/goal_pose: in frame 'odom'"),
     ):
         send()
         peers.until(lambda reason=reason: reason in peers.status["refused"], navigate)
@@ -86,6 +86,12 @@ def test_goals_shapes_stops_and_bad_input_by_topics_and_services(peers):
     peers.send_formation("{shape: column, spacing: 1.0}")
     peers.send_goals([(4.0, 3.0, math.pi), BACK])
     peers.until(lambda: arrived_at(peers, BACK), navigate)
+    # A goal of one robot: the other one stays.
+    stays = peers.poses["robot_1"][0]
+    peers.send_goal((5.0, 1.5, 0.0), robot="robot_0")
+    peers.until(lambda: peers.state() == "arrived" and peers.status["mode"] == "individual")
+    assert math.dist(peers.poses["robot_0"][0][:2], (5.0, 1.5)) < 0.2
+    assert math.dist(peers.poses["robot_1"][0][:2], stays[:2]) < 0.2
     # Maps of another resolution, in another frame, and nonsense.
     grid = message_type("nav_msgs/msg/OccupancyGrid")()
     fill_map(grid, OccupancyMap.empty((9.0, 6.0), 0.1).with_shapes([Box((4.0, 3.0), (0.4, 0.4))]))

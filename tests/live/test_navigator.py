@@ -101,7 +101,11 @@ def live(ground):
     """A fleet and its navigator, which has begun."""
     fleet, frames = FakeFleet(STARTS), []
     navigator = TeamNavigator(
-        team_with(), fleet, map=ground, individual=lambda: Straight(3), sinks=[frames.append]
+        team_with(),
+        fleet,
+        map=ground,
+        individual=lambda team, map: Straight(3),
+        sinks=[frames.append],
     )
     with navigator:
         navigator.fleet, navigator.frames = fleet, frames
@@ -263,9 +267,22 @@ def test_dry_run_commands_nobody(ground):
     assert not any(command.any() for _, command in fleet.sent)
 
 
-def test_team_without_formation_and_single_goals_is_refused(ground):
-    with pytest.raises(InputError, match="formation"):
-        TeamNavigator(team_with(formation=None), FakeFleet(STARTS), map=ground)
+def test_team_without_formation_drives_single_robots_together(ground):
+    """The real planner: two robots change places."""
+    fleet = FakeFleet(STARTS)
+    with TeamNavigator(team_with(formation=None), fleet, map=ground) as navigator:
+        with pytest.raises(InputError, match="no formation"):
+            navigator.set_formation_goals([GOAL])
+        assert navigator.status.mode == "individual"
+        navigator.set_robot_goal("anna", STARTS[1])
+        navigator.set_robot_goal("bert", STARTS[0])
+        until(lambda: navigator.status.arrived, 60.0)
+        there = fleet.true_poses()
+    for robot, goal in ((0, STARTS[1]), (1, STARTS[0]), (2, STARTS[2])):
+        assert np.hypot(*(there[robot] - goal)[:2]) < 0.16
+
+
+def test_fleet_of_another_size_is_refused(ground):
     with pytest.raises(InputError, match="fleet of 2"):
         TeamNavigator(team_with(), FakeFleet(STARTS[:2]), map=ground)
 

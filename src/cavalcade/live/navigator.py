@@ -19,8 +19,9 @@ from pydantic_core import PydanticCustomError
 from cavalcade.errors import FleetError, InputError
 from cavalcade.execution import ControlLoop, Degradable, Supervisor
 from cavalcade.execution.arrival import LIVE, ArrivalMonitor
-from cavalcade.execution.control import Cycle, fitted, tell_sent
+from cavalcade.execution.control import Cycle, tell_sent
 from cavalcade.execution.formation_policy import formation_of, settings_of
+from cavalcade.execution.individual_navigator import PLANNING, IndividualNavigator
 from cavalcade.fleet import Fault, LiveFleet
 from cavalcade.formation import FormationPlanner
 from cavalcade.jobs import warming
@@ -82,14 +83,13 @@ class TeamNavigator:
         team: Who they are and what they may do.
         fleet: What they are reached by; connected already.
         map: The ground.
-        individual: Makes the policy for goals of single robots; None refuses such goals.
+        individual: Makes another policy for goals of single robots than `IndividualNavigator`.
         sinks: Called with the `Frame` of each cycle, in the planner's thread. One that raises is
             called no more, and the status says so.
         dry_run: Do everything, but command nobody; so is a team whose file says it.
 
     Raises:
-        InputError: The planner refuses the team's values, or neither formation nor single goals
-            are there.
+        InputError: The planner refuses the team's values.
     """
 
     def __init__(
@@ -98,7 +98,7 @@ class TeamNavigator:
         fleet: LiveFleet,
         *,
         map: OccupancyMap,
-        individual: Callable[[], IndividualPolicy] | None = None,
+        individual: Callable[[Team, OccupancyMap], IndividualPolicy] | None = None,
         sinks: Sequence[FrameSink] = (),
         dry_run: bool = False,
     ) -> None:
@@ -111,19 +111,14 @@ class TeamNavigator:
         self._fleet = fleet
         self._period = 1.0 / team.rate
         self._formation = None if team.formation is None else make_team_planner(team, map)
-        self._individual = None if individual is None else individual()
-        policy: Degradable | None = self._formation or self._individual
-        if policy is None:
-            text = "missing: this team takes no goals of single robots; expected a shape"
-            raise InputError(text, file=team.file, key="formation")
+        self._individual = (individual or make_individual)(team, map)
+        policy: Degradable = self._formation or self._individual
         self._supervision = team.what_is_allowed(dry_run)
         self._supervisor = Supervisor(
             team.models, self._period, self._supervision, map, team.expected
         )
         self._control = ControlLoop(policy, fleet, self._supervisor)
         self._wanted: Degradable = policy
-        if self._individual is not None:
-            fitted(self._supervision, self._individual, None)
         self._sinks = list(sinks)
         self._lock = threading.RLock()
         self._map = map
@@ -168,7 +163,7 @@ class TeamNavigator:
                 threading.Thread(target=self._work, name="cavalcade-changes", daemon=True),
             ]
         with Reporter(quiet) as reporter:
-            warming.warm(kernels_of(self.team, self._individual is not None), reporter)
+            warming.warm(kernels_of(self.team), reporter)
         for thread in self._threads:
             thread.start()
         if not self._first.wait(_FIRST_CYCLE):
@@ -188,8 +183,7 @@ class TeamNavigator:
             if thread.ident is not None and thread is not threading.current_thread():
                 thread.join(_ENDING)
         self._control.close()
-        if self._individual is not None:
-            self._individual.close()
+        self._individual.close()
 
     @property
     def map(self) -> OccupancyMap:
@@ -226,18 +220,14 @@ class TeamNavigator:
         """Drive one robot to a pose (x, y, yaw); the others keep their own goals or stay.
 
         Raises:
-            InputError: There is no such robot, it is no finite pose, or the team takes no goals
-                of single robots.
+            InputError: There is no such robot, or it is no finite pose.
         """
         robot = self._robot(name)
         pose = pose_of(goal, "goal")
-        individual = self._individual
-        if individual is None:
-            raise InputError("this team takes goals of its formation alone", key="goal")
 
         def change() -> None:
-            individual.set_goal(robot, pose)
-            self._choose(individual)
+            self._individual.set_goal(robot, pose)
+            self._choose(self._individual)
 
         with self._lock:
             self._goals = ()
@@ -455,9 +445,8 @@ class TeamNavigator:
             self._forget_own_goals()
 
     def _forget_own_goals(self) -> None:
-        if self._individual is not None:
-            for robot in range(self._fleet.size):
-                self._individual.set_goal(robot, None)
+        for robot in range(self._fleet.size):
+            self._individual.set_goal(robot, None)
 
     def _use_map(self) -> None:
         with self._lock:
@@ -466,8 +455,7 @@ class TeamNavigator:
             return
         if self._formation is not None:
             self._formation.update_map(area)
-        if self._individual is not None:
-            self._individual.set_map(area)
+        self._individual.set_map(area)
         self._supervisor.area = area
         with self._lock:
             self._maps.append(area)
@@ -599,14 +587,31 @@ class TeamNavigator:
             self._notes.append(text)
 
 
-def kernels_of(team: Team, individual: bool) -> list[warming.Needs]:
-    """What has to be compiled before a team is driven, with goals of single robots or without."""
-    found = []
+def kernels_of(team: Team) -> list[warming.Needs]:
+    """What has to be compiled before a team is driven."""
+    found = [warming.Needs("individual", None), warming.Needs("individual")]
     if team.formation is not None:
         found.append(warming.Needs("formation", None, team.planner.variant, moving=True))
-    if individual:
-        found.append(warming.Needs("individual", None))
     return found
+
+
+def make_individual(team: Team, map: OccupancyMap) -> IndividualNavigator:
+    """The planner of a team's goals of single robots.
+
+    Raises:
+        InputError: It refuses the team's values.
+    """
+    said = team.planner
+    settings = replace(
+        PLANNING,
+        margin=PLANNING.margin if said.margin is None else said.margin,
+        constraints=said.constraints or PLANNING.constraints,
+        conflict=said.conflict or PLANNING.conflict,
+        improve=PLANNING.improve if said.improve is None else said.improve,
+        iterations=said.budget.iterations or PLANNING.iterations,
+        seconds=said.budget.seconds,
+    )
+    return IndividualNavigator(team.models, map, team.rate, settings, team.seed)
 
 
 def make_team_planner(team: Team, map: OccupancyMap) -> FormationPlanner:
