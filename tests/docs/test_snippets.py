@@ -15,8 +15,8 @@ import yaml
 
 import cavalcade as cv
 from cavalcade.campaign.suite import parse_suite
-from cavalcade.live.team_file import parse_team
 from cavalcade.cli import main
+from cavalcade.live.team_file import parse_team
 from cavalcade.robots import MODELS
 
 from .pages import LESSONS, PAGES, ROOT, Block, blocks, name_of

@@ -25,6 +25,15 @@ task:
 """
 
 
+TEAM = """\
+version: 1
+name: hall
+robots: [{name: robot_0}, {name: robot_1}]
+formation: {shape: line, spacing: 1.0}
+supervision: {deadline: 1.0}  # the machine may be busy with other things
+"""
+
+
 class Peers:
     """Processes in a domain of their own, and an operator among them who hears everything."""
 
@@ -32,6 +41,8 @@ class Peers:
         self.folder = folder
         self.scenario = folder / "hall.yaml"
         self.scenario.write_text(SCENARIO)
+        self.team = folder / "hall-team.yaml"
+        self.team.write_text(TEAM)
         self._running: list[subprocess.Popen] = []
         self.graph = Graph("operator")
         self.status: dict = {}
@@ -106,7 +117,7 @@ class Peers:
 
     def navigate(self, *words: str, team=None) -> subprocess.Popen:
         self.status = {}
-        process = self.run("ros2", "navigate", str(team or self.scenario), *words)
+        process = self.run("ros2", "navigate", str(team or self.team), *words)
         state = "unconfigured" if "--wait" in words else "active"
         self.until(lambda: self.status.get("lifecycle") == state, process)
         return process

@@ -130,7 +130,7 @@ def test_second_node_on_the_same_robots_stops_both(peers):
     first = peers.navigate()
     peers.send_goal(GOAL)
     peers.until(peers.moving, first)
-    second = peers.run("ros2", "navigate", str(peers.scenario))
+    second = peers.run("ros2", "navigate", str(peers.team))
     peers.until(lambda: "second-commander" in str(peers.status["cause"]), second)
     peers.until(peers.standing)
     second.send_signal(signal.SIGINT)
@@ -168,7 +168,7 @@ def test_lifecycle_manager_brings_the_node_up_and_down(peers):
 
 
 def test_dry_run_commands_nobody(peers):
-    navigate = peers.navigate("--dry-run")
+    navigate = peers.navigate("--dry-run", team=peers.scenario)
     peers.send_goal(GOAL)
     peers.until(lambda: min(peers.plans.values(), default=0) > 1, navigate)
     began = wall.monotonic()
@@ -182,6 +182,7 @@ def test_team_file_with_odometry_a_map_by_topic_and_a_speed_limit(peers, tmp_pat
     file.write_text(
         f"version: 1\nrobots: [{{name: robot_0, {pose}}}, {{name: robot_1, {pose}}}]\n"
         "formation: {shape: line, spacing: 1.0}\nlimits: {max_speed: 0.25}\n"
+        "supervision: {deadline: 1.0}\n"
     )
     navigate = peers.navigate(team=file)
     peers.send_goal((3.0, 3.0, 0.0))

@@ -104,7 +104,7 @@ def live(ground):
         team_with(),
         fleet,
         map=ground,
-        individual=lambda team, map: Straight(3),
+        individual=lambda *_: Straight(3),
         sinks=[frames.append],
     )
     with navigator:

@@ -164,7 +164,9 @@ def meets(map: OccupancyMap, model: RobotModel, poses: Array, before: OccupancyM
     return int(rows[0]) if len(rows) else None
 
 
-def _planned(team: Team, request: Request, goals: list[Pose | None], free: list[int]) -> TeamPlan:
+def _planned(
+    team: Team, request: Request, goals: list[Pose | None], free: list[int]
+) -> TeamPlan:
     """The plan of robots that are no obstacles; by the plain method where the best finds none."""
     starts = [_pose(request.starts[k]) for k in free]
     ends = [start if goals[k] is None else goals[k] for k, start in zip(free, starts, strict=True)]

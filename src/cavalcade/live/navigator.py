@@ -495,7 +495,7 @@ class TeamNavigator:
         except Exception as error:
             # The supervisor has stopped the team; an operator may try again.
             _LOG.exception("a control cycle has failed")
-            self._failed(f"{type(error).__name__}: {error}; it may be resumed")
+            self._failed(f"{type(error).__name__}: {error}")
             self._control.send(np.zeros((self._fleet.size, 3)))
             self._end.wait(self._period)
             return
@@ -671,7 +671,10 @@ def _message(
     if cause:
         estop = any(line.startswith("e-stop") for line in cause)
         lift = "call reset_stop, then resume" if estop else "call resume"
-        return f"stopped: {'; '.join(cause)}. When it is over, {lift}"
+        why = "; ".join(cause)
+        if trouble and trouble not in why:
+            why += f" ({trouble})"
+        return f"stopped: {why}. When it is over, {lift}"
     if planner.message and planner.involved:
         who = ", ".join(names[robot] for robot in planner.involved)
         return f"{planner.message} ({who})"
