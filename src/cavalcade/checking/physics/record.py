@@ -19,7 +19,7 @@ from cavalcade.robots.description import JOINTS, LEGS, PARTS
 
 CONTACTS = "/cavalcade/contacts"
 
-_JOINTS = tuple(f"{leg}_{joint}" for leg in LEGS for joint in JOINTS)
+_JOINTS = tuple(f"{leg}_{joint}_joint" for leg in LEGS for joint in JOINTS)
 _OTHER = re.compile(r"ground|obstacle|robot \d+")
 _TOPIC = re.compile(r"/robot_\d+/(body|joint_states|foot_force/(?:FL|FR|RL|RR))")
 _TYPES = {
