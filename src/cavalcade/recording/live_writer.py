@@ -184,9 +184,9 @@ class LiveRecording:
 
     def _put(self, found: list[Message]) -> None:
         """Write messages of one piece, all or none."""
-        found.sort(key=itemgetter(0, 1))
         if not self._opened:
-            found = self._opening(found[0][0] / 1e9) + found
+            found += self._opening(min(found, key=itemgetter(0))[0] / 1e9)
+        found.sort(key=itemgetter(0, 1))
         if self._problem:
             text = f"recording: what happened before is missing ({self._problem})"
             found.insert(0, _note_message(found[0][0] / 1e9, text))
@@ -211,7 +211,6 @@ class LiveRecording:
         if self._names:
             said = ", ".join(f"robot {k} is {name}" for k, name in enumerate(self._names))
             found.append(_note_message(start, f"recording: {said}"))
-        found.sort(key=itemgetter(0, 1))
         return found
 
     def _usable(self, frame: Frame, texts: list[str]) -> Frame | None:
