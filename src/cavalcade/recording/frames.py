@@ -65,7 +65,7 @@ class Recording:
         commands: `(T, N, 3)` body-frame velocities commanded at that time.
         status: The planner's status per cycle, T of them.
         obstacles: What the world gained or lost on the way, in order of time.
-        notes: (time, text) pairs: events and watchdog messages.
+        notes: (time, text) pairs: events and faults.
         physics: Bodies, joints, forces and contacts; None for robots without.
         ended: False if it was read from a file whose writer was stopped before its end: then
             everything up to then is here, and nobody knows how it went on.
