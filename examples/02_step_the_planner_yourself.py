@@ -11,12 +11,13 @@ world = cv.OccupancyMap.empty((8.0, 5.0)).with_shapes([cv.Circle((4.0, 2.6), 0.3
 shape = cv.Formation.square(1.0)
 planner = cv.FormationPlanner(world, shape, model="go1", rate=20.0, lookahead=3.0)
 planner.set_goal((6.4, 2.5, 0.0))
+team = cv.SupervisedPlanner(planner)  # stops all of them when a pose is lost, jumps or is nonsense
 
 # Poses (N, 3) come from your localisation: x, y in m and yaw in rad, in the map's frame.
 poses = np.column_stack([shape.placed((1.5, 2.5, 0.0)), np.zeros(4)])
 for cycle in range(1200):
-    command = planner.step(poses, cycle / planner.rate)  # (N, 3) body-frame m/s, m/s, rad/s
-    status = planner.status
+    command = team.step(poses, cycle / planner.rate)  # (N, 3) body-frame m/s, m/s, rad/s
+    status = team.status
     if cycle % 100 == 0:
         roles = status.roles.tolist()
         print(f"{cycle / 20:5.1f} s  {status.state:8} leader {status.leader:2}  roles {roles}")

@@ -15,6 +15,10 @@ from .errors import MapError as MapError
 from .errors import OutputError as OutputError
 from .errors import RecordingError as RecordingError
 from .errors import ScenarioError as ScenarioError
+from .execution import SupervisedPlanner as SupervisedPlanner
+from .execution import Supervision as Supervision
+from .execution import Supervisor as Supervisor
+from .execution import SupervisorReport as SupervisorReport
 from .fleet.mujoco import MujocoFleet as MujocoFleet
 from .formation import Connection as Connection
 from .formation import DynamicObstacle as DynamicObstacle

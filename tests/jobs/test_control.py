@@ -1,4 +1,4 @@
-"""The control cycle and its watchdog: who is commanded what, and when."""
+"""The control cycle and its supervisor: who is commanded what, and when."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from cavalcade.execution.control import ControlLoop
-from cavalcade.fleet import CommandDelay, IdealFleet, Observation, Watchdog
+from cavalcade.execution.supervisor import Supervisor
+from cavalcade.fleet import CommandDelay, IdealFleet, Observation
 from cavalcade.robots import robot_model
 from cavalcade.world import OccupancyMap
 
@@ -21,9 +22,10 @@ class Bench:
     """A loop over an ideal fleet whose reports can be spoilt; keeps every command sent."""
 
     def __init__(self, planner: Any, **fleet: Any) -> None:
-        self.fleet = IdealFleet([robot_model("go1")] * 3, STARTS, **fleet)
+        models = [robot_model("go1")] * 3
+        self.fleet = IdealFleet(models, STARTS, **fleet)
         self.planner = planner
-        self.loop = ControlLoop(planner, self.fleet, Watchdog(3, AREA))
+        self.loop = ControlLoop(planner, self.fleet, Supervisor(models, 0.05, area=AREA))
         self.sent: list[np.ndarray] = []
         self.spoil: Any = None
         observe, send = self.fleet.observe, self.fleet.send
@@ -191,7 +193,7 @@ def test_nor_a_time_that_is_none(bench: Bench) -> None:
     assert len({stamps[0] for stamps in seen}) == 5
 
 
-def test_lossy_radio_does_not_trip_the_watchdog(straight: Any, make_scenario: Any) -> None:
+def test_lossy_radio_does_not_trip_the_supervisor(straight: Any, make_scenario: Any) -> None:
     planner = straight(make_scenario(robots=3, goal=(8.0, 3.0, 0.0)), None)
     planner.slots = np.array(SLOTS)
     lossy = Bench(planner, delay=CommandDelay(mean=0.05, jitter=0.02, drop=0.2), seed=2)

@@ -9,7 +9,8 @@ import pytest
 from cavalcade.errors import ScenarioError
 from cavalcade.execution.control import ControlLoop
 from cavalcade.execution.events import EventRunner
-from cavalcade.fleet import IdealFleet, Watchdog
+from cavalcade.execution.supervisor import Supervisor
+from cavalcade.fleet import IdealFleet
 from cavalcade.scenario import Scenario, build_world
 from cavalcade.world import Box, Circle, OccupancyMap
 
@@ -23,10 +24,10 @@ class Stage:
         self.world = build_world(scenario)
         self.planner = straight(scenario, self.world)
         self.fleet = IdealFleet(scenario.models, scenario.starts)
-        self.watchdog = Watchdog(self.fleet.size)
+        self.supervisor = Supervisor(scenario.models, 0.05)
         self.maps: list[tuple[float, OccupancyMap]] = []
         self.notes: list[tuple[float, str]] = []
-        self.control = ControlLoop(self.planner, self.fleet, self.watchdog)
+        self.control = ControlLoop(self.planner, self.fleet, self.supervisor)
         self.events = EventRunner(scenario, self.world, self.control)
         self.cycle = 0
         self._keep(0.0)
@@ -173,7 +174,8 @@ def test_a_policy_that_takes_no_goals_is_not_given_any(
     for event in ({"goals": [[2.0, 2.0, 0.0]]}, {"lose": 2}):
         scenario = make_scenario(events=[{"at": 1.0, "add": CIRCLE}, {"at": 2.0, **event}])
         fleet = IdealFleet(scenario.models, scenario.starts)
-        control = ControlLoop(Stubborn(), fleet, Watchdog(fleet.size))  # type: ignore[arg-type]
+        supervisor = Supervisor(scenario.models, 0.05)
+        control = ControlLoop(Stubborn(), fleet, supervisor)  # type: ignore[arg-type]
         (kind,) = event
         with pytest.raises(ScenarioError, match=rf"execution.events\[1\].{kind}: a Stubborn takes"):
             EventRunner(scenario, build_world(scenario), control)

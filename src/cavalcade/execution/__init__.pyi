@@ -1,4 +1,9 @@
 from .control import ControlLoop as ControlLoop
 from .loop import carry_out as carry_out
+from .policy import Degradable as Degradable
 from .policy import Policy as Policy
 from .policy import Reconfigurable as Reconfigurable
+from .supervised import SupervisedPlanner as SupervisedPlanner
+from .supervisor import Supervision as Supervision
+from .supervisor import Supervisor as Supervisor
+from .supervisor import SupervisorReport as SupervisorReport

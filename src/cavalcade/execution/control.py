@@ -1,15 +1,20 @@
-"""One control cycle: observe, watch, decide, command. Usable with any fleet and any policy."""
+"""One control cycle: observe, supervise, decide, command. Usable with any fleet and any policy."""
 
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
 
-from cavalcade.execution.policy import Policy, Reconfigurable
-from cavalcade.fleet import Fleet, Observation, Watchdog, WatchdogReport
+from cavalcade.execution.guard import CommandGuard
+from cavalcade.execution.policy import Degradable, Policy
+from cavalcade.execution.statistics import CycleStatistics
+from cavalcade.execution.supervisor import Supervision, Supervisor, SupervisorReport
+from cavalcade.fleet import Fleet, LeapingFleet, LiveFleet, Observation
+from cavalcade.formation import FormationPlanner
 from cavalcade.geometry import Array
 
 
@@ -19,46 +24,66 @@ class Cycle:
 
     Attributes:
         observation: What the fleet reported.
-        report: What the watchdog made of it.
-        commands: `(N, 3)` body-frame velocities to send.
+        report: What the supervisor made of it.
+        commands: `(N, 3)` body-frame velocities to send, as the supervisor admits them.
         planning: Time spent in the policy, s of wall time.
     """
 
     observation: Observation
-    report: WatchdogReport
+    report: SupervisorReport
     commands: Array
     planning: float
 
 
 class ControlLoop:
-    """Runs policy and watchdog over a fleet.
+    """Runs policy and supervisor over a fleet.
 
     Use it as a context: however it is left, the last command that the fleet gets is zero.
 
-    While the watchdog objects, every robot is commanded to stop in the very cycle in which the
+    While the supervisor objects, every robot is commanded to stop in the very cycle in which the
     fault is seen, and the policy is paused. `resume` lets the team go on, from the next cycle
-    in which all data are fresh.
+    in which all data are fresh. Live fleets, which wait for nobody, get a guard beside the
+    planner's thread, a deadline for each cycle, and figures of how well it was kept.
+
+    One thread runs `plan` and `send`; any thread may call the other methods.
     """
 
-    def __init__(self, policy: Policy, fleet: Fleet, watchdog: Watchdog) -> None:
+    def __init__(self, policy: Policy, fleet: Fleet, supervisor: Supervisor) -> None:
         self.policy = policy
         self.fleet = fleet
-        self.watchdog = watchdog
+        self.supervisor = supervisor
+        self.statistics = CycleStatistics(supervisor.period)
+        self._guard: CommandGuard | None = None
+        deadline: float | None = None
+        if isinstance(fleet, LiveFleet):
+            deadline = supervisor.period
+            self._guard = CommandGuard(fleet, supervisor, supervisor.period)
+        supervisor.supervision = fitted(supervisor.supervision, policy, deadline)
+        self._leaper = fleet if isinstance(fleet, LeapingFleet) else None
         self._paused = False
         self._known: tuple[Array, Array] | None = None
-        self._lost = np.zeros(fleet.size, dtype=bool)
 
     def __enter__(self) -> Self:
+        if self._guard is not None:
+            self._guard.start()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.stop()
+        self.close()
 
     def plan(self) -> Cycle:
         """Observe and decide; nothing is sent yet."""
         observation = self.fleet.observe()
-        report = self.watchdog.check(observation)
-        commands = np.zeros((self.fleet.size, 3))
+        if self._guard is not None:
+            self._guard.begin(observation.time)
+        busy: Sequence[int] = ()
+        if self._leaper is not None:
+            busy = np.flatnonzero(self._leaper.leaping).tolist()
+        report = self.supervisor.check(observation, busy)
+        if isinstance(self.policy, Degradable):
+            for robot in report.unresponsive:
+                self.policy.lose(robot)
+        wanted = np.zeros((self.fleet.size, 3))
         planning = 0.0
         if report.ok:
             if self._paused:
@@ -66,40 +91,86 @@ class ControlLoop:
                 self._paused = False
             poses, stamps = self._usable(observation)
             start = time.perf_counter()
-            wanted = self.policy.step(poses, observation.time, stamps)
-            commands = np.array(wanted, dtype=float)
+            wanted = self._step(poses, observation.time, stamps)
             planning = time.perf_counter() - start
-            commands[self._lost] = 0.0
         elif not self._paused:
             self.policy.pause()
             self._paused = True
+        took = self.fleet.time - observation.time  # nothing in simulated time
+        commands = self.supervisor.admit(wanted, took)
+        if report.ok:
+            tell_sent(self.policy, wanted, commands)
         return Cycle(observation, report, commands, planning)
 
-    def send(self, commands: Array) -> None:
-        """Command the fleet."""
-        self.fleet.send(commands)
+    def send(self, commands: Array, cycle: Cycle | None = None) -> Array:
+        """Command the fleet; nothing but zeros leaves if something happened since `plan`.
 
-    def stop(self) -> None:
-        """Command every robot to stop."""
-        self.fleet.send(np.zeros((self.fleet.size, 3)))
+        Args:
+            commands: `(N, 3)`, as the supervisor admitted them.
+            cycle: That they come from, for the figures of live fleets.
+
+        Returns:
+            What was sent.
+        """
+        if self._guard is None:
+            sent = self.supervisor.gate(commands)
+            self.fleet.send(sent)
+            return sent
+        sent = self._guard.send(commands)
+        if cycle is not None:
+            seen, now = cycle.observation, self.fleet.time
+            stamps = np.delete(seen.stamps, self.supervisor.lost)
+            age = now - float(stamps.min()) if len(stamps) else np.nan
+            self.statistics.add(seen.time, now - seen.time, age)
+        return sent
+
+    def stop(self, detail: str = "") -> None:
+        """The e-stop: zeros leave at once, and nothing else until `reset_stop` and `resume`."""
+        self.supervisor.stop(detail=detail)
+        self._send_zeros()
+
+    def reset_stop(self) -> None:
+        """Lift the e-stop; the team stands until `resume`."""
+        self.supervisor.reset_stop()
 
     def resume(self) -> None:
         """Let the team move again after a fault, as soon as the next cycle finds none."""
-        self.watchdog.resume()
+        self.supervisor.resume()
 
     def lose(self, robot: int) -> None:
         """The robot is known to be lost: no fault, no commands, and the others go on."""
-        self._lost[robot] = True
-        self.watchdog.lose(robot)
-        if isinstance(self.policy, Reconfigurable):
+        self.supervisor.lose(robot)
+        if isinstance(self.policy, Degradable):
             self.policy.lose(robot)
 
     def rejoin(self, robot: int) -> None:
         """The robot is back."""
-        self._lost[robot] = False
-        self.watchdog.rejoin(robot)
-        if isinstance(self.policy, Reconfigurable):
+        self.supervisor.rejoin(robot)
+        if isinstance(self.policy, Degradable):
             self.policy.rejoin(robot)
+
+    def close(self) -> None:
+        """Command every robot to stop, for good; a second call does the same again."""
+        self.supervisor.close()
+        try:
+            if self._guard is not None:
+                self._guard.close()
+        finally:
+            self._send_zeros()
+
+    def _send_zeros(self) -> None:
+        zeros = np.zeros((self.fleet.size, 3))
+        if self._guard is None:
+            self.fleet.send(zeros)
+        else:
+            self._guard.send(zeros)
+
+    def _step(self, poses: Array, now: float, stamps: Array) -> Array:
+        try:
+            return np.array(self.policy.step(poses, now, stamps), dtype=float)
+        except BaseException as error:
+            self.supervisor.stop("planner", type(error).__name__)
+            raise
 
     def _usable(self, observation: Observation) -> tuple[Array, Array]:
         """Poses and stamps; where a lost robot reports nonsense, those of its last sound report."""
@@ -111,3 +182,22 @@ class ControlLoop:
             np.where(sound, stamps, known[1]),
         )
         return self._known[0].copy(), self._known[1].copy()
+
+
+def tell_sent(policy: Policy, wanted: Array, admitted: Array) -> None:
+    """Let a planner that reckons with its commands know what became of them."""
+    if isinstance(policy, FormationPlanner) and not np.array_equal(wanted, admitted):
+        policy.commanded(admitted)
+
+
+def fitted(supervision: Supervision, policy: Policy, deadline: float | None) -> Supervision:
+    """What is allowed with this policy: there is one age limit, and who can do without whom.
+
+    `deadline` holds where the supervision names none.
+    """
+    if isinstance(policy, FormationPlanner):
+        policy.limit_age(supervision.max_age)
+    unresponsive = supervision.unresponsive if isinstance(policy, Degradable) else "stop"
+    if supervision.deadline is not None:
+        deadline = supervision.deadline
+    return replace(supervision, unresponsive=unresponsive, deadline=deadline)

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import json
+import signal
+import threading
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from types import FrameType
 
 import numpy as np
 
@@ -12,7 +17,9 @@ from cavalcade.execution.arrival import ArrivalMonitor, tolerance_of
 from cavalcade.execution.control import ControlLoop, Cycle
 from cavalcade.execution.events import EventRunner
 from cavalcade.execution.policy import Policy
-from cavalcade.fleet import Fall, FallingFleet, Fleet, SampledFleet, Watchdog
+from cavalcade.execution.supervisor import Supervision, Supervisor
+from cavalcade.fleet import Fall, FallingFleet, Fleet, LiveFleet, SampledFleet
+from cavalcade.formation import Imperfections
 from cavalcade.geometry import Array
 from cavalcade.recording.frames import Frame, FrameSink, Recorder, Recording
 from cavalcade.recording.status import PlannerStatus
@@ -32,6 +39,13 @@ _FALLS = {
 
 _LONGEST_STOP = 3.0
 """A team that was stopped is waited for this long, s; delayed commands may never reach it."""
+
+_CONNECTING = 30.0
+"""Live robots are waited for this long, s."""
+
+
+_End = tuple[str, str, tuple[int, ...]]
+"""Reason, detail, robots involved."""
 
 
 @dataclass(frozen=True)
@@ -78,8 +92,12 @@ def carry_out(
     budget: Budget | None = None,
     realtime: bool = False,
     sinks: Sequence[FrameSink] = (),
+    supervision: Supervision | None = None,
 ) -> Execution:
     """Run until the team has arrived or there is a reason not to go on. Writes no files.
+
+    However it ends, by Ctrl-C or SIGTERM, too, the last command is zero. Live fleets are
+    connected first and closed at the end.
 
     Args:
         scenario: Its events, rate and time-out hold.
@@ -89,61 +107,116 @@ def carry_out(
         budget: Most cycles of the policy and seconds of wall time in it; None for the scenario's.
         realtime: Keep the pace of the wall clock; otherwise as fast as possible.
         sinks: Called with the frame of each cycle.
+        supervision: What is allowed to the team; None for the defaults.
 
     Raises:
         ScenarioError: An event asks the policy for what it cannot do.
+        FleetError: Robots of a live fleet were not heard.
     """
-    started = clock.perf_counter()
-    recorder = Recorder()
-    watchdog = Watchdog(
-        len(scenario.robots),
+    supervisor = Supervisor(
+        scenario.models,
+        1.0 / scenario.execution.rate,
+        supervision,
         world.map,
-        max_speed=max(model.max_speed_x for model in scenario.models),
-        max_yaw_rate=max(model.max_yaw_rate for model in scenario.models),
+        _imperfections(scenario),
     )
-    with ControlLoop(policy, fleet, watchdog) as control:
-        events = EventRunner(scenario, world, control)
-        judge = _Judge(scenario, budget or scenario.planner.budget, events, fleet)
-        start, period = fleet.time, 1.0 / scenario.execution.rate
-        planning: list[float] = []
-        while True:
-            now = round(fleet.time - start, 9)
-            events.apply(now)
-            cycle = control.plan()
-            planning.append(cycle.planning)
-            status = policy.status
-            end = judge.end(now, cycle, status)
-            commands = cycle.commands if end is None else np.zeros_like(cycle.commands)
-            control.send(commands)
-            notes, maps = events.news()
-            frame = Frame(
-                now,
-                fleet.true_poses(),
-                cycle.observation.poses,
-                commands,
-                status,
-                cycle.planning,
-                (*notes, *judge.news()),
-                maps,
-            )
-            recorder(frame)
-            for sink in sinks:
-                sink(frame)
-            if end is not None:
-                break
-            fleet.advance(period)
-            if realtime:
-                clock.sleep(max(0.0, started + fleet.time - start - clock.perf_counter()))
-    wall_time = clock.perf_counter() - started
-    reason, detail, involved = end
-    physics = fleet.track(start) if isinstance(fleet, SampledFleet) else None
-    recording = replace(recorder.recording(events.tracks(now)), physics=physics)
-    outcome = Outcome(reason, detail, involved, wall_time, np.array(planning))
-    return Execution(recording, recorder.maps, outcome)
+    run = _Run(scenario, world, ControlLoop(policy, fleet, supervisor), realtime)
+    budget = budget or scenario.planner.budget
+    if not isinstance(fleet, LiveFleet):
+        return run.carry_out(budget, sinks)
+    with _terminable():
+        try:
+            fleet.start(_CONNECTING)
+            return run.carry_out(budget, sinks)
+        finally:
+            fleet.close()
 
 
-_End = tuple[str, str, tuple[int, ...]]
-"""Reason, detail, robots involved."""
+class _Run:
+    """One run of a scenario."""
+
+    def __init__(
+        self, scenario: Scenario, world: World, control: ControlLoop, realtime: bool
+    ) -> None:
+        self._scenario = scenario
+        self._world = world
+        self._control = control
+        self._realtime = realtime
+
+    def carry_out(self, budget: Budget, sinks: Sequence[FrameSink]) -> Execution:
+        """Cycle by cycle until there is a reason to end."""
+        scenario, fleet = self._scenario, self._control.fleet
+        started = clock.perf_counter()
+        recorder = Recorder()
+        with self._control as control:
+            events = EventRunner(scenario, self._world, control)
+            judge = _Judge(scenario, budget, events, fleet)
+            start, period = fleet.time, 1.0 / scenario.execution.rate
+            planning: list[float] = []
+            while True:
+                now = round(fleet.time - start, 9)
+                events.apply(now)
+                cycle = control.plan()
+                planning.append(cycle.planning)
+                status = control.policy.status
+                end = judge.end(now, cycle, status)
+                commands = cycle.commands if end is None else np.zeros_like(cycle.commands)
+                commands = control.send(commands, cycle)
+                notes, maps = events.news()
+                frame = Frame(
+                    now,
+                    fleet.true_poses(),
+                    cycle.observation.poses,
+                    commands,
+                    status,
+                    cycle.planning,
+                    (*notes, *judge.news(), *self._last_words(end)),
+                    maps,
+                )
+                recorder(frame)
+                for sink in sinks:
+                    sink(frame)
+                if end is not None:
+                    break
+                fleet.advance(period)
+                if self._realtime and not isinstance(fleet, LiveFleet):
+                    clock.sleep(max(0.0, started + fleet.time - start - clock.perf_counter()))
+        wall_time = clock.perf_counter() - started
+        reason, detail, involved = end
+        physics = fleet.track(start) if isinstance(fleet, SampledFleet) else None
+        recording = replace(recorder.recording(events.tracks(now)), physics=physics)
+        outcome = Outcome(reason, detail, involved, wall_time, np.array(planning))
+        return Execution(recording, recorder.maps, outcome)
+
+    def _last_words(self, end: _End | None) -> tuple[str, ...]:
+        """How well live robots were kept up with."""
+        if end is None or not isinstance(self._control.fleet, LiveFleet):
+            return ()
+        figures = self._control.statistics.to_dict(self._control.supervisor.missed)
+        return (f"pace: {json.dumps(figures)}",)
+
+
+def _imperfections(scenario: Scenario) -> Imperfections:
+    """How well simulated robots are really located and reached."""
+    noise, delay = scenario.execution.noise, scenario.execution.delay
+    return Imperfections(noise.position, noise.heading, min(delay.mean + 2.0 * delay.jitter, 10.0))
+
+
+@contextmanager
+def _terminable() -> Iterator[None]:
+    """SIGTERM ends what goes on as Ctrl-C does: robots are stopped first."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # signals are the main thread's
+        return
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 class _Judge:
@@ -164,6 +237,7 @@ class _Judge:
         self._arrival = ArrivalMonitor(tolerance_of(scenario))
         self._falling = fleet if isinstance(fleet, FallingFleet) else None
         self._stopped: float | None = None
+        self._unresponsive: list[int] = []
         self._cycles = 0
         self._planning = 0.0
 
@@ -175,6 +249,9 @@ class _Judge:
     def end(self, time: float, cycle: Cycle, status: PlannerStatus) -> _End | None:
         self._cycles += 1
         self._planning += cycle.planning
+        for robot in cycle.report.unresponsive:
+            self._unresponsive.append(robot)
+            self._notes.append(f"watchdog: unresponsive: robot {robot}; the others go on")
         if self._falling is not None and self._falling.falls:
             return self._end_of_fall(self._falling.falls, self._fleet.time - time)
         if not cycle.report.ok:
@@ -183,7 +260,7 @@ class _Judge:
         last = self._events.last_waypoint
         arrived = self._arrival.update(time, poses, velocities, status, last)
         if arrived and not self._events.task_pending:
-            return "arrived", "", ()
+            return self._end_of_way()
         if status.state == "done":
             return "done", "", ()
         if status.state in ("stuck", "infeasible") and not self._events.change_pending(time):
@@ -195,6 +272,13 @@ class _Judge:
         if self._budget.seconds is not None and self._planning >= self._budget.seconds:
             return "budget", f"{self._budget.seconds:g} s of planning are used up", ()
         return None
+
+    def _end_of_way(self) -> _End:
+        """Nobody who was to arrive may have been left behind."""
+        if not self._unresponsive:
+            return "arrived", "", ()
+        text = ", ".join(f"unresponsive: robot {robot}" for robot in self._unresponsive)
+        return "stopped", f"watchdog: {text}; the others arrived", tuple(self._unresponsive)
 
     def _end_of_fall(self, falls: tuple[Fall, ...], start: float) -> _End:
         told = [

@@ -35,7 +35,18 @@ class Policy(Protocol):
 
 
 @runtime_checkable
-class Reconfigurable(Policy, Protocol):
+class Degradable(Policy, Protocol):
+    """A policy that can go on without a robot."""
+
+    def lose(self, robot: int) -> None:
+        """Go on without a robot."""
+
+    def rejoin(self, robot: int) -> None:
+        """Take a robot back."""
+
+
+@runtime_checkable
+class Reconfigurable(Degradable, Protocol):
     """A policy that takes another task or another world while it runs.
 
     `cavalcade.formation.FormationPlanner` is one.
@@ -46,12 +57,6 @@ class Reconfigurable(Policy, Protocol):
 
     def set_formation(self, formation: Formation) -> None:
         """Change the shape."""
-
-    def lose(self, robot: int) -> None:
-        """Go on without a robot."""
-
-    def rejoin(self, robot: int) -> None:
-        """Take a robot back."""
 
     def update_map(self, map: OccupancyMap) -> None:
         """Replace the map."""

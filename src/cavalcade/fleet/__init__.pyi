@@ -10,5 +10,3 @@ from .protocol import Observation as Observation
 from .protocol import SampledFleet as SampledFleet
 from .radio import CommandDelay as CommandDelay
 from .radio import LocalisationNoise as LocalisationNoise
-from .watchdog import Watchdog as Watchdog
-from .watchdog import WatchdogReport as WatchdogReport

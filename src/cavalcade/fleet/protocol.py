@@ -18,8 +18,8 @@ class Fault:
 
     Attributes:
         robot: The robot that it is about; None for the whole team, such as of a clock.
-        kind: One word for it: `stale` (report too old), `nan` (not finite), `out-of-map`, `jump`,
-            or what a fleet knows of its robots itself.
+        kind: One word for it, of those of `cavalcade.execution.supervisor` or what a fleet knows
+            of its robots itself, such as `frame`.
         detail: More about it for people, without the robot's name; may be empty.
     """
 
@@ -39,7 +39,7 @@ class Observation:
     Attributes:
         time: Now, s.
         poses: `(N, 3)` the newest pose report of each robot: x, y in m, yaw in rad, map frame.
-            May hold nan for a robot that has reported nonsense; that is what a watchdog is for.
+            May hold nan for a robot that has reported nonsense; that is what a supervisor is for.
         stamps: `(N,)` when each of these poses was measured, s.
         faults: What the fleet itself knows to be wrong now, such as a report in a wrong frame.
     """

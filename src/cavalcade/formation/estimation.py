@@ -28,12 +28,15 @@ _STEADY = 0.2  # largest share of a cycle's surprise that is put down to the vel
 _WINDOW = 5  # cycles over which a tracker compares prediction and poses
 _TRUSTED = 0.025  # m and rad: displacements over the window that differ by less agree
 _STEP = 0.0125  # s: step of the prediction
-_LONGEST = 0.5  # s without a cycle, or in one pose exactly, after which a robot stands
+_LONGEST = 0.5  # s without a cycle after which a robot stands
 _ELSEWHERE = 0.5  # m or rad from the prediction where the robot must have been moved,
 _OUTLIER = 5.0  # if that is also so many standard deviations of the reports
 _FORESEEN = 0.1  # m and rad from the prediction at which a robot is taken to be where it should
 _SIGMAS = 3.0  # standard deviations of the estimate that count as its error
 
+
+MAX_AGE = 0.5
+"""Age of a pose from which on nobody may be driven by it, s, where nothing else is said."""
 
 _MOST = {"delay": 10.0, "jitter": 10.0, "drop": 1.0}
 
@@ -61,7 +64,7 @@ class Imperfections:
     jitter: float = 0.0
     drop: float = 0.0
     tracking_error: float = 0.0
-    max_age: float = 0.5
+    max_age: float = MAX_AGE
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -158,9 +161,14 @@ class VelocityTracker:
 
 
 class StateEstimator:
-    """Estimates a team's poses and velocities at the time that a command sent now arrives."""
+    """Estimates a team's poses and velocities at the time that a command sent now arrives.
+
+    Attributes:
+        max_age: A robot whose last pose is older, s, stays in the estimate where it was then.
+    """
 
     def __init__(self, model: RobotModel, period: float, expected: Imperfections) -> None:
+        self.max_age = expected.max_age
         self._limits = limits_of(model)
         self._longest = longest_gap(period)
         self._delay = expected.delay
@@ -182,18 +190,22 @@ class StateEstimator:
         """Poses and velocities `(N, 3)` at `time` and the delay: m and rad, m/s and rad/s.
 
         `stamps` `(N,)` say when the poses `(N, 3)`, those reported last, were measured, s. Where
-        nobody says, a pose that has not changed at all counts as not reported anew, for half a
-        second.
+        nobody says, a pose that has not changed at all counts as not reported anew, up to the age
+        limit.
         """
         elapsed = time - self._time
+        old = None if stamps is None else time - stamps > self.max_age + 1e-9
         if len(self._states) != len(poses) or not 0.0 < elapsed < self._longest:
             self._restart(poses, time, stamps)
         else:
-            self._states = self._carried(self._states, self._time, time, use_up=True)
+            before = self._states
+            self._states = self._carried(before, self._time, time, use_up=True)
+            self._hold(before, self._states, old)
             self._correct(poses, time, elapsed, stamps)
         self._time = time
         self._reported = poses.copy()
         ahead = self._carried(self._states, time, time + self._delay, use_up=False)
+        self._hold(self._states, ahead, old)
         return ahead[:, :3].copy(), ahead[:, 3:].copy()  # without delay it is the estimate itself
 
     def foresees(self, poses: Array, time: float) -> bool:
@@ -228,6 +240,13 @@ class StateEstimator:
                 self._current = self._coming.popleft()[1]
         return states
 
+    @staticmethod
+    def _hold(before: Array, states: Array, old: NDArray[np.bool_] | None) -> None:
+        """Robots of which nothing has been heard for too long are not carried on blindly."""
+        if old is not None and old.any():
+            states[old] = before[old]
+            states[old, 3:] = 0.0
+
     def _moved(self, states: Array, commands: Array, elapsed: float) -> Array:
         if elapsed <= 1e-9:
             return states
@@ -240,11 +259,11 @@ class StateEstimator:
             # One that stays where it is longer than reports get lost for does stand there.
             changed = (poses != self._reported).any(axis=1)
             stamps = np.where(changed, time, self._stamps)
-            fresh: NDArray[np.bool_] = changed | (time - stamps > self._longest)
+            fresh: NDArray[np.bool_] = changed | (time - stamps > self.max_age)
             age = np.zeros(len(poses))
         else:
             fresh = stamps > self._stamps
-            age = np.clip(time - stamps, 0.0, self._longest)
+            age = np.clip(time - stamps, 0.0, self.max_age)
         gathered = np.maximum(stamps - self._stamps, elapsed)  # more than a cycle after losses
         self._stamps = np.array(stamps, float)
         surprise = poses + states[:, 3:] * age[:, None] - states[:, :3]

@@ -117,7 +117,7 @@ class FormationPlanner:
             self._tracker = StateEstimator(self.model, period, self._expected)
             self._late = self._expected.delay
         self._clock = CycleClock(period)
-        self._ages = AgeMonitor(self._expected)
+        self._ages = AgeMonitor(self._expected.max_age)
         self._following = FollowingMonitor(self.model, robots, period, self._expected)
         self._filter = SafetyFilter(self.model, period, self._expected)
         self._obstacles: tuple[DynamicObstacle, ...] = ()
@@ -133,6 +133,31 @@ class FormationPlanner:
     def status(self) -> PlannerStatus:
         """What the last cycle came to."""
         return self._status
+
+    @property
+    def map(self) -> OccupancyMap:
+        """The world as it was told last."""
+        return self._map
+
+    @property
+    def robots(self) -> int:
+        """Number of robots, lost ones too."""
+        return self._team.size
+
+    @property
+    def expected(self) -> Imperfections:
+        """How well the robots are located and reached."""
+        return self._expected
+
+    def limit_age(self, max_age: float) -> None:
+        """Have poses count as stale from this age on, s, in the place of `expected.max_age`.
+
+        A supervisor sets its own limit so, that there is one.
+        """
+        self._expected = replace(self._expected, max_age=max_age)
+        self._ages = AgeMonitor(max_age)
+        if isinstance(self._tracker, StateEstimator):
+            self._tracker.max_age = max_age
 
     def set_goal(self, pose: Sequence[float] | ArrayLike) -> None:
         """Drive the formation's centre to a pose (x, y, yaw), from the next cycle on."""
@@ -255,10 +280,17 @@ class FormationPlanner:
             if not self._paused:
                 wanted = self._mode.step(self._routes(local), local, velocities, now, boxes)
             commands = self._commands(local, velocities, wanted, boxes)
-        self._tracker.commanded(commands)
-        self._following.commanded(commands.copy())
+        self.commanded(commands)
         self._status = self._make_status(poses)
         return commands
+
+    def commanded(self, commands: Array) -> None:
+        """Say what `(N, 3)` was really sent after the last `step`, where it is something else.
+
+        As under a supervisor with a cap of its own, so that slow robots are expected to be slow.
+        """
+        self._tracker.commanded(commands)
+        self._following.commanded(commands.copy())
 
     def _maps_of(self, map: OccupancyMap) -> PlanningMaps:
         half = self.model.width / 2.0

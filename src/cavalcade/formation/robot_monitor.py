@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,8 @@ _EVERY = 0.15  # s: it need not be in every cycle
 _PATIENCE = 1.0  # s for which a robot may seem not to follow
 _FAR = np.array([0.10, 0.30])  # m and rad of commanded motion that can be judged,
 _SIGMAS = 5.0  # if they are also so many standard deviations of the reports
+_TOLD, _TOLD_FOR, _COVERED = 0.1, 2.0, 0.2  # m/s, s, and share of it: less is not following
+_INSTANT = 1e6  # m/s² and rad/s² of robots that change their velocities at once
 _DEAF, _FOLLOWS = 0.25, 0.5  # share of it: below the first it seems not to follow, until the second
 
 
@@ -28,8 +31,8 @@ class AgeMonitor:
         message: What is wrong, for people.
     """
 
-    def __init__(self, expected: Imperfections) -> None:
-        self._limit = expected.max_age
+    def __init__(self, limit: float) -> None:
+        self._limit = limit
         self.stale: tuple[int, ...] = ()
         self.message = ""
 
@@ -57,14 +60,22 @@ class FollowingMonitor:
         deaf: Robots that have covered next to nothing of it for a second.
     """
 
+    _window = _WINDOW
+
     def __init__(
-        self, model: RobotModel, robots: int, period: float, expected: Imperfections
+        self,
+        model: RobotModel | Sequence[RobotModel],
+        robots: int,
+        period: float,
+        expected: Imperfections,
     ) -> None:
         self._delay = expected.delay
         self._longest = longest_gap(period)
         noise = np.array([expected.position, expected.heading])
         self._far = np.maximum(_FAR, _SIGMAS * noise)
-        self._gain = np.array([model.max_acceleration, model.max_yaw_acceleration])
+        models = [model] * robots if isinstance(model, RobotModel) else model
+        gains = [(one.max_acceleration, one.max_yaw_acceleration) for one in models]
+        self._gain = np.minimum(np.array(gains, dtype=float).T, _INSTANT)
         self._velocities = np.zeros((robots, 3))  # in effect; body frame
         self._commands = np.zeros((robots, 3))
         self._coming: deque[tuple[float, Array]] = deque()
@@ -104,17 +115,24 @@ class FollowingMonitor:
         moved[0, :, 0], moved[0, :, 1], moved[0, :, 2] = c * x - s * y, s * x + c * y, turn
         moved[1] = poses - self._poses
         moved[1, :, 2] = wrap_angle(moved[1, :, 2])
-        self._totals = self._totals + moved
+        self._totals = self._totals + self._counted(moved)
         self._poses, self._time = poses, now
         self._past.append((now, self._totals))
-        while now - self._past[0][0] > _WINDOW:
+        while now - self._past[0][0] > self._window + 1e-9:
             self._past.popleft()
         wanted, seen = self._totals - self._past[0][1]
         self._judge(wanted, seen, now)
 
+    def _counted(self, moved: Array) -> Array:
+        """What counts of motion `(2, N, 3)` of a moment, commanded and seen, map frame."""
+        return moved
+
     def commanded(self, commands: Array) -> None:
-        """Body-frame commands `(N, 3)` that are sent now."""
-        self._coming.append((self._now + self._delay, commands))
+        """Body-frame commands `(N, 3)` that are sent now; said again, they replace the former."""
+        due = self._now + self._delay
+        if self._coming and self._coming[-1][0] == due:
+            self._coming.pop()
+        self._coming.append((due, commands))
 
     def forget(self) -> None:
         """Poses and commands before now say nothing of those that come."""
@@ -136,4 +154,55 @@ class FollowingMonitor:
         since = np.where(share < _DEAF, np.minimum(self._since, now), self._since)
         self._since = np.where(share < _FOLLOWS, since, np.inf)
         deaf = now - self._since >= _PATIENCE
+        self.deaf = tuple(np.nonzero(deaf)[0].tolist()) if deaf.any() else ()
+
+
+class UnresponsiveMonitor(FollowingMonitor):
+    """Says who was told to go at 0.1 m/s or more for 2 s and covered less than 20 % of that.
+
+    What is covered is counted along the commanded path, wherever that leads: there and back again
+    is following, though it leads nowhere. Commands are those that were sent; what a robot cannot
+    do is not asked of it.
+    """
+
+    _window = _TOLD_FOR
+
+    def __init__(self, models: Sequence[RobotModel], period: float, expected: Imperfections):
+        super().__init__(models, len(models), period, expected)
+        self._most = np.array([(one.max_speed_x, one.max_speed_y) for one in models])
+        self._idle = np.full(len(models), np.inf)
+
+    def commanded(self, commands: Array) -> None:
+        """Body-frame commands `(N, 3)` that are sent now."""
+        size = np.hypot(*(commands[:, :2] / np.maximum(self._most, 1e-9)).T)
+        super().commanded(commands / np.maximum(size, 1.0)[:, None])
+
+    def excuse(self, robots: Sequence[int]) -> None:
+        """These take no commands at present."""
+        self._idle[list(robots)] = np.inf
+
+    def forget(self) -> None:
+        """Poses and commands before now say nothing of those that come."""
+        super().forget()
+        self._coming.clear()
+        self._commands = np.zeros_like(self._commands)
+        self._velocities = np.zeros_like(self._velocities)
+        self._idle[:] = np.inf
+        self.deaf = ()
+
+    def _counted(self, moved: Array) -> Array:
+        """Of each robot the length of the commanded path, and what of it was covered, m."""
+        wanted, seen = moved[:, :, :2]
+        length = np.hypot(wanted[:, 0], wanted[:, 1])
+        counted = np.zeros_like(moved)
+        counted[0, :, 0] = length
+        counted[1, :, 0] = (wanted * seen).sum(axis=1) / np.maximum(length, 1e-9)
+        return counted
+
+    def _judge(self, wanted: Array, seen: Array, now: float) -> None:
+        told = np.hypot(self._commands[:, 0], self._commands[:, 1]) >= _TOLD - 1e-9
+        self._idle = np.where(told, np.minimum(self._idle, now), now)
+        length, covered = wanted[:, 0], seen[:, 0]
+        deaf = told & (now - self._idle >= _TOLD_FOR - 1e-9) & (covered < _COVERED * length)
+        deaf &= length > self._far[0]
         self.deaf = tuple(np.nonzero(deaf)[0].tolist()) if deaf.any() else ()

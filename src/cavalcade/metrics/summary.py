@@ -131,7 +131,7 @@ class Summary(Keys):
     reason: Annotated[
         str,
         "`arrived`, `done` (of [commands](../how-to/commands.md)), `solved`, `timeout`, `stuck`, "
-        "`collision`, `fallen`, `infeasible`, `budget`, `stopped` (with which watchdog), "
+        "`collision`, `fallen`, `infeasible`, `budget`, `stopped` (with the fault), "
         "`crashed`",
     ]
     detail: Annotated[str | None, "one line about the reason"] = None

@@ -40,7 +40,7 @@ STATUS_TOPIC = "/cavalcade/status"
 """std_msgs/String, JSON: the planner's status of every cycle (see `status.encoded`)."""
 
 NOTES_TOPIC = "/cavalcade/notes"
-"""std_msgs/String, JSON `{"time", "text"}`: events and watchdog messages."""
+"""std_msgs/String, JSON `{"time", "text"}`: events and faults."""
 
 OBSTACLES_TOPIC = "/cavalcade/obstacles"
 """std_msgs/String, JSON: the obstacle tracks, once."""

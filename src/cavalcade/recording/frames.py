@@ -65,7 +65,7 @@ class Recording:
         commands: `(T, N, 3)` body-frame velocities commanded at that time.
         status: The planner's status per cycle, T of them.
         obstacles: What the world gained or lost on the way, in order of time.
-        notes: (time, text) pairs: events and watchdog messages.
+        notes: (time, text) pairs: events and faults.
         physics: Bodies, joints, forces and contacts; None for robots without.
     """
 

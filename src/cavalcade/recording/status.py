@@ -27,7 +27,8 @@ class PlannerStatus:
 
     Attributes:
         state: `inactive`, `partial`, `final` (the paper's three), `resolving` (a deadlock is
-            being resolved), `paused`, `stale` (a pose is too old), `stuck` or `infeasible`.
+            being resolved), `paused`, `stale` (a pose is too old), `stopped` (by a supervisor),
+            `stuck` or `infeasible`.
         leader: Index of the leading robot, -1 where there is none.
         roles: `(N,)` slot index of each robot, -1 for a robot that takes no part.
         slots: `(S, 2)` slots in the formation frame, m.
