@@ -23,7 +23,7 @@ from cavalcade.campaign.suite import (
 )
 from cavalcade.campaign.trial import Trial, check_worlds, trials_of
 from cavalcade.errors import InputError, RecordingError, ScenarioError
-from cavalcade.scenario.rules import BACKENDS
+from cavalcade.scenario.rules import LIVE, SIMULATED
 from cavalcade.scenario.spellings import current_value
 from cavalcade.yaml_text import parse_yaml
 
@@ -209,7 +209,10 @@ def _with_overrides(suite: Suite, overrides: Sequence[str]) -> tuple[Suite, tupl
     methods = any(group.sampler.individual_goals for group in suite.worlds)
     for text in map(str, overrides):
         key, separator, value = (part.strip() for part in text.partition("="))
-        if key == _BACKEND and value in BACKENDS:
+        if key == _BACKEND and value in LIVE:
+            text = f"{value} robots cannot be set back to a start, as campaigns do"
+            raise InputError(text, key=_BACKEND, choices=SIMULATED)
+        if key == _BACKEND and value in SIMULATED:
             suite = suite.model_copy(update={"backend": value})
         elif separator and (key == _VARIANT or (key == _METHOD and methods)):
             said[key] = parse_yaml(value, key=f"--set {key}")

@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cavalcade.cli import campaigns, options
+from cavalcade.cli import campaigns, options, ros2
+from cavalcade.cli.signals import terminated_as_interrupted
 from cavalcade.errors import CavalcadeError, OutputError
 
 if TYPE_CHECKING:
@@ -68,7 +69,8 @@ def run(
     loaded = options.load(scenario, overrides, seed, backend)
     from cavalcade.jobs import run as run_scenario
 
-    result = run_scenario(loaded, out, force=force, realtime=realtime, quiet=quiet or as_json)
+    with terminated_as_interrupted():
+        result = run_scenario(loaded, out, force=force, realtime=realtime, quiet=quiet or as_json)
     _finish(loaded.name, result, as_json, "not achieved")
 
 
@@ -158,6 +160,7 @@ def schema() -> None:
 
 app.command()(campaigns.campaign)
 app.command()(campaigns.trial)
+app.add_typer(ros2.app)
 
 
 @app.command("import")

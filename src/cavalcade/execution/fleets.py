@@ -18,6 +18,10 @@ from cavalcade.scenario import Scenario, World
 
 if TYPE_CHECKING:
     from cavalcade.fleet.mujoco import MujocoFleet
+    from cavalcade.fleet.ros2 import Ros2Fleet
+
+PATIENCE = 15.0
+"""How long robots on a network are waited for, s."""
 
 _SIDEWAYS = 1e-3
 """Of a robot that cannot move sideways, m/s."""
@@ -95,6 +99,24 @@ def physics_fleet(scenario: Scenario, world: World, turning: float | None = None
         sensing=SensingErrors(**said.state_noise.model_dump(), delay=said.state_delay),
         **_imperfections(scenario),
     )
+
+
+def ros2_fleet(scenario: Scenario) -> Ros2Fleet:
+    """Robots `robot_0`, `robot_1` and so on of a ROS 2 graph, once all have been heard.
+
+    Raises:
+        InputError: ROS 2 is not there.
+        FleetError: Somebody was not heard; it says who and where.
+    """
+    from cavalcade.fleet.ros2 import Ros2Fleet, scenario_robots
+
+    fleet = Ros2Fleet(scenario_robots(len(scenario.robots)))
+    try:
+        fleet.start(PATIENCE)
+    except BaseException:
+        fleet.close()
+        raise
+    return fleet
 
 
 def with_own_robots(scenario: Scenario) -> Scenario:

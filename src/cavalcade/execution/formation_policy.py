@@ -65,7 +65,7 @@ def expected_of(scenario: Scenario) -> Imperfections:
     delay = execution.delay if said.delay is None else said.delay
     error = said.tracking_error
     if error is None:
-        legs = execution.backend == "mujoco"
+        legs = execution.backend != "ideal"
         error = max(model.tracking_error for model in scenario.models) if legs else 0.0
     return Imperfections(noise.position, noise.heading, delay.mean, delay.jitter, delay.drop, error)
 

@@ -93,23 +93,26 @@ class RadioFleet:
         """The newest pose report of every robot and when it was measured."""
         return Observation(self._time, self._reported.copy(), self._stamps.copy())
 
-    def send(self, commands: ArrayLike) -> None:
+    def send(self, commands: ArrayLike, robots: ArrayLike | None = None) -> None:
         """Command body-frame velocities `(N, 3)`: m/s, m/s, rad/s. They hold until the next.
+
+        Only `robots` `(N,)`, True or False, are told; all of them by default.
 
         Raises:
             InputError: Another shape, or a value that is not finite; nothing is sent then.
         """
         shape = self._commands.shape
         wanted = number_array(commands, "commands", shape, f"finite commands of shape {shape}")
+        told = np.ones(self.size, dtype=bool) if robots is None else np.asarray(robots, dtype=bool)
         if self._instant:
-            deaf = self._silent | self._disabled
-            self._commands = np.where(deaf[:, None], 0.0, wanted)
-            self._hear(~deaf, self._time)
+            told = told & ~(self._silent | self._disabled)
+            self._commands = np.where(told[:, None], wanted, self._commands)
+            self._hear(told, self._time)
             return
         self._sent += 1
         delays = self._delay.mean + self._delay.jitter * self._random.standard_normal(self.size)
         lost = self._random.random(self.size) < self._delay.drop
-        for robot in np.flatnonzero(~lost):
+        for robot in np.flatnonzero(told & ~lost):
             due = self._time + max(float(delays[robot]), 0.0)
             self._messages.append(_Message(due, self._sent, int(robot), wanted[robot]))
 
@@ -124,10 +127,15 @@ class RadioFleet:
         start, self._time = self._time, self._time + dt
         self._report(self._move(start, dt), lossy=True)
 
+    def halt(self, robot: int) -> None:
+        """The robot forgets its command and comes to a halt; it obeys the next one."""
+        self._commands[robot] = 0.0
+        self._hear(np.eye(self.size, dtype=bool)[robot], self._time)
+
     def silence(self, robot: int) -> None:
         """The robot stops answering: no more reports, and it comes to a halt."""
         self._silent[robot] = True
-        self._halt(robot)
+        self.halt(robot)
 
     def revive(self, robot: int) -> None:
         """The robot answers and listens again, from where it stands."""
@@ -136,7 +144,7 @@ class RadioFleet:
     def disable(self, robot: int) -> None:
         """The robot comes to a halt and ignores commands, but can still be located."""
         self._disabled[robot] = True
-        self._halt(robot)
+        self.halt(robot)
 
     def enable(self, robot: int) -> None:
         """The robot listens to commands again."""
@@ -148,10 +156,6 @@ class RadioFleet:
 
     def _hear(self, reached: NDArray[np.bool_], now: float) -> None:
         """Robots `reached` `(N,)` have got their `_commands` at `now` s."""
-
-    def _halt(self, robot: int) -> None:
-        self._commands[robot] = 0.0
-        self._hear(np.eye(self.size, dtype=bool)[robot], self._time)
 
     def _deliver(self, now: float) -> None:
         """Let commands arrive that are due at `now` s."""

@@ -60,7 +60,7 @@ def settings_of(scenario: Scenario) -> PlanSettings:
     published = said.variant == "published"
     margin = said.margin
     if margin is None:
-        margin = SWAY if scenario.execution.backend == "mujoco" else 0.0
+        margin = 0.0 if scenario.execution.backend == "ideal" else SWAY
     return PlanSettings(
         variant="published" if published else "cavalcade",
         constraints=said.constraints or ("static" if published else default.constraints),

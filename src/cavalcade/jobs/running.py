@@ -12,7 +12,7 @@ from cavalcade.coordination.result import TeamPlan
 from cavalcade.errors import InputError
 from cavalcade.execution.loop import carry_out
 from cavalcade.execution.policy import Policy
-from cavalcade.fleet import Fleet
+from cavalcade.fleet import Fleet, LiveFleet
 from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import Trajectory
 from cavalcade.jobs.output_folder import FIGURES, PLAN, RECORDING, REPLAY, OutputFolder
@@ -118,7 +118,8 @@ def run(
         out: The folder for the results, missing or empty; None writes nothing.
         seed: Over the scenario's.
         overrides: Over the file's values, as `load_scenario` takes them; only for a name or file.
-        backend: Over the scenario's; `ideal`, or `mujoco` for walking robots with dynamics.
+        backend: Over the scenario's; `ideal`, `mujoco` for walking robots with dynamics, or `ros2`
+            for robots `robot_0` and so on of a ROS 2 graph, which stand at their starts.
         realtime: At the pace of the wall clock instead of as fast as possible.
         force: Replace what an earlier run left in `out`.
         figures: Draw the figures.
@@ -133,6 +134,7 @@ def run(
     Raises:
         InputError: The scenario, its map or an argument cannot be used.
         OutputError: The results cannot be written; nothing is left behind then.
+        FleetError: Robots of the real world are not heard.
         KeyboardInterrupt: As it came; the team was commanded to stop and nothing is left behind.
     """
     loaded = _loaded(scenario, seed, overrides, backend)
@@ -161,6 +163,8 @@ def run(
         robots = task.make_fleet() if fleet is None else fleet
         if isinstance(robots, type) or not isinstance(robots, Fleet):
             robots = robots(resolved)  # a class that makes fleets has all their attributes, too
+        if isinstance(robots, LiveFleet) and fleet is None:
+            stack.callback(robots.close)
         policy = task.make_policy(robots)
         done = carry_out(
             resolved,

@@ -26,6 +26,7 @@ from cavalcade.scenario import (
     parse_scenario,
     resolve_scenario,
 )
+from cavalcade.scenario.rules import LIVE
 from cavalcade.values import described
 
 # Where the kernels of jobs are, for the estimate of what there is to do.
@@ -92,10 +93,13 @@ class Needs:
 
 
 def needs_of(scenario: Scenario, backend: str | None) -> Needs:
-    """What a job of the scenario takes, carried out by a backend or, if None, only planned."""
+    """What a job of the scenario takes, carried out by a backend or, if None, only planned.
+
+    Robots that live in a time of their own are rehearsed with ideal ones.
+    """
     return Needs(
         scenario.task.kind,
-        backend,
+        "ideal" if backend in LIVE else backend,
         scenario.planner.variant,
         scenario.planner.method if scenario.goals else "auto",
         scenario.world.has_heights,

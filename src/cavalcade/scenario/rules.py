@@ -24,7 +24,13 @@ from cavalcade.scenario.settings import (
 )
 from cavalcade.scenario.task import INDIVIDUAL, Kind, RobotSection, TaskSection, kind_of
 
-BACKENDS = ("ideal", "mujoco")
+SIMULATED = ("ideal", "mujoco")
+"""Who moves robots in a time that is ours."""
+
+LIVE = ("ros2",)
+"""Who moves them in a time of their own."""
+
+BACKENDS = (*SIMULATED, *LIVE)
 """Who can move robots."""
 
 SLOWEST, FASTEST = 2.5, 500.0
@@ -231,23 +237,22 @@ def check_backend(scenario: Parts) -> None:
     Raises:
         PydanticCustomError: One line with the key and what was expected.
     """
-    ideal = scenario.execution.backend != "mujoco"
+    backend = scenario.execution.backend
+    physics = backend == "mujoco"
     for index, command in enumerate(scenario.task.commands or ()):
-        if ideal and command.leap is not None:
+        if not physics and command.leap is not None:
             raise expected(
-                "ideal robots do not leap when they are told to; expected backend mujoco",
+                f"{backend} robots do not leap when they are told to; expected backend mujoco",
                 key=f"task.commands[{index}].leap",
             )
     for index, event in enumerate(scenario.execution.events):
         key, last = f"execution.events[{index}].push", len(scenario.robots) - 1
-        if ideal and event.push is not None:
-            raise expected("ideal robots cannot be pushed; expected backend mujoco", key=key)
+        if not physics and event.push is not None:
+            raise expected(f"{backend} robots cannot be pushed; expected backend mujoco", key=key)
         if event.push is not None and event.push.robot > last:
             text = f"there is no robot {event.push.robot}; expected 0 to {last}"
             raise expected(text, key=f"{key}.robot")
-    if ideal:
-        return
-    for key, robot, model in scenario.team:
+    for key, robot, model in scenario.team if physics else ():
         if model.description is None and (robot.mjcf is None or model.legs is None):
             raise expected(
                 f"physics has no masses and joints of a {model.name}; expected a robot with them, "
@@ -255,8 +260,9 @@ def check_backend(scenario: Parts) -> None:
                 key=f"{key}.model",
                 choices=(name for name, known in MODELS.items() if known.description is not None),
             )
-    if not SLOWEST <= scenario.execution.rate <= FASTEST:
+    if backend != "ideal" and not SLOWEST <= scenario.execution.rate <= FASTEST:
+        where = "in physics" if physics else f"with backend {backend}"
         raise expected(
-            f"expected {SLOWEST:g} to {FASTEST:g} in physics: robots stop 0.5 s after a command",
+            f"expected {SLOWEST:g} to {FASTEST:g} {where}: robots stop 0.5 s after a command",
             key="execution.rate",
         )

@@ -286,7 +286,7 @@ class ExecutionSection(Section):
 
     Attributes:
         backend: `ideal` moves robots exactly as commanded within their limits; `mujoco` lets them
-            walk on legs in physics.
+            walk on legs in physics; `ros2` are robots on a ROS 2 graph.
         rate (Hz): How often the planner is asked.
         timeout (s): Simulated time after which the run ends.
         noise: Of the localisation that the planner works with.
@@ -296,7 +296,7 @@ class ExecutionSection(Section):
         seed: Of everything random.
     """
 
-    backend: Literal["ideal", "mujoco"] = "ideal"
+    backend: Literal["ideal", "mujoco", "ros2"] = "ideal"
     rate: Annotated[Number, Field(ge=1, le=1000)] = 20.0
     timeout: Annotated[Number, Field(gt=0, le=86_400)] = 180.0
     noise: Noise = Noise()

@@ -151,6 +151,11 @@ class MujocoFleet(RadioFleet):
         falls = tuple(FallEvent(round(fall.time - start, 9), fall.robot) for fall in self.falls)
         return self._sampler.track(start, falls)
 
+    def forget(self) -> None:
+        """Let go of all that was kept of the past, for a fleet that goes on for hours."""
+        self._sampler.forget()
+        self._judged = 0
+
     def push(self, robot: int, force: ArrayLike, duration: float) -> None:
         """Push a trunk with the force `(3,)`, map frame, N, for so many seconds from now on."""
         self.simulator.push(robot, force, duration)

@@ -151,6 +151,11 @@ class Sampler:
             falls=falls,
         )
 
+    def forget(self) -> None:
+        """Let go of all samples but the last, and of all contacts."""
+        del self._kept[:-1]
+        self.contacts.clear()
+
     def _keep(self) -> None:
         simulator, forces = self._simulator, self._recorder.take_forces()
         time = round(self._start + simulator.time, 9)
