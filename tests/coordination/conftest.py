@@ -17,7 +17,7 @@ from cavalcade.geometry.trajectory import Trajectory
 from cavalcade.lattice.ground import Ground, make_ground
 from cavalcade.robots import RobotModel, robot_model
 from cavalcade.scenario import build_world, parse_scenario
-from cavalcade.world import OccupancyMap, Shape
+from cavalcade.world import Box, OccupancyMap, Shape
 from cavalcade.world.gaps import body_at, gap_between
 
 Array = np.ndarray
@@ -117,12 +117,21 @@ def _ground_gap(gap: Gap, model: RobotModel, poses: Array, ground: Ground) -> fl
     return least
 
 
-def _least_gap_to_shapes(model: RobotModel, poses: Array, shapes: Sequence[Shape]) -> float:
+def _least_gap_to_shapes(
+    gap: Gap, model: RobotModel, poses: Array, shapes: Sequence[Shape]
+) -> float:
     reach = math.hypot(*shape_of(model)[:2])
     least = math.inf
     for shape in shapes:
         near = poses[shape.distance(poses[:, :2]) < reach + FINE]
-        least = min([least, *(gap_between(body_at(model, pose), shape) for pose in near)])
+        if not len(near):
+            continue
+        if isinstance(shape, Box):
+            box = (shape.size[0] / 2, shape.size[1] / 2, False)
+            there = np.repeat([[*shape.center, shape.yaw]], len(near), axis=0)
+            least = min(least, float(gap(shape_of(model), near, box, there).min()))
+        else:
+            least = min([least, *(gap_between(body_at(model, pose), shape) for pose in near)])
     return least
 
 
@@ -201,7 +210,7 @@ def judge(
         poses = fine_poses(t, time)
         assert _ground_gap(gap, model, poses, problem.ground) > -1e-6
         in_map = fine_poses(plan.trajectories[len(tracks)], time)
-        assert _least_gap_to_shapes(model, in_map, problem.shapes) > 0.0
+        assert _least_gap_to_shapes(gap, model, in_map, problem.shapes) > 0.0
         tracks.append(poses)
     for i, j in combinations(range(len(tracks)), 2):
         if distance is not None:

@@ -65,16 +65,11 @@ def _on_ground(gap: Gap, path: TimedPath, ground: Ground) -> float:
     poses = sample_moves(path.start, path.moves, path.limits, time)[:, :3]
     rows, cols = np.nonzero(ground.solid)
     squares = np.column_stack([(cols + 0.5) * CELL, (rows + 0.5) * CELL, np.zeros(len(rows))])
-    least = math.inf
     reach = math.hypot(*_shape(path.model)[:2]) + CELL
-    for pose in poses:
-        near = squares[np.hypot(*(squares[:, :2] - pose[:2]).T) < reach]
-        if len(near):
-            many = np.repeat(pose[None], len(near), axis=0)
-            least = min(
-                least, gap(_shape(path.model), many, (CELL / 2, CELL / 2, False), near).min()
-            )
-    return least
+    apart = np.linalg.norm(poses[:, None, :2] - squares[:, :2], axis=2)
+    at, near = np.nonzero(apart < reach)
+    square = (CELL / 2, CELL / 2, False)
+    return gap(_shape(path.model), poses[at], square, squares[near]).min(initial=math.inf)
 
 
 def _walk(*poses: tuple[float, float, float], speed: float = 0.5) -> Array:

@@ -25,6 +25,10 @@ from cavalcade.lattice.primitives import (
     within,
 )
 
+_COARSE, _FINER = 64, 8
+"""Poses along moves are looked at in passes, the coarsest first: every 64th, every 8th, then all.
+What is met is mostly met soon, and whether it is does not depend on the order."""
+
 
 class Grid(NamedTuple):
     """What of a `Ground` footprints are tested against."""
@@ -209,11 +213,11 @@ def occupied_until(others, footprint, pose, t, margin):
     return -1.0
 
 
-@kernel
-def move_free(scene, pose, move, t, standing):
-    """Whether a move `(6,)` from a pose (x, y, yaw) at time `t` meets nothing.
+@subroutine
+def _looks_free(scene, pose, move, t, standing, stride):
+    """Whether a move meets nothing at every `stride`-th of the poses that are to be looked at.
 
-    The pose itself is not looked at; if `standing`, neither is the ground.
+    Those that a pass with `_FINER` times the stride has looked at are left out; see `move_free`.
     """
     grid, others, limits, margins, _ = scene
     x, y, yaw = pose
@@ -232,7 +236,10 @@ def move_free(scene, pose, move, t, standing):
         count = max(count, int(math.ceil(duration / margins.time_step)))
     footprint = footprint_of(limits)
     look = not standing and not (length == 0.0 and (turn == 0.0 or limits.round))
-    for k in range(1, count + 1):
+    # The end belongs to the first pass.
+    for k in range(count, 0, -stride):
+        if stride < _COARSE and (count - k) % (_FINER * stride) == 0:
+            continue
         if k == count:
             px, py, pyaw = advanced(x, y, yaw, length, turn)
         else:
@@ -245,13 +252,31 @@ def move_free(scene, pose, move, t, standing):
     return True
 
 
+@kernel
+def move_free(scene, pose, move, t, standing):
+    """Whether a move `(6,)` from a pose (x, y, yaw) at time `t` meets nothing.
+
+    The pose itself is not looked at; if `standing`, neither is the ground.
+    """
+    stride = _COARSE
+    while stride >= 1:
+        if not _looks_free(scene, pose, move, t, standing, stride):
+            return False
+        stride //= _FINER
+    return True
+
+
 @subroutine
 def moves_free(scene, pose, moves, t, standing):
     """The same for moves `(M, 6)`, one after the other."""
-    x, y, yaw = pose
-    for k in range(len(moves)):
-        if not move_free(scene, (x, y, yaw), moves[k], t, standing):
-            return False
-        x, y, yaw = advanced(x, y, yaw, moves[k, LENGTH], moves[k, TURN])
-        t += moves[k, DURATION]
+    stride = _COARSE
+    while stride >= 1:
+        x, y, yaw = pose
+        when = t
+        for k in range(len(moves)):
+            if not _looks_free(scene, (x, y, yaw), moves[k], when, standing, stride):
+                return False
+            x, y, yaw = advanced(x, y, yaw, moves[k, LENGTH], moves[k, TURN])
+            when += moves[k, DURATION]
+        stride //= _FINER
     return True

@@ -247,7 +247,7 @@ class Ros2Fleet:
             names = [(end.node_name, end.node_namespace) for end in ends]
             if own in names:
                 names.remove(own)
-            told = sorted({f"{space.rstrip('/')}/{name}" for name, space in names})
+            told = sorted({_node_name(name, space) for name, space in names})
             if told:
                 detail = f"{', '.join(told)} publishes on {topic}, too: stop it"
                 found.append(Fault(index, "second-commander", detail))
@@ -268,6 +268,13 @@ class Ros2Fleet:
         else:
             fill_twist(message, command)
         self._publishers[index].publish(message)
+
+
+def _node_name(name: str, namespace: str) -> str:
+    """A node's whole name; publishers are known a moment before the names of their nodes."""
+    if name.startswith("_NODE_NAME_UNKNOWN"):
+        return "another node"
+    return f"{namespace.rstrip('/')}/{name}"
 
 
 def _check_distinct(robots: Sequence[Ros2Robot]) -> None:
