@@ -280,7 +280,7 @@ def _check_distinct(links: Sequence[Go2Link]) -> None:
     """Refuse a team without robots, and two at one place: they would hear the same requests."""
     if not links:
         raise InputError("expected a robot", key="links")
-    known: dict[tuple[int, str], int] = {}
+    known: dict[tuple[int, str | None], int] = {}
     for index, link in enumerate(links):
         place = link.domain, link.interface
         if place in known:

@@ -7,6 +7,7 @@ of its own, so that a Ctrl-C at the terminal does not reach it.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import select
 import signal
@@ -239,6 +240,8 @@ def main(arguments: list[str]) -> int:
     memory, lifeline, domain, interface, damp = arguments
     records = SharedRecords(int(memory))
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with contextlib.suppress(OSError):  # where that is allowed: a stop must not wait for others
+        os.setpriority(os.PRIO_PROCESS, 0, -10)
     try:
         client = SportClient(Network(int(domain), interface))
     except InputError as error:

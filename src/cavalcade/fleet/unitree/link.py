@@ -19,7 +19,7 @@ class Go2Link:
 
     Attributes:
         domain: DDS domain; a robot as it is delivered is in 0.
-        interface: Network interface that the robot is behind, such as `eth1`; empty for the one
+        interface: Network interface that the robot is behind, such as `eth1`; None for the one
             that the system prefers. `lo` for a mock on this machine.
         pose_source: `sport` takes the robot's own odometry, which drifts: some centimetres per
             metre. `external` are poses that the application hands in with `Go2Fleet.set_pose`,
@@ -33,14 +33,15 @@ class Go2Link:
     """
 
     domain: int = 0
-    interface: str = ""
+    interface: str | None = None
     pose_source: PoseSource = "sport"
     offset: tuple[float, float, float] | None = None
     battery_min: float = 20.0
 
     def __post_init__(self) -> None:
-        whole_number(self.domain, "domain", 0, 230)
-        if not isinstance(self.interface, str) or set(self.interface) & set("\"'<>& "):
+        whole_number(self.domain, "domain", 0, 232)
+        name = "eth0" if self.interface is None else self.interface
+        if not isinstance(name, str) or not name or set(name) & set("\"'<>& "):
             raise InputError("expected the name of a network interface", key="interface")
         if self.pose_source not in get_args(PoseSource):
             raise InputError(

@@ -64,7 +64,7 @@ class Robot:
         ours, theirs = os.pipe()
         self._lifeline = theirs
         link, memory = self.link, self._records.file
-        arguments = [str(memory), str(ours), str(link.domain), link.interface]
+        arguments = [str(memory), str(ours), str(link.domain), link.interface or ""]
         try:
             self._process = subprocess.Popen(
                 [
