@@ -120,7 +120,7 @@ def test_robots_of_a_fleet_that_was_killed_are_stopped(
     places = [mocks() for _ in range(2)]
     peer = Path(__file__).parent / "peers" / "go2_fleet.py"
     arguments = [str(domain) for domain, _ in places] + ["--damp"] * damp
-    process = subprocess.Popen([sys.executable, str(peer), *arguments])
+    process = subprocess.Popen([sys.executable, "-P", str(peer), *arguments])
     try:
         until(lambda: all(mock.states and mock.states[-1]["v"][0] > 0.3 for _, mock in places))
     finally:
@@ -334,4 +334,5 @@ def test_two_go2s_arrive(mocks: Mocks, tmp_path: Path, task: tuple[str, str, str
     file = tmp_path / "scenario.yaml"
     file.write_text(SCENARIO % (*task, *domains))
     result = cv.run(file, tmp_path / "out", figures=False, replay=False)
-    assert (result.reason, result.summary.to_dict()["collisions"]) == ("arrived", 0)
+    assert result.reason == "arrived", result.summary.detail
+    assert not any(result.summary.to_dict()["collisions"].values())

@@ -27,6 +27,9 @@ Silence = Literal["stop", "damp"]
 _LOOK = 0.02
 """How often robots are looked at while they are waited for, s."""
 
+_LAST = 1e11
+"""Stamps are before this, s."""
+
 
 class Go2Fleet:
     """A `LiveFleet` of Unitree Go2s, each driven by a helper process of its own.
@@ -193,7 +196,7 @@ class Go2Fleet:
         if one.link.pose_source != "external":
             raise InputError("is located by its odometry", key=f"robot {robot}")
         x, y, yaw = number_array(pose, "pose", (3,), "x, y, yaw", math.nan).tolist()
-        when = self.time if stamp is None else number_in(stamp, "stamp")
+        when = self.time if stamp is None else number_in(stamp, "stamp", -_LAST, _LAST)
         with self._lock:
             one.hand_in((x, y, yaw), when)
 

@@ -187,7 +187,8 @@ class MockGo2:
             if self.posture in possible and (not self._fallen or api is Api.RECOVERY_STAND):
                 self._fallen = False
                 self._until = -math.inf
-                self._change = now + takes, to
+                if self._change is None or self._change[1] != to:
+                    self._change = now + takes, to
 
     def _walk(self, now: float, dt: float) -> None:
         goes = self.posture == "ready" and not self._frozen and now < self._until
