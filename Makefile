@@ -76,6 +76,8 @@ $(ROS)/.stamp: $(VENV)/.stamp-test
 		$(ROS)/bin/python -m pip --disable-pip-version-check install --quiet \
 		--constraint constraints.txt --requirement $(ROS)/requirements.txt || \
 		echo "$$extra has no wheels for this platform: its tests are skipped"; done
+	@-$(ROS)/bin/python -m pip --disable-pip-version-check install --quiet --only-binary :all: \
+		--constraint constraints.txt far-unitree-sdk
 	@touch $@
 
 test-live: $(ROS)/.stamp

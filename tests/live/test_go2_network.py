@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterator
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +18,7 @@ import pytest
 import cavalcade as cv
 from cavalcade.errors import FleetError
 from cavalcade.fleet.unitree import Go2Fleet, Go2Link
+from cavalcade.fleet.unitree.sdk import Network, load_sdk, take, write
 from cavalcade.fleet.unitree.sport import Api
 
 STOP_WITHIN = 0.6
@@ -168,6 +172,33 @@ def test_a_cable_that_is_plugged_in_again_is_no_fault_any_more(
         until(lambda: not kinds())
     finally:
         fleet.close()
+
+
+def test_a_robots_older_dds_survives_our_requests_and_answers_them(
+    cards: Cards, mocks: Callable[..., Any], until: Callable[[Callable[[], Any]], Any]
+) -> None:
+    """Requests of the vendor's types as they are end it with a segmentation fault."""
+    if importlib.util.find_spec("unitree_interface") is None:
+        pytest.skip("the vendor's C++ library is not there (pip install far-unitree-sdk)")
+    peer = Path(__file__).parent / "peers" / "go2_service.py"
+    within = ["ip", "netns", "exec", cards.namespaces[0]]
+    service = subprocess.Popen([*within, sys.executable, "-P", str(peer), cards.theirs])
+    try:
+        network, types = Network(0, cards.ours[0]), load_sdk()
+        requests = network.writer("rt/api/motion_switcher/request", types.request_type)
+        answers = network.reader("rt/api/motion_switcher/response", types.response_type, 10)
+        numbers = count(1)
+
+        def answered() -> bool:
+            assert service.poll() is None, "the service has crashed"
+            write(requests, types.request(next(numbers), 1001, "{}", no_reply=False))
+            time.sleep(0.05)
+            return any(answer.header.status.code == 0 for answer in take(answers, 10))
+
+        until(answered)
+    finally:
+        service.kill()
+        service.wait()
 
 
 def test_the_card_of_a_robot_that_is_not_there_is_named(cards: Cards, team: list[Any]) -> None:

@@ -6,6 +6,7 @@ import importlib
 from typing import Any
 
 from cavalcade.errors import InputError
+from cavalcade.fleet.unitree.octets import announce_as_octets
 
 _HOW = (
     "pip install 'cavalcade[unitree]'; for real robots better the vendor's own: "
@@ -121,6 +122,7 @@ class Network:
     def _topic(self, name: str, kind: Any) -> Any:
         from cyclonedds.topic import Topic
 
+        announce_as_octets(kind)
         return Topic(self._participant, name, kind)
 
     def _reliable(self) -> Any:
