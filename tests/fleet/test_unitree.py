@@ -24,7 +24,9 @@ def test_records_hold_what_was_written_last() -> None:
     assert other.order.read() is None
     records.order.write(Order(1.0, Wish.STAND, 1, 0.0, 0.0, 0.0))
     records.order.write(ORDER)
-    report = Report(1.0, 3, Stage.READY, 2.0, 1, 2, math.pi, 0.1, 0.2, 7, 1001, 80.0, 1008, 4201)
+    report = Report(
+        1.0, 3, Stage.READY, 2.0, 1, 2, math.pi, 0.1, 0.2, 7, 1001, 80.0, 1008, 4201, 9.0
+    )
     other.report.write(report)
     assert other.order.read() == ORDER
     assert records.report.read() == report

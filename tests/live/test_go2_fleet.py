@@ -203,6 +203,24 @@ def test_a_robot_whose_motors_somebody_damped_is_a_fault(mocks: Mocks, until: Wa
         until(damped)
 
 
+def test_a_second_commander_is_a_fault_as_long_as_it_is_there(mocks: Mocks, until: Wait) -> None:
+    from cavalcade.fleet.unitree.client import SportClient
+    from cavalcade.fleet.unitree.sdk import Network
+
+    domain, _ = mocks()
+    with fleet_of(domain) as fleet:
+        fleet.start(60.0)
+        other = SportClient(Network(domain, "lo"))
+
+        def noticed() -> bool:
+            drive(fleet, (0.0, 0.0, 0.0))
+            other.move(0.1, 0.0, 0.0, time.monotonic(), answered=False)
+            return kinds(fleet) == [(0, "second-commander")]
+
+        until(noticed)
+        until(lambda: drive(fleet, (0.0, 0.0, 0.0)) or not kinds(fleet))
+
+
 def test_who_is_not_there_is_named(mocks: Mocks) -> None:
     domain, _ = mocks()
     with (

@@ -30,6 +30,7 @@ class SportClient:
         heard: When the last sport state came, s of the caller's clock; 0 if none did.
         failures: The last code of each request whose last answer was not 0.
         charge: Of the battery, %; -1 if it was not heard.
+        rival: When another program last told it to move, s of the caller's clock; 0 if none did.
     """
 
     def __init__(self, network: Network) -> None:
@@ -39,6 +40,7 @@ class SportClient:
         self._responses = network.reader(RESPONSES, self._sdk.response_type, 50)
         self._states = network.reader(SPORT_STATE, self._sdk.sport_state_type)
         self._low_states = network.reader(LOW_STATE, self._sdk.low_state_type)
+        self._foreign = network.reader(REQUESTS, self._sdk.request_type, 10, others=True)
         self._state: Any = None
         self._pending: dict[int, tuple[Api, float]] = {}
         self._last = 0
@@ -47,6 +49,7 @@ class SportClient:
         self._answered: deque[int] = deque(maxlen=50)
         self._last_answer: dict[Api, float] = {}
         self.charge = -1.0
+        self.rival = 0.0
 
     def ask(self, api: Api, now: float, values: dict[str, float] | None = None) -> int:
         """Send a request that is answered; its number."""
@@ -82,6 +85,8 @@ class SportClient:
                 self.failures.pop(asked[0], None)
             else:
                 self.failures[asked[0]] = code
+        if any(r.header.identity.api_id == Api.MOVE for r in take(self._foreign, 10)):
+            self.rival = now
         for number, (api, until) in list(self._pending.items()):
             if now > until:
                 del self._pending[number]

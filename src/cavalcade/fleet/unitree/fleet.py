@@ -38,7 +38,8 @@ class Go2Fleet:
     sent for 0.5 s and when this process dies. Faults of the observation: `link-down` (no state
     for 0.5 s), `api-error` (the robot refuses a request), `battery-low`, `fallen`, `damping`,
     `lying` and `locked` (the robot does not stand ready to walk, such as after a press on its
-    remote control) and `helper` (the process has ended or does not answer).
+    remote control), `second-commander` (another program tells the robot to move) and `helper` (the
+    process has ended or does not answer).
 
     True poses are the last reported ones, true velocities the trend of those of the last second.
     Time is that of the wall when the fleet was made, and goes on evenly from there.

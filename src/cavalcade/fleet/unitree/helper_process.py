@@ -231,6 +231,7 @@ class Helper:
                 client.charge,
                 api,
                 code,
+                client.rival,
             )
         )
 

@@ -73,6 +73,7 @@ class Report(NamedTuple):
         charge: Of the battery, %; -1 if it was not heard.
         failed_api, failed_code: The request that failed last and was not answered well since, and
             its code; 0 if there is none.
+        rival: When another program last told it to move, s of the monotonic clock; 0 if none did.
     """
 
     beat: float
@@ -89,6 +90,7 @@ class Report(NamedTuple):
     charge: float
     failed_api: int
     failed_code: int
+    rival: float
 
 
 _T = TypeVar("_T", Order, Report)

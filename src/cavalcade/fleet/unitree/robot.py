@@ -26,6 +26,9 @@ LINK_DOWN = 0.5
 _HELPER = 0.5
 """A helper process that shows no sign of life for so long, s, has stopped."""
 
+_RIVAL = 1.0
+"""Another program that told it to move so long ago, s, may do so again; a real one streams."""
+
 _FALLEN = 1.0
 """A trunk that is rolled or pitched by more, rad, has fallen; stairs and slopes are below 0.7."""
 
@@ -194,6 +197,8 @@ class Robot:
         elif now - report.heard > LINK_DOWN:
             lost = f"no state for {now - report.heard:.1f} s, {self.link.place}"
             found.append(("link-down", lost))
+        if report.rival and now - report.rival < _RIVAL:
+            found.append(("second-commander", "another program tells it to move: stop that"))
         if report.failed_api and self._wish is not Wish.WAIT:
             found.append(("api-error", self.refusal()))
         if 0.0 <= report.charge < self.link.battery_min:

@@ -8,10 +8,7 @@ from typing import Any
 from cavalcade.errors import InputError
 from cavalcade.fleet.unitree.octets import announce_as_octets
 
-_HOW = (
-    "pip install 'cavalcade[unitree]'; for real robots better the vendor's own: "
-    "pip install unitree-sdk2 with a Python that has wheels of cyclonedds 0.10.2"
-)
+_HOW = "pip install 'cavalcade[unitree]'"
 
 LOOPBACK = ("lo", "lo0")
 """Interfaces that know no multicast: peers are looked for one by one."""
@@ -110,13 +107,26 @@ class Network:
 
         return DataWriter(self._participant, self._topic(topic, kind), self._reliable())
 
-    def reader(self, topic: str, kind: Any, depth: int = 1, *, reliable: bool = False) -> Any:
-        """A reader that keeps the newest `depth` messages until they are taken."""
+    def reader(
+        self,
+        topic: str,
+        kind: Any,
+        depth: int = 1,
+        *,
+        reliable: bool = False,
+        others: bool = False,
+    ) -> Any:
+        """A reader that keeps the newest `depth` messages until they are taken.
+
+        With `others`, messages of this participant itself are left out.
+        """
         from cyclonedds.core import Policy, Qos
         from cyclonedds.sub import DataReader
 
         qos = self._reliable() if reliable else Qos(Policy.Reliability.BestEffort)
         qos = Qos(Policy.History.KeepLast(depth), base=qos)
+        if others:
+            qos = Qos(Policy.IgnoreLocal.Participant, base=qos)
         return DataReader(self._participant, self._topic(topic, kind), qos)
 
     def _topic(self, name: str, kind: Any) -> Any:
