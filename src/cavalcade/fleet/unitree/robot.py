@@ -197,10 +197,10 @@ class Robot:
         elif now - report.heard > LINK_DOWN:
             lost = f"no state for {now - report.heard:.1f} s, {self.link.place}"
             found.append(("link-down", lost))
+        elif report.failed_api and self._wish is not Wish.WAIT:
+            found.append(("api-error", self.refusal()))
         if report.rival and now - report.rival < _RIVAL:
             found.append(("second-commander", "another program tells it to move: stop that"))
-        if report.failed_api and self._wish is not Wish.WAIT:
-            found.append(("api-error", self.refusal()))
         if 0.0 <= report.charge < self.link.battery_min:
             least = f"{report.charge:.0f} %, {self.link.battery_min:g} % are asked for"
             found.append(("battery-low", least))
