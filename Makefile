@@ -98,6 +98,7 @@ bench: $(VENV)/.stamp-bench
 	@-$(PIP) --only-binary :all: eikonalfm
 	@$(BIN)/python benchmarks/bench_eikonal.py
 	@$(BIN)/python benchmarks/bench_cycle.py
+	@$(BIN)/python benchmarks/bench_live_planner.py
 	@$(BIN)/python benchmarks/bench_body.py
 	@$(BIN)/python benchmarks/bench_startup.py
 	@$(BIN)/python benchmarks/bench_waits.py

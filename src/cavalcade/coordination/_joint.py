@@ -182,7 +182,7 @@ def _towards(node, point, share, forward, out):
         out[k, 2] = math.atan2(dy, dx) if forward else math.atan2(-dy, -dx)
 
 
-@kernel
+@kernel(nogil=True)
 def search_joint(team, trees, rng, begin, end):
     """Grow two trees of poses of all robots from extension `begin` to `end` or until they meet.
 

@@ -75,7 +75,7 @@ def _spare_neighbours(margins: Array, table: Array, shapes: Array) -> None:
                 margins[[i, j], :] = margins[:, [i, j]] = _CLOSE
 
 
-@kernel
+@kernel(nogil=True)
 def find_conflicts(tracks, dt, shapes, margins, speed, look, most):
     """The times at which two bodies are nearer than their margin, after which all stand.
 

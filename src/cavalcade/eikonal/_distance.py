@@ -9,7 +9,7 @@ import numpy as np
 from cavalcade.kernels import kernel
 
 
-@kernel
+@kernel(nogil=True)
 def square_distance(occupied, cell):
     """Distance from each cell's centre to the nearest occupied cell's *square*, 0 inside.
 
@@ -77,7 +77,7 @@ def square_distance(occupied, cell):
     return out
 
 
-@kernel
+@kernel(nogil=True)
 def saturated(distance, radius, safe, least):
     """Speeds `(rows, cols)` that rise from 0 at `radius` to 1 over the next `safe` metres.
 

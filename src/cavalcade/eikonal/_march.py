@@ -100,7 +100,7 @@ def work_space(size: int, nodes: int = 0) -> WorkSpace:
     )
 
 
-@kernel
+@kernel(nogil=True)
 def pad_delays(speed, cell, delay):
     """Fill padded delays `(P,)`, s per cell, from speeds `(rows, cols)`, m/s.
 
@@ -135,7 +135,7 @@ def least_rest(cells, count, grid, stop, rest):
         rest[k] = max(away - 1.5, 0.0) * grid.least
 
 
-@kernel(fastmath={"nnan", "nsz", "contract"})
+@kernel(fastmath={"nnan", "nsz", "contract"}, nogil=True)
 def march(grid, times, seeds, work, stop):
     """Propagate arrival times from seeded cells.
 

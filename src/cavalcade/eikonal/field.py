@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -70,6 +71,21 @@ class TravelGrid:
         self._scratch: Array | None = None  # kept at inf between local paths
         self._points: Array = np.empty((0, 2))
         self._stamps: Array = np.empty(0)
+
+    def twin(self, beside: TravelGrid | None = None) -> TravelGrid:
+        """The same grid with a work space of its own, or that `beside` it, for another thread."""
+        twin = copy.copy(self)
+        size = self._work.cells.size
+        twin._work = _march.work_space(self._delay.size, size) if beside is None else beside._work
+        twin._scratch = None
+        twin._points, twin._stamps = np.empty((0, 2)), np.empty(0)
+        return twin
+
+    def get_ready(self) -> None:
+        """Allocate what the first path would allocate."""
+        if self._scratch is None:
+            self._scratch = np.full(self._delay.size, np.inf)
+        self._buffers(16 * (self.rows + self.cols))
 
     @property
     def speed(self) -> Array:

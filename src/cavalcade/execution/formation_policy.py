@@ -21,8 +21,8 @@ from cavalcade.scenario import FormationSection, PlannerSection, Scenario, World
 from cavalcade.scenario.task import ConnectionSection
 
 
-def make_planner(scenario: Scenario, world: World) -> FormationPlanner:
-    """The planner of a scenario with a formation, its goals set.
+def make_planner(scenario: Scenario, world: World, live: bool = False) -> FormationPlanner:
+    """The planner of a scenario with a formation, its goals set; `live` as in its class.
 
     Raises:
         ScenarioError: The planner refuses the scenario's values.
@@ -40,6 +40,7 @@ def make_planner(scenario: Scenario, world: World) -> FormationPlanner:
             seed=scenario.seed,
             lookahead=section.lookahead,
             expected=expected_of(scenario),
+            live=live,
         )
         planner.set_goals(scenario.task.goals)
     except ScenarioError:

@@ -38,7 +38,7 @@ def values_at(grid, points, cell):
     return out
 
 
-@kernel
+@kernel(nogil=True)
 def fitting_shift(shifts, places, bodies, region, needed, space):
     """Index of the first shift with which all places lie in a region, clear; -1 if none does.
 

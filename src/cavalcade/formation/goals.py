@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.eikonal import ArrivalField
+from cavalcade.eikonal import ArrivalField, TravelGrid
 from cavalcade.formation._clearance import Footprint
 from cavalcade.formation.planning_maps import PlanningMaps
 from cavalcade.geometry import Array, rotation, transform_points
@@ -29,6 +29,7 @@ class GoalPlan:
         field: Arrival times on W_A from the centre.
         cut_off: Robots that cannot reach it; the goal is infeasible if there are any.
         problem: What is wrong with a goal that the shape fits nowhere near, in words.
+        missing: Slots whose fields have been asked for in vain, and the cells to reach.
     """
 
     def __init__(
@@ -72,8 +73,10 @@ class GoalPlan:
             near = maps.leader.nearest_free(centre)
             centre = self.places[0] if near is None else near
         self.field = maps.leader.field(centre)
-        self._slot_fields: dict[int, ArrivalField] = {}
-        self._whole: set[int] = set()  # slots whose fields hold all that can be reached
+        # Each with whether it holds all that can be reached.
+        self._slot_fields: dict[int, tuple[ArrivalField, bool]] = {}
+        self._beside: TravelGrid | None = None
+        self.missing: dict[int, list[tuple[int, int]]] = {}
         self._entered: tuple[bytes, list[tuple[int, int]]] = (b"", [])
 
     def slot_field(self, slot: int, points: Array) -> ArrivalField:
@@ -81,16 +84,38 @@ class GoalPlan:
 
         Computed once, and again should a point lie outside what was settled then.
         """
-        known = self._slot_fields.get(slot)
-        if known is not None and slot in self._whole:
+        known = self._known(slot, points)
+        if known is not None:
             return known
-        cells = self._entries(points)
-        if known is not None and known.reaches(cells):
-            return known
-        field = self.maps.slots.field(self.places[slot], targets=cells or None)
-        self._slot_fields[slot] = field
-        if not cells or not field.reaches(cells):
-            self._whole.add(slot)  # the march ended because there was nowhere left to go
+        return self._march(self.maps.slots, slot, self._entries(points))
+
+    def march_beside(self) -> None:
+        """From now on slot fields are made by `make_missing`, in another thread."""
+        self._beside = self.maps.slots.twin()
+        self.maps.follower.get_ready()
+        self._beside.get_ready()
+
+    def has_slot_field(self, slot: int, points: Array) -> bool:
+        """Whether a slot's field can be asked for; one that must be made first is `missing`."""
+        if self._beside is None or self._known(slot, points) is not None:
+            return True
+        self.missing[slot] = self._entries(points)
+        return False
+
+    def make_missing(self, slot: int, cells: list[tuple[int, int]]) -> None:
+        """Make a slot's field, at least as far as [row, col] cells."""
+        if self._beside is not None:
+            self._march(self._beside, slot, cells)
+
+    def _known(self, slot: int, points: Array) -> ArrivalField | None:
+        known, whole = self._slot_fields.get(slot, (None, False))
+        enough = known is not None and (whole or known.reaches(self._entries(points)))
+        return known if enough else None
+
+    def _march(self, grid: TravelGrid, slot: int, cells: list[tuple[int, int]]) -> ArrivalField:
+        field = grid.field(self.places[slot], targets=cells or None)
+        # Where cells are not reached, the march ended because there was nowhere left to go.
+        self._slot_fields[slot] = field, not cells or not field.reaches(cells)
         return field
 
     def _entries(self, points: Array) -> list[tuple[int, int]]:

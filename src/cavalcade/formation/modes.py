@@ -45,8 +45,13 @@ _TIGHTER = (0.25, 0.21)  # m: inflation radii tried where r_max leaves no path
 class Navigator:
     """Turns goals and poses into wanted velocities. In the grid's frame throughout.
 
+    It `plans` by itself, or goes by plans that it is given and stands while it has none.
+
     Attributes:
         goals: `(G, 3)` poses to drive to.
+        waypoint: Index of the present one.
+        plan: For it, None where there is none yet.
+        following: The plan for the next one, where it is made beforehand.
         radius: Inflation of the present plan, m.
         status: What the last cycle came to; slots and connections are left out, and goals are
             nan where there are none.
@@ -61,7 +66,9 @@ class Navigator:
         period: float,
         rng: np.random.Generator,
         error: float = 0.0,
+        plans: bool = True,
     ) -> None:
+        self._plans = plans
         self._team = team
         self._variant = variant
         self._settings = settings
@@ -73,7 +80,7 @@ class Navigator:
         self._evading: list[int] = []
         self.goals: Array = np.empty((0, 3))
         self.radius = settings.r_max
-        self._waypoint = 0
+        self.waypoint = 0
         self.restart()
 
     def set_goals(self, goals: Array, keep: bool = False) -> None:
@@ -83,7 +90,7 @@ class Navigator:
             self._recovery.restart()  # what they remember is in the old frame
             self._avoidance.forget()
         else:
-            self._waypoint = 0
+            self.waypoint = 0
             self.restart()
 
     def expect_boxes(self) -> None:
@@ -106,16 +113,12 @@ class Navigator:
 
     def refresh(self) -> None:
         """The maps have changed: plan anew, keep state and roles."""
-        self._plan: GoalPlan | None = None
+        self.plan: GoalPlan | None = None
         self._planned: PlanningMaps | None = None
+        self.following: GoalPlan | None = None
         self._deadlock.refresh()
         if self._state in ("stuck", "infeasible"):
             self._state = "partial"
-
-    def go_on(self) -> None:
-        """Time has passed without cycles."""
-        self.rest()
-        self.refresh()
 
     def rest(self) -> None:
         """The team is to stand, whatever it was doing; the time counts for nobody's patience."""
@@ -123,6 +126,11 @@ class Navigator:
         self._shaper.forget_springs()
         self._deadlock.refresh()
         self._recovery.go_on()
+
+    @property
+    def last(self) -> bool:
+        """Whether the present goal is the last one."""
+        return self.waypoint >= len(self.goals) - 1
 
     def rank(self) -> NDArray[np.int64]:
         """Precedence `(N,)` of the robots, 0 first: those that evade before all others."""
@@ -147,7 +155,7 @@ class Navigator:
             goals=np.full((count, 2), np.nan),
             paths=(EMPTY_PATH,) * count,
             eta=np.full(count, np.inf),
-            waypoint=self._waypoint,
+            waypoint=self.waypoint,
         )
 
     def step(
@@ -166,7 +174,13 @@ class Navigator:
             self.status = self._idle()
             return wanted
         points = np.ascontiguousarray(poses[:, :2])
-        plan = self._planned_for(maps, points[active])
+        if self._plans and (self.plan is None or self._planned is not maps):
+            goal, slots = self.goals[self.waypoint], team.formation.slots
+            self.adopt(self.plan_goal(maps, goal, slots, points[active]), maps)
+        plan = self.plan
+        if plan is None:
+            self.status = self._idle()
+            return wanted
         cycle = Cycle(plan, team, poses, points, active, time)
         if self._state == "infeasible":
             self._state = "partial"  # for a path may be free again
@@ -192,14 +206,12 @@ class Navigator:
             self._evading = self._avoidance.apply(
                 wanted, poses, velocities, active, around, self.radius
             )
-        self.status = cycle.status(self._state, self._leader, self._waypoint, message, involved)
+        self.status = cycle.status(self._state, self._leader, self.waypoint, message, involved)
         self._advance_waypoint(cycle)
         return wanted
 
-    def _planned_for(self, maps: PlanningMaps, points: Array) -> GoalPlan:
-        if self._plan is not None and self._planned is maps:
-            return self._plan
-        goal, slots = self.goals[self._waypoint], self._team.formation.slots
+    def plan_goal(self, maps: PlanningMaps, goal: Array, slots: Array, points: Array) -> GoalPlan:
+        """The plan for a goal `(3,)` and robots at `points` `(S, 2)`, in any thread."""
         used = rigid_maps(maps, slots) if self._variant.rigid else maps
         plan = GoalPlan(used, goal, slots, points, self._footprint)
         for radius in _TIGHTER if self._variant.improved else ():
@@ -208,9 +220,13 @@ class Navigator:
             other = GoalPlan(maps.tightened(radius), goal, slots, points, self._footprint)
             if len(other.cut_off) == 0:
                 plan = other
-        self.radius = min(plan.maps.radius, self._settings.r_max)
-        self._plan, self._planned = plan, maps
         return plan
+
+    def adopt(self, plan: GoalPlan | None, maps: PlanningMaps) -> None:
+        """Go on with a plan of the present goal, shape and team, on these maps."""
+        self.plan, self._planned = plan, maps
+        if plan is not None:
+            self.radius = min(plan.maps.radius, self._settings.r_max)
 
     def _follow_plan(self, cycle: Cycle) -> tuple[str, tuple[int, ...]]:
         """The paper's two states, and ours for deadlocks. Returns message and robots involved."""
@@ -266,6 +282,10 @@ class Navigator:
 
     def _resolve(self, cycle: Cycle) -> None:
         """One by one along each robot's own field."""
+        if not self._slot_fields_are_there(cycle):
+            self._deadlock.refresh()
+            cycle.roles = self._roles if len(self._roles) else cycle.roles
+            return  # the team stands until they are
         single = self._deadlock.single_file(cycle)
         self._roles, self._rank = single.roles, single.rank
         cycle.go_to_slots(self._roles)
@@ -278,18 +298,25 @@ class Navigator:
         cycle.paths = tuple(paths)
         self._shaper.shape(cycle, courses * self._shaper.top, springs=False)
 
+    def _slot_fields_are_there(self, cycle: Cycle) -> bool:
+        """Whether all of them are; those that are not are going to be made."""
+        points = cycle.points[cycle.active]
+        known = [cycle.plan.has_slot_field(k, points) for k in range(len(cycle.plan.places))]
+        return all(known)
+
     def _drive(self, cycle: Cycle, known: dict[int, Array]) -> None:
         """Desired velocities along paths (local ones but for `known`), then steps 9 to 11."""
         maps, points, targets = cycle.plan.maps, cycle.points, cycle.targets
         cycle.roles = self._roles
         paths = [EMPTY_PATH] * len(points)
         desired = np.zeros((len(points), 2))
+        slots, places = self._roles.tolist(), points[cycle.active]
         for k in cycle.active:
             path = known.get(int(k))
             if int(k) in cycle.detours:
                 path, _ = local_path(maps, points[k], cycle.detours[int(k)])
-            elif path is None and cycle.final:
-                field = cycle.plan.slot_field(int(self._roles[k]), points[cycle.active])
+            elif path is None and cycle.final and cycle.plan.has_slot_field(slots[k], places):
+                field = cycle.plan.slot_field(slots[k], places)
                 path = descend_from(field, points[k]).points
             elif path is None:
                 guess = _LONGER * self._times.get(int(k), np.inf) + _LATER
@@ -313,9 +340,12 @@ class Navigator:
         self._shaper.shape(cycle, desired, springs=False)
 
     def _advance_waypoint(self, cycle: Cycle) -> None:
-        last = self._waypoint >= len(self.goals) - 1
-        if cycle.final and not last and cycle.away[cycle.active].max() < _PASSED:
-            self._waypoint += 1
-            status = self.status
+        if self.last or not cycle.final or cycle.away[cycle.active].max() >= _PASSED:
+            return
+        if self._plans or self.following is not None:
+            self.waypoint += 1
+            status, following, maps = self.status, self.following, self._planned
             self.restart()
+            if following is not None and maps is not None:
+                self.adopt(following, maps)
             self.status = replace(status, state="partial", arrived=False)

@@ -5,6 +5,7 @@ Everything here is in the grid's own frame: x, y in m from the lower-left corner
 
 from __future__ import annotations
 
+import copy
 import math
 
 import numpy as np
@@ -76,9 +77,24 @@ class PlanningMaps:
 
     def changed(self, occupied: NDArray[np.bool_]) -> PlanningMaps:
         """The maps after some cells changed; distances are renewed only near the change."""
-        rows, cols = np.nonzero(occupied != self.occupied)
+        distance = self.distance_after(occupied)
+        return self if distance is self.distance else self.redrawn(occupied, distance)
+
+    def redrawn(self, occupied: NDArray[np.bool_], distance: Array) -> PlanningMaps:
+        """The maps of other cells, whose distances are known."""
+        return self._with(occupied, self.radius, distance)
+
+    def distance_after(
+        self, occupied: NDArray[np.bool_], former: tuple[NDArray[np.bool_], Array] | None = None
+    ) -> Array:
+        """Distances after some cells changed, found anew only near the change.
+
+        The change is from the maps' own cells and distances, or from `former` ones.
+        """
+        before, known = (self.occupied, self.distance) if former is None else former
+        rows, cols = np.nonzero(occupied != before)
         if len(rows) == 0:
-            return self
+            return known
         # Beyond this distance from a change, the saturated maps stay as they are.
         not_narrow = self._half_width + _SPARE - self.radius
         safe = max(self.settings.d_safe_a, self.settings.d_safe_b, not_narrow)
@@ -87,7 +103,7 @@ class PlanningMaps:
         top, left = max(rows.min() - reach, 0), max(cols.min() - reach, 0)
         bottom, right = min(rows.max() + reach + 1, height), min(cols.max() + reach + 1, width)
         if (bottom - top) * (right - left) > 0.5 * occupied.size:
-            return self._with(occupied, self.radius)
+            return surface_distance(occupied, self.cell)
         t, lf = max(top - reach, 0), max(left - reach, 0)
         b, rt = min(bottom + reach, height), min(right + reach, width)
         window = surface_distance(occupied[t:b, lf:rt], self.cell, border=False)
@@ -98,9 +114,17 @@ class PlanningMaps:
         to_border = self.cell * np.minimum(
             np.minimum(r, height - r)[:, None], np.minimum(c, width - c)[None, :]
         )
-        distance = self.distance.copy()
+        distance = known.copy()
         distance[top:bottom, left:right] = np.minimum(np.minimum(inner, to_border), far)
-        return self._with(occupied, self.radius, distance)
+        return distance
+
+    def twin(self) -> PlanningMaps:
+        """The same maps with a work space of their own, to plan on in another thread."""
+        twin = copy.copy(self)
+        twin.leader = self.leader.twin()
+        twin.follower = self.follower.twin(beside=twin.leader)
+        twin.slots = twin.follower if self.slots is self.follower else twin.leader
+        return twin
 
     def _with(
         self, occupied: NDArray[np.bool_], radius: float, distance: Array | None = None

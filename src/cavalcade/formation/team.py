@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from dataclasses import astuple
 
 import numpy as np
@@ -26,6 +27,12 @@ class Team:
         self.present = np.ones(size, dtype=bool)
         self._full = formation
         self._use(formation)
+
+    def copy(self) -> Team:
+        """One that stays as this one is now."""
+        other = copy.copy(self)
+        other.present = self.present.copy()
+        return other
 
     @property
     def active(self) -> NDArray[np.int64]:

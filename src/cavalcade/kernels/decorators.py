@@ -2,17 +2,24 @@
 
 import numba
 
-from cavalcade.kernels.linking import KernelDispatcher, SubroutineDispatcher
+from cavalcade.kernels.linking import (
+    KernelDispatcher,
+    SubroutineDispatcher,
+    ThreadedKernelDispatcher,
+)
 
 
-def kernel(function=None, *, fastmath=False):
+def kernel(function=None, *, fastmath=False, nogil=False):
     """A function that Python calls and numba compiles, once for each machine.
 
     Args:
         function: What is compiled. Divisions by zero give inf or nan in it, as in numpy.
         fastmath: LLVM's liberties with floating point numbers, as `numba.njit` takes them.
+        nogil: Whether other threads may run meanwhile. For kernels that take longer than a
+            millisecond: to get the interpreter back may take as long as a control cycle, which
+            hundreds of short calls must not risk.
     """
-    return _compiled(KernelDispatcher, function, fastmath)
+    return _compiled(ThreadedKernelDispatcher if nogil else KernelDispatcher, function, fastmath)
 
 
 def subroutine(function=None, *, fastmath=False):

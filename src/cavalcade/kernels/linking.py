@@ -62,6 +62,14 @@ class _KernelCompiler(CompilerBase):
         return [passes]
 
 
+class _ThreadedKernelCompiler(_KernelCompiler):
+    """The same with a wrapper that lets other threads run. Subroutines are the same for both."""
+
+    def define_pipelines(self):
+        self.state.flags.release_gil = True
+        return super().define_pipelines()
+
+
 class _SubroutineCompiler(_KernelCompiler):
     """The same without machine code: the pipeline ends with lowered code."""
 
@@ -99,9 +107,19 @@ def _as_subroutine(**options):
 class KernelDispatcher(_Linking):
     """A compiled function that Python calls."""
 
+    _compiler = _KernelCompiler
+    _kept_as = ""
+
     def __init__(self, py_func, locals=None, targetoptions=None):
-        super().__init__(py_func, locals, targetoptions, pipeline_class=_KernelCompiler)
-        self._cache = KernelCache(py_func, options_of(self))
+        super().__init__(py_func, locals, targetoptions, pipeline_class=self._compiler)
+        self._cache = KernelCache(py_func, options_of(self) + self._kept_as)
+
+
+class ThreadedKernelDispatcher(KernelDispatcher):
+    """One during which other threads run."""
+
+    _compiler = _ThreadedKernelCompiler
+    _kept_as = " nogil"
 
 
 class SubroutineDispatcher(_Linking):

@@ -107,7 +107,7 @@ def _sample_nearby(space, rng, tree, out):
     return near
 
 
-@kernel
+@kernel(nogil=True)
 def search(space, trees, sampler, begin, end):
     """Grow both trees until they meet, from iteration `begin` to the one before `end`.
 

@@ -67,7 +67,7 @@ def _valid_walk(space, s0, s1, arrival, departure, edge, scratch):
     return walk_problem(space, edge, False, scratch)[0] == OK
 
 
-@kernel
+@kernel(nogil=True)
 def pull_string(space, points, yaw):
     """Walks from rest to rest along straight lines between points `(K, 2)` of a path.
 
@@ -102,7 +102,7 @@ def pull_string(space, points, yaw):
     return edges[:kept].copy()
 
 
-@kernel
+@kernel(nogil=True)
 def shorten(space, edges, yaw):
     """From the start on, CONNECTs to the farthest later states where they are shorter."""
     count = edges.shape[0]
@@ -133,7 +133,7 @@ def shorten(space, edges, yaw):
     return out[:kept].copy()
 
 
-@kernel
+@kernel(nogil=True)
 def shortcut(space, rng, edges, yaw):
     """The path with a CONNECT between two random places if that is shorter; and whether it is."""
     count = edges.shape[0]

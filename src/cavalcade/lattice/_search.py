@@ -211,7 +211,7 @@ def _path_to(node, link, primitives, word):
     return moves
 
 
-@kernel
+@kernel(nogil=True)
 def search(scene, goal, primitives, to_go, settings, frontier):
     """The cheapest path from rest at the root to rest at `goal` past everything, for good.
 

@@ -86,7 +86,7 @@ def split(moves, limits, piece):
     return rows
 
 
-@kernel
+@kernel(nogil=True)
 def shorten(scene, start, rows, begin, end):
     """One pass over the states `begin` to `end` of a path, each followed by a cheaper word if any.
 
