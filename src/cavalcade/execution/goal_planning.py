@@ -159,7 +159,7 @@ def meets(map: OccupancyMap, model: RobotModel, poses: Array, before: OccupancyM
     local = map.to_local(np.stack([at_x, at_y], axis=-1).reshape(-1, 2))
     cells = np.floor(local / map.resolution).astype(int)
     inside = (cells >= 0).all(axis=1) & (cells < (map.cols, map.rows)).all(axis=1)
-    hit: NDArray[np.bool_] = ~inside & (not same)
+    hit = np.logical_and(~inside, not same)
     hit[inside] = come[cells[inside, 1], cells[inside, 0]]
     rows = np.flatnonzero(hit.reshape(len(poses), -1).any(axis=1))
     return int(rows[0]) if len(rows) else None
