@@ -2,6 +2,7 @@
 # make test   the whole suite, in the same environment
 # make venv   only the environment
 # make test-fast  what a change needs at once: everything that takes no more than a moment
+# make test-live  the tests that need ROS 2, in an environment of their own with its wheels
 # make lint   ruff, mypy, the layers and the structure
 # make docs  the documentation as a site, in site/
 # make bench  timing against peers, and the start (scikit-fmm may need a C++ compiler)
@@ -11,6 +12,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 RUNS := runs
+ROS := .venv-ros2
 WORKERS ?= 2
 PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --constraint constraints.txt
 INPUTS := pyproject.toml constraints.txt
@@ -23,7 +25,7 @@ export MPLCONFIGDIR ?= $(abspath $(VENV))/matplotlib
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-fast venv lint docs bench evidence clean
+.PHONY: help demo test test-fast test-live venv lint docs bench evidence clean
 
 help:
 	@sed -n 's/^# make/make/p' Makefile
@@ -59,6 +61,24 @@ test: $(VENV)/.stamp-test
 
 test-fast: $(VENV)/.stamp-test
 	@$(BIN)/python -m pytest --numprocesses $(WORKERS) -m "not slow"
+
+# Wheels of rclpy start every Python of their environment twice: it is one of its own, on top of
+# the other. Where there are none for the platform, the tests skip.
+$(ROS)/.stamp: $(VENV)/.stamp-test
+	@echo "Building the environment in $(ROS) (once) ..."
+	@$(PYTHON) -m venv $(ROS)
+	@$(BIN)/python -c 'import sysconfig as s; print("import site; site.addsitedir(%r)" % s.get_path("purelib"))' \
+		> $$(echo $(ROS)/lib/python3*/site-packages)/cavalcade_tests.pth
+	@$(BIN)/python -c 'import tomllib; f = open("pyproject.toml", "rb"); \
+		print(*tomllib.load(f)["project"]["optional-dependencies"]["ros2"], sep="\n")' \
+		> $(ROS)/requirements.txt
+	@$(ROS)/bin/python -m pip --disable-pip-version-check install --quiet \
+		--constraint constraints.txt --requirement $(ROS)/requirements.txt || \
+		echo "ROS 2 has no wheels for this platform: its tests are skipped"
+	@touch $@
+
+test-live: $(ROS)/.stamp
+	@$(ROS)/bin/python -m pytest --durations 5 tests/live
 
 lint: $(VENV)/.stamp-lint
 	@$(BIN)/ruff check .
@@ -99,4 +119,4 @@ evidence: $(VENV)/.stamp
 	test -z "$$failed" || { echo "Failed:$$failed"; exit 1; }
 
 clean:
-	rm -rf $(VENV) build dist site src/*.egg-info
+	rm -rf $(VENV) $(ROS) build dist site src/*.egg-info

@@ -120,7 +120,10 @@ def test_what_cannot_be_written_is_two(
         (["run", "square-clutter", "--out", "x", "--set", "rubbish"], "expected KEY=VALUE"),
         (["run", "square-clutter", "--out", "x", "--seed", "-4"], "execution.seed: expected"),
         (["run", "square-clutter", "--out", "x", "--seed", "one"], "--seed"),
-        (["run", "square-clutter", "--out", "x", "--backend", "gazebo"], "(one of: ideal, mujoco)"),
+        (
+            ["run", "square-clutter", "--out", "x", "--backend", "gazebo"],
+            "(one of: ideal, mujoco, ros2)",
+        ),
         (
             ["run", "octagon-swap", "--out", "x", "--backend", "mujoco"],
             "robots[0].model: physics has no masses and joints of a spirit; expected a robot",

@@ -1,5 +1,87 @@
-import sys
-from pathlib import Path
+"""Graphs of their own for tests that need ROS 2, and the processes that meet there."""
 
-# Tests are imported by their files; what they share stands beside them.
-sys.path.insert(0, str(Path(__file__).parent))
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+PEERS = Path(__file__).parent / "peers"
+sys.path.insert(0, str(Path(__file__).parent))  # for what tests here share
+PATIENCE = 90.0
+"""A generous limit for what must happen, s."""
+
+
+class Peer:
+    """A process on the graph, which says what it hears as JSON lines."""
+
+    def __init__(self, command: list[str], log: Path) -> None:
+        self._log = log
+        with log.open("w") as out:
+            self.process = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT)
+
+    @property
+    def text(self) -> str:
+        return self._log.read_text()
+
+    @property
+    def heard(self) -> list[dict[str, Any]]:
+        lines = self.text.splitlines(keepends=True)
+        return [json.loads(line) for line in lines if line.startswith("{") and line.endswith("\n")]
+
+    def end(self) -> None:
+        if self.process.poll() is None:
+            self.process.kill()
+        self.process.wait()
+
+
+@pytest.fixture
+def graph(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
+) -> Iterator[Callable[..., Peer]]:
+    """Starts processes on a graph that no other test is on: `graph("robot.py", ...)` for a peer,
+    `graph("cavalcade", ...)` for a command of ours."""
+    from cavalcade.errors import InputError
+    from cavalcade.fleet.ros2 import load_rclpy
+
+    try:
+        load_rclpy()
+    except InputError as error:
+        pytest.skip(str(error))
+    domain = 1 + hash((os.getpid(), request.node.nodeid)) % 100
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    monkeypatch.setenv("ROS_LOG_DIR", str(tmp_path / "log"))
+    started: list[Peer] = []
+
+    def start(what: str, *arguments: str) -> Peer:
+        code = ["-m", "cavalcade"] if what == "cavalcade" else [str(PEERS / what)]
+        log = tmp_path / f"{len(started)}.log"
+        started.append(Peer([sys.executable, *code, *arguments], log))
+        return started[-1]
+
+    yield start
+    for peer in started:
+        peer.end()
+
+
+@pytest.fixture
+def until() -> Callable[[Callable[[], Any]], Any]:
+    """Waits until something holds, and gives it; fails after a generous time."""
+
+    def wait(condition: Callable[[], Any]) -> Any:
+        end = time.monotonic() + PATIENCE
+        while time.monotonic() < end:
+            if found := condition():
+                return found
+            time.sleep(0.02)
+        raise AssertionError("it did not happen in time")
+
+    return wait

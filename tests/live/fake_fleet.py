@@ -78,7 +78,8 @@ class FakeFleet:
             return self._poses.copy()
 
     def true_velocities(self):
-        return np.zeros((self.size, 3))
+        with self._lock:
+            return self._command.copy()
 
     def _go_on(self) -> None:
         now = self.time

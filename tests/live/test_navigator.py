@@ -56,6 +56,7 @@ class Straight:
             paths=tuple(np.zeros((0, 2)) for _ in self._goals),
             eta=np.zeros(len(self._goals)),
             arrived=max(away) < 0.1,
+            targets=np.array([(np.inf,) * 3 if goal is None else goal for goal in self._goals]),
         )
 
     def step(self, poses, time, stamps):
@@ -100,7 +101,11 @@ def live(ground):
     """A fleet and its navigator, which has begun."""
     fleet, frames = FakeFleet(STARTS), []
     navigator = TeamNavigator(
-        team_with(), fleet, map=ground, individual=lambda: Straight(3), sinks=[frames.append]
+        team_with(),
+        fleet,
+        map=ground,
+        individual=lambda *_: Straight(3),
+        sinks=[frames.append],
     )
     with navigator:
         navigator.fleet, navigator.frames = fleet, frames
@@ -185,7 +190,7 @@ def test_pause_brakes_and_holds_through_a_fault(live):
 def test_goals_of_single_robots_and_of_the_formation_take_turns(live):
     live.set_robot_goal("anna", (2.5, 1.5, 0.0))
     until(lambda: live.status.mode == "individual" and live.status.arrived)
-    assert np.hypot(*(live.fleet.true_poses()[0, :2] - (2.5, 1.5))) < 0.2
+    assert np.hypot(*(live.fleet.true_poses()[0, :2] - (2.5, 1.5))) < 0.16
     assert np.allclose(live.fleet.true_poses()[1:], STARTS[1:], atol=0.05)
     live.set_formation_goals([GOAL])
     until(lambda: live.status.mode == "formation" and live.status.arrived)
@@ -262,9 +267,22 @@ def test_dry_run_commands_nobody(ground):
     assert not any(command.any() for _, command in fleet.sent)
 
 
-def test_team_without_formation_and_single_goals_is_refused(ground):
-    with pytest.raises(InputError, match="formation"):
-        TeamNavigator(team_with(formation=None), FakeFleet(STARTS), map=ground)
+def test_team_without_formation_drives_single_robots_together(ground):
+    """The real planner: two robots change places."""
+    fleet = FakeFleet(STARTS)
+    with TeamNavigator(team_with(formation=None), fleet, map=ground) as navigator:
+        with pytest.raises(InputError, match="no formation"):
+            navigator.set_formation_goals([GOAL])
+        assert navigator.status.mode == "individual"
+        navigator.set_robot_goal("anna", STARTS[1])
+        navigator.set_robot_goal("bert", STARTS[0])
+        until(lambda: navigator.status.arrived, 60.0)
+        there = fleet.true_poses()
+    for robot, goal in ((0, STARTS[1]), (1, STARTS[0]), (2, STARTS[2])):
+        assert np.hypot(*(there[robot] - goal)[:2]) < 0.16
+
+
+def test_fleet_of_another_size_is_refused(ground):
     with pytest.raises(InputError, match="fleet of 2"):
         TeamNavigator(team_with(), FakeFleet(STARTS[:2]), map=ground)
 

@@ -8,7 +8,7 @@ import pytest
 
 from cavalcade.errors import ScenarioError
 from cavalcade.robots import MODELS
-from cavalcade.scenario import parse_scenario, scenario_schema
+from cavalcade.scenario import load_scenario, parse_scenario, scenario_schema
 
 Data = dict[str, Any]
 
@@ -52,7 +52,7 @@ def test_planners_are_asked_before_robots_stop_and_once_per_step_of_physics_at_m
 
 def test_the_schema_tells_of_physics() -> None:
     found = scenario_schema()["$defs"]
-    assert found["ExecutionSection"]["properties"]["backend"]["enum"] == ["ideal", "mujoco"]
+    assert found["ExecutionSection"]["properties"]["backend"]["enum"] == ["ideal", "mujoco", "ros2"]
     physics = found["PhysicsSection"]
     assert physics["additionalProperties"] is False
     assert "required" not in physics
@@ -64,3 +64,13 @@ def test_the_schema_tells_of_physics() -> None:
         "state_delay",
     }
     assert found["StateNoise"]["additionalProperties"] is False
+
+
+@pytest.mark.parametrize(("rate", "accepted"), [(2.4, False), (5.0, True), (20.0, True)])
+def test_robots_on_a_graph_are_commanded_before_they_stop(rate: float, accepted: bool) -> None:
+    said = ["execution.backend=ros2", f"execution.rate={rate}"]
+    if accepted:
+        assert load_scenario("square-clutter", overrides=said).execution.rate == rate
+    else:
+        with pytest.raises(ScenarioError, match=r"rate: expected 2.5 to 500 with backend ros2"):
+            load_scenario("square-clutter", overrides=said)

@@ -20,6 +20,7 @@ from cavalcade.execution.goal_planning import Answer, Goals, Pose, Request, Team
 from cavalcade.execution.plan_follower import PlanFollower
 from cavalcade.execution.policy import Degradable
 from cavalcade.execution.time_scaling import WALKING, FollowSettings
+from cavalcade.formation.cycle_clock import LATEST
 from cavalcade.geometry import Array, wrap_angle
 from cavalcade.recording.status import PlannerStatus
 from cavalcade.robots import RobotModel, robot_model
@@ -266,7 +267,8 @@ class IndividualNavigator(Degradable):
         measured = np.full(self._size, float(time))
         if stamps is not None:
             what = f"({self._size},) times in s"
-            measured = np.minimum(number_array(stamps, "stamps", (self._size,), what), time)
+            known = number_array(stamps, "stamps", (self._size,), what, LATEST)
+            measured = np.minimum(known, time)
         with self._lock:
             commands = np.zeros((self._size, 3))
             self._seen.add(seen, time)

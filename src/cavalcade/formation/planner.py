@@ -311,6 +311,7 @@ class FormationPlanner:
             velocities[:, :2] = velocities[:, :2] @ rotation(origin[2])
         boxes = self._boxes(origin)
         wanted = np.zeros_like(local)
+        plan = self._mode.plan
         if self._ages.stale:
             self._mode.rest()
             commands = wanted  # the filter would move robots apart that are too near
@@ -324,6 +325,8 @@ class FormationPlanner:
         if self._ramp is not None:
             self._ramp.commanded(commands, now)
         if self._preparation is not None:
+            if plan is not self._mode.plan:
+                self._preparation.discard(plan)
             self._prepare(self._preparation, poses, local)
         self._status = self._make_status(poses)
         return commands
@@ -347,6 +350,7 @@ class FormationPlanner:
             act()
         else:
             self._preparation.add(act, goals)
+            self._preparation.discard(self._mode.following)
             self._mode.following = None
 
     def _reform(self, change: Callable[[Team], None]) -> None:
@@ -386,6 +390,7 @@ class FormationPlanner:
         prepared = preparation.take()
         if prepared is None:
             return
+        preparation.discard(prepared)
         request = prepared.request
         if request.goals is not self._goals:
             return  # they were replaced meanwhile

@@ -6,9 +6,10 @@ import logging
 import math
 import queue
 import threading
-from collections.abc import Callable, Sequence
+import time as wall
+from collections.abc import Callable, Sequence, Sized
 from dataclasses import replace
-from typing import Literal, Protocol, Self, runtime_checkable
+from typing import Any, Literal, Protocol, Self, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,8 +18,10 @@ from pydantic_core import PydanticCustomError
 
 from cavalcade.errors import FleetError, InputError
 from cavalcade.execution import ControlLoop, Degradable, Supervisor
-from cavalcade.execution.control import Cycle, fitted, tell_sent
+from cavalcade.execution.arrival import LIVE, ArrivalMonitor
+from cavalcade.execution.control import Cycle, tell_sent
 from cavalcade.execution.formation_policy import formation_of, settings_of
+from cavalcade.execution.individual_navigator import PLANNING, IndividualNavigator
 from cavalcade.fleet import Fault, LiveFleet
 from cavalcade.formation import FormationPlanner
 from cavalcade.jobs import warming
@@ -39,6 +42,9 @@ Mode = Literal["formation", "individual"]
 
 _FIRST_CYCLE = 10.0
 """The first cycle is waited for so long, s."""
+
+_FIGURES = 2.0
+"""Figures of the cycles are found anew this often, s."""
 
 _ENDING = 5.0
 """The threads' ends are waited for so long, s."""
@@ -77,14 +83,13 @@ class TeamNavigator:
         team: Who they are and what they may do.
         fleet: What they are reached by; connected already.
         map: The ground.
-        individual: Makes the policy for goals of single robots; None refuses such goals.
+        individual: Makes another policy for goals of single robots than `IndividualNavigator`.
         sinks: Called with the `Frame` of each cycle, in the planner's thread. One that raises is
             called no more, and the status says so.
         dry_run: Do everything, but command nobody; so is a team whose file says it.
 
     Raises:
-        InputError: The planner refuses the team's values, or neither formation nor single goals
-            are there.
+        InputError: The planner refuses the team's values.
     """
 
     def __init__(
@@ -93,7 +98,7 @@ class TeamNavigator:
         fleet: LiveFleet,
         *,
         map: OccupancyMap,
-        individual: Callable[[], IndividualPolicy] | None = None,
+        individual: Callable[[Team, OccupancyMap], IndividualPolicy] | None = None,
         sinks: Sequence[FrameSink] = (),
         dry_run: bool = False,
     ) -> None:
@@ -106,19 +111,14 @@ class TeamNavigator:
         self._fleet = fleet
         self._period = 1.0 / team.rate
         self._formation = None if team.formation is None else make_team_planner(team, map)
-        self._individual = None if individual is None else individual()
-        policy: Degradable | None = self._formation or self._individual
-        if policy is None:
-            text = "missing: this team takes no goals of single robots; expected a shape"
-            raise InputError(text, file=team.file, key="formation")
+        self._individual = (individual or make_individual)(team, map)
+        policy: Degradable = self._formation or self._individual
         self._supervision = team.what_is_allowed(dry_run)
         self._supervisor = Supervisor(
             team.models, self._period, self._supervision, map, team.expected
         )
         self._control = ControlLoop(policy, fleet, self._supervisor)
         self._wanted: Degradable = policy
-        if self._individual is not None:
-            fitted(self._supervision, self._individual, None)
         self._sinks = list(sinks)
         self._lock = threading.RLock()
         self._map = map
@@ -131,6 +131,8 @@ class TeamNavigator:
         self._refused = self._trouble = ""
         self._last: tuple[Frame, Cycle] | None = None
         self._begin: float | None = None
+        self._arrival, self._arrived = ArrivalMonitor(LIVE), False
+        self._figures: tuple[float, dict[str, Any]] = -math.inf, {}
         self._asked = self._done = self._shown = 0  # changes of the task, and which are in effect
         self._changes: queue.SimpleQueue[Callable[[], None] | None] = queue.SimpleQueue()
         self._end, self._first = threading.Event(), threading.Event()
@@ -161,7 +163,7 @@ class TeamNavigator:
                 threading.Thread(target=self._work, name="cavalcade-changes", daemon=True),
             ]
         with Reporter(quiet) as reporter:
-            warming.warm(kernels_of(self.team, self._individual is not None), reporter)
+            warming.warm(kernels_of(self.team), reporter)
         for thread in self._threads:
             thread.start()
         if not self._first.wait(_FIRST_CYCLE):
@@ -181,8 +183,7 @@ class TeamNavigator:
             if thread.ident is not None and thread is not threading.current_thread():
                 thread.join(_ENDING)
         self._control.close()
-        if self._individual is not None:
-            self._individual.close()
+        self._individual.close()
 
     @property
     def map(self) -> OccupancyMap:
@@ -196,9 +197,9 @@ class TeamNavigator:
         Raises:
             InputError: They are no finite poses, or the team has no formation.
         """
-        poses = number_array(goals, "goals", (None, 3), "poses (x, y, yaw)")
-        if not len(poses):
+        if isinstance(goals, Sized) and len(goals) == 0:
             raise InputError("expected at least one pose", key="goals")
+        poses = number_array(goals, "goals", (None, 3), "poses (x, y, yaw)")
         formation = self._formation
         if formation is None:
             raise InputError(
@@ -219,18 +220,14 @@ class TeamNavigator:
         """Drive one robot to a pose (x, y, yaw); the others keep their own goals or stay.
 
         Raises:
-            InputError: There is no such robot, it is no finite pose, or the team takes no goals
-                of single robots.
+            InputError: There is no such robot, or it is no finite pose.
         """
         robot = self._robot(name)
         pose = pose_of(goal, "goal")
-        individual = self._individual
-        if individual is None:
-            raise InputError("this team takes goals of its formation alone", key="goal")
 
         def change() -> None:
-            individual.set_goal(robot, pose)
-            self._choose(individual)
+            self._individual.set_goal(robot, pose)
+            self._choose(self._individual)
 
         with self._lock:
             self._goals = ()
@@ -257,9 +254,9 @@ class TeamNavigator:
     def set_map(self, map: OccupancyMap) -> None:
         """Replace the map, while robots stand or move; what is the same already is left out."""
         instance_of(map, OccupancyMap, "map")
+        if same_map(map, self.map):
+            return
         with self._lock:
-            if same_map(map, self._map):
-                return
             self._map = map
             waiting = self._new_map is not None
             self._new_map = map
@@ -336,11 +333,10 @@ class TeamNavigator:
         with self._lock:
             last, goals, own = self._last, self._goals, tuple(self._own_goals)
             refused, trouble = self._refused, self._trouble
-            coming = self._shown != self._asked
+            coming, arrived = self._shown != self._asked, self._arrived
             mode: Mode = "formation" if self._wanted is self._formation else "individual"
         names = self.team.names
         now, cause = self._fleet.time, self._supervisor.cause
-        pace = self._control.statistics.to_dict(self._supervisor.missed)
         lines = tuple(_line(fault, names) for fault in cause)
         if last is None or self._closed:
             robots = tuple(RobotStatus(name) for name in names)
@@ -361,13 +357,26 @@ class TeamNavigator:
             )
             for k, name in enumerate(names)
         )
-        state = _state(planner, bool(goals or any(own)), lines, coming)
+        state = _state(planner, bool(goals or any(own)), lines, coming, arrived)
         return TeamStatus(
             state, mode, now, robots, lines, _message(planner, lines, trouble, names), refused,
             goals, planner.waypoint, planner.goal_moved,
             names[planner.leader] if mode == "formation" and planner.leader >= 0 else "",
-            self._supervision.dry_run, pace,
+            self._supervision.dry_run, self._pace(),
         )  # fmt: skip
+
+    def _pace(self) -> dict[str, Any]:
+        """Figures of the cycles; percentiles of an hour take too long to be found each time."""
+        now = wall.monotonic()
+        with self._lock:
+            known, found = self._figures
+            if now - known < _FIGURES:
+                return found
+            self._figures = now, found
+        found = self._control.statistics.to_dict(self._supervisor.missed)
+        with self._lock:
+            self._figures = now, found
+        return found
 
     def _robot(self, name: str) -> int:
         if name not in self.team.names:
@@ -436,9 +445,8 @@ class TeamNavigator:
             self._forget_own_goals()
 
     def _forget_own_goals(self) -> None:
-        if self._individual is not None:
-            for robot in range(self._fleet.size):
-                self._individual.set_goal(robot, None)
+        for robot in range(self._fleet.size):
+            self._individual.set_goal(robot, None)
 
     def _use_map(self) -> None:
         with self._lock:
@@ -447,8 +455,7 @@ class TeamNavigator:
             return
         if self._formation is not None:
             self._formation.update_map(area)
-        if self._individual is not None:
-            self._individual.set_map(area)
+        self._individual.set_map(area)
         self._supervisor.area = area
         with self._lock:
             self._maps.append(area)
@@ -488,7 +495,7 @@ class TeamNavigator:
         except Exception as error:
             # The supervisor has stopped the team; an operator may try again.
             _LOG.exception("a control cycle has failed")
-            self._failed(f"{type(error).__name__}: {error}; it may be resumed")
+            self._failed(f"{type(error).__name__}: {error}")
             self._control.send(np.zeros((self._fleet.size, 3)))
             self._end.wait(self._period)
             return
@@ -542,6 +549,7 @@ class TeamNavigator:
             lines = ", ".join(_line(fault, self.team.names) for fault in cycle.report.cause)
             notes = (*notes, f"watchdog: {lines}")
             _LOG.warning("stopped: %s", lines)
+        self._judge_arrival(observation.time, cycle, status, done)
         frame = Frame(
             round(observation.time - (self._begin or 0.0), 9),
             self._fleet.true_poses(),
@@ -563,19 +571,47 @@ class TeamNavigator:
                 with self._lock:
                     self._trouble = f"what was recorded ends here: {type(error).__name__}: {error}"
 
+    def _judge_arrival(self, now: float, cycle: Cycle, status: PlannerStatus, done: int) -> None:
+        """All stand at their goals, turned right, for a while: see `ArrivalMonitor`."""
+        driving = status.state == "final" or status.targets is not None
+        if done != self._shown or not driving or not cycle.report.ok:
+            self._arrival, self._arrived = ArrivalMonitor(LIVE), False
+            return
+        with self._lock:
+            last = max(len(self._goals) - 1, 0)
+        poses, velocities = self._fleet.true_poses(), self._fleet.true_velocities()
+        self._arrived = self._arrival.update(now, poses, velocities, status, last)
+
     def _note(self, text: str) -> None:
         with self._lock:
             self._notes.append(text)
 
 
-def kernels_of(team: Team, individual: bool) -> list[warming.Needs]:
-    """What has to be compiled before a team is driven, with goals of single robots or without."""
-    found = []
+def kernels_of(team: Team) -> list[warming.Needs]:
+    """What has to be compiled before a team is driven."""
+    found = [warming.Needs("individual", None, live=True)]
     if team.formation is not None:
         found.append(warming.Needs("formation", None, team.planner.variant, moving=True))
-    if individual:
-        found.append(warming.Needs("individual", None))
     return found
+
+
+def make_individual(team: Team, map: OccupancyMap) -> IndividualNavigator:
+    """The planner of a team's goals of single robots.
+
+    Raises:
+        InputError: It refuses the team's values.
+    """
+    said = team.planner
+    settings = replace(
+        PLANNING,
+        margin=PLANNING.margin if said.margin is None else said.margin,
+        constraints=said.constraints or PLANNING.constraints,
+        conflict=said.conflict or PLANNING.conflict,
+        improve=PLANNING.improve if said.improve is None else said.improve,
+        iterations=said.budget.iterations or PLANNING.iterations,
+        seconds=said.budget.seconds,
+    )
+    return IndividualNavigator(team.models, map, team.rate, settings, team.seed)
 
 
 def make_team_planner(team: Team, map: OccupancyMap) -> FormationPlanner:
@@ -614,7 +650,9 @@ def same_map(one: OccupancyMap, other: OccupancyMap) -> bool:
     )
 
 
-def _state(planner: PlannerStatus, goals: bool, cause: tuple[str, ...], coming: bool) -> str:
+def _state(
+    planner: PlannerStatus, goals: bool, cause: tuple[str, ...], coming: bool, arrived: bool
+) -> str:
     if cause:
         return "stopped"
     if planner.state in ("paused", "stale"):
@@ -623,7 +661,7 @@ def _state(planner: PlannerStatus, goals: bool, cause: tuple[str, ...], coming: 
         return "idle"
     if coming and planner.state in ("inactive", "final", "stuck", "infeasible"):
         return "partial"  # the planner's state is of what was to be done before
-    return "arrived" if planner.arrived else planner.state
+    return "arrived" if arrived else planner.state
 
 
 def _message(
@@ -633,7 +671,10 @@ def _message(
     if cause:
         estop = any(line.startswith("e-stop") for line in cause)
         lift = "call reset_stop, then resume" if estop else "call resume"
-        return f"stopped: {'; '.join(cause)}. When it is over, {lift}"
+        why = "; ".join(cause)
+        if trouble and trouble not in why:
+            why += f" ({trouble})"
+        return f"stopped: {why}. When it is over, {lift}"
     if planner.message and planner.involved:
         who = ", ".join(names[robot] for robot in planner.involved)
         return f"{planner.message} ({who})"

@@ -13,7 +13,7 @@ from cavalcade.errors import CavalcadeError, FleetError, InputError
 from cavalcade.fleet import LiveFleet
 from cavalcade.fleet.ros2 import Graph, has_message_type, message_type, qos
 from cavalcade.fleet.ros2.messages import read_map, read_pose
-from cavalcade.live.navigator import IndividualPolicy, TeamNavigator, kernels_of
+from cavalcade.live.navigator import TeamNavigator, kernels_of
 from cavalcade.live.ros2_action import ACTION, NavigateAction
 from cavalcade.live.ros2_views import Ros2Views
 from cavalcade.live.status import RobotStatus, TeamStatus
@@ -44,7 +44,6 @@ class NavigationNode:
     Args:
         team: Whose robots they are.
         make_fleet: Makes what they are reached by, not yet started.
-        individual: Makes the policy for goals of single robots, on a map.
         sinks: Called with the `Frame` of each cycle.
         dry_run: Do everything, but command nobody.
         say: Told what happens, line by line.
@@ -61,13 +60,12 @@ class NavigationNode:
         team: Team,
         make_fleet: Callable[[Team], LiveFleet],
         *,
-        individual: Callable[[OccupancyMap], IndividualPolicy] | None = None,
         sinks: Sequence[FrameSink] = (),
         dry_run: bool = False,
         say: Callable[[str], None] = lambda text: None,
     ) -> None:
         self.team = team
-        self._make_fleet, self._individual = make_fleet, individual
+        self._make_fleet = make_fleet
         self._sinks, self._dry_run, self._say = tuple(sinks), dry_run, say
         self._lock = threading.RLock()
         self._fleet: LiveFleet | None = None
@@ -134,7 +132,7 @@ class NavigationNode:
         fleet = self._make_fleet(self.team)
         try:
             with Reporter(quiet=True) as reporter:
-                warming.warm(kernels_of(self.team, self._individual is not None), reporter)
+                warming.warm(kernels_of(self.team), reporter)
             fleet.start(PATIENCE)
         except BaseException:
             fleet.close()
@@ -149,13 +147,11 @@ class NavigationNode:
         if fleet is None or area is None:
             raise FleetError(self._no_map())
         self.lifecycle = "activating"
-        make, sinks = self._individual, self._sinks
         navigator = TeamNavigator(
             self.team,
             fleet,
             map=area,
-            individual=None if make is None else lambda: make(area),
-            sinks=sinks,
+            sinks=self._sinks,
             dry_run=self._dry_run,
         )
         navigator.start()
@@ -247,7 +243,8 @@ class NavigationNode:
             try:
                 act(message)
             except CavalcadeError as error:
-                self.refuse(f"{topic}: {error}")
+                text = str(error)
+                self.refuse(text if text.startswith(topic) else f"{topic}: {text}")
             except Exception as error:
                 _LOG.exception("a message on %s could not be used", topic)
                 self.refuse(f"{topic}: {type(error).__name__}: {error}")

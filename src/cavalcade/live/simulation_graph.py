@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import array
+import importlib
 import math
 import threading
 import time as wall
@@ -45,8 +46,14 @@ _BEHIND = 0.1
 
 
 def description_of(model: RobotModel) -> str | None:
-    """The robot's URDF; None for one without a mechanism."""
-    return None
+    """The robot's URDF; None where there is none."""
+    if model.description is None:
+        return None
+    try:
+        urdf: Any = importlib.import_module("cavalcade.robots.urdf")
+    except ModuleNotFoundError:
+        return None
+    return str(urdf.urdf_of(model))
 
 
 class SimulationGraph:
