@@ -15,7 +15,7 @@ import cavalcade as cv
 from cavalcade.coordination import PlanSettings
 from cavalcade.errors import InputError
 from cavalcade.execution.fleets import tracking_model
-from cavalcade.execution.individual_navigator import PLANNING, IndividualNavigator
+from cavalcade.execution.individual_navigator import PLANNING, AtOnce, IndividualNavigator
 from cavalcade.fleet import CommandDelay, IdealFleet, LocalisationNoise
 from cavalcade.geometry.distances import nearest_gaps
 from cavalcade.robots import robot_model
@@ -31,26 +31,17 @@ NOISY: dict[str, Any] = {
 
 
 class Later(Executor):
-    """Work is done when `work` is called, or at once."""
+    """Work is done at once, or when `work` is called."""
 
     def __init__(self, at_once: bool = True) -> None:
         self.at_once = at_once
         self.waiting: list[Callable[[], None]] = []
 
     def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
-        future: Future[Any] = Future()
-        future.set_running_or_notify_cancel()
-
-        def work() -> None:
-            try:
-                future.set_result(fn(*args, **kwargs))
-            except BaseException as error:
-                future.set_exception(error)
-
         if self.at_once:
-            work()
-        else:
-            self.waiting.append(work)
+            return AtOnce().submit(fn, *args, **kwargs)
+        future: Future[Any] = Future()
+        self.waiting.append(lambda: future.set_result(fn(*args, **kwargs)))
         return future
 
     def work(self) -> None:
@@ -118,10 +109,11 @@ class Drive:
 def circle(count: int, radius: float = 4.0, turned: float = 0.0) -> list[tuple[float, ...]]:
     """Poses that face the middle of the hall."""
     angles = [turned + math.tau * k / count for k in range(count)]
-    return [
-        (7.0 + radius * math.cos(a), 7.0 + radius * math.sin(a), math.remainder(a + math.pi, math.tau))
-        for a in angles
-    ]  # fmt: skip
+    return [(7.0 + radius * math.cos(a), 7.0 + radius * math.sin(a), facing(a)) for a in angles]
+
+
+def facing(angle: float) -> float:
+    return math.remainder(angle + math.pi, math.tau)
 
 
 def across(starts: list[tuple[float, ...]]) -> list[tuple[float, ...]]:
@@ -178,12 +170,14 @@ def test_robots_go_on_in_their_order_while_a_plan_is_made() -> None:
     drive.worker.at_once = False
     drive.navigator.set_goal(1, (7.0, 12.0, 0.0))
     drive.run(5.0)
-    assert drive.status.state == "partial" and not drive.status.arrived
+    assert drive.status.state == "partial"
+    assert not drive.status.arrived
     assert drive.status.eta[1] == math.inf
     assert np.abs(drive.commands[-1]).max() == 0.0  # they wait at rest, however long it takes
     drive.worker.work()
     drive.worker.at_once = True
-    assert drive.arrive() and drive.gap() > 0.0
+    assert drive.arrive()
+    assert drive.gap() > 0.0
 
 
 def test_ramps_of_pause_and_resume_keep_to_the_limits() -> None:
@@ -198,7 +192,8 @@ def test_ramps_of_pause_and_resume_keep_to_the_limits() -> None:
     drive.run(5.0)
     assert not np.array(drive.commands[-100:]).any()
     drive.navigator.resume()
-    assert drive.arrive() and drive.gap() > 0.0
+    assert drive.arrive()
+    assert drive.gap() > 0.0
     legs = SPIRIT.legs
     assert legs is not None
     speeds = np.hypot(*np.array(drive.commands)[:, :, :2].transpose(2, 0, 1))
@@ -210,12 +205,13 @@ def test_goals_while_paused_are_driven_to_after_it() -> None:
     drive.navigator.pause()
     drive.navigator.set_goal(0, (6.0, 7.0, 0.0))
     drive.run(3.0)
-    assert not np.array(drive.commands).any() and drive.status.state == "paused"
+    assert not np.array(drive.commands).any()
+    assert drive.status.state == "paused"
     drive.navigator.resume()
     assert drive.arrive()
 
 
-@pytest.mark.parametrize("told", (True, False))
+@pytest.mark.parametrize("told", [True, False])
 def test_a_robot_that_fails_is_named_and_the_others_arrive(told: bool) -> None:
     starts = circle(6)
     drive = Drive(starts, **NOISY)
@@ -232,7 +228,8 @@ def test_a_robot_that_fails_is_named_and_the_others_arrive(told: bool) -> None:
         assert drive.status.eta[2] == math.inf
         drive.fleet.enable(2)
         drive.navigator.rejoin(2)
-        assert drive.arrive() and drive.at(2, goals[2])
+        assert drive.arrive()
+        assert drive.at(2, goals[2])
     else:
         assert drive.run(60.0, lambda: 2 in drive.status.involved)
         assert "robot 2" in drive.status.message
@@ -263,11 +260,13 @@ def test_a_map_without_a_way_is_said_and_a_later_one_tried() -> None:
     drive.run(3.0)
     drive.navigator.set_map(HALL.with_shapes([Box((8.0, 7.0), (0.2, 14.0))]))
     assert not drive.arrive(20.0)
-    assert drive.status.state == "infeasible" and drive.status.involved == (0,)
+    assert drive.status.state == "infeasible"
+    assert drive.status.involved == (0,)
     assert "robot 0" in drive.status.message
     assert drive.at(1, (5.0, 2.0, 0.0))
     drive.navigator.set_map(HALL)
-    assert drive.arrive() and drive.at(0, (11.0, 7.0, 0.0))
+    assert drive.arrive()
+    assert drive.at(0, (11.0, 7.0, 0.0))
 
 
 def test_a_map_with_an_obstacle_far_from_all_plans_stops_nobody() -> None:
@@ -304,7 +303,9 @@ def test_goals_of_a_swap_may_come_one_after_the_other() -> None:
     drive.run(3.0)
     assert drive.status.message.startswith("goal of robot 0 refused: robot 1 is in its place")
     drive.navigator.set_goal(1, (4.0, 7.0, math.pi))
-    assert drive.arrive() and drive.at(0, (10.0, 7.0, 0.0)) and drive.gap() > 0.0
+    assert drive.arrive()
+    assert drive.at(0, (10.0, 7.0, 0.0))
+    assert drive.gap() > 0.0
 
 
 def test_a_robot_that_was_carried_off_its_plan_goes_on_from_there() -> None:
@@ -357,13 +358,14 @@ def test_a_plan_that_exceeds_its_budget_moves_nobody_and_is_said() -> None:
                   settings=settings)  # fmt: skip
     drive.navigator.set_goal(0, (11.0, 7.0, 0.0))
     drive.run(3.0)
-    assert drive.status.state == "infeasible" and "1 iterations" in drive.status.message
+    assert drive.status.state == "infeasible"
+    assert "1 iterations" in drive.status.message
     assert not np.array(drive.commands).any()
 
 
 def test_any_thread_may_call() -> None:
     starts = circle(8)
-    drive = Drive(starts, executor=None)
+    drive = Drive(starts)
     navigator = IndividualNavigator([SPIRIT] * 8, HALL, 20.0)
     stop, errors = threading.Event(), []
 

@@ -1,4 +1,4 @@
-"""Goals of single robots become a plan: of all of them, or of those that can be reached together."""
+"""Goals of single robots become a plan: of all, or of those that can be reached together."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cavalcade.coordination import PlanSettings, TeamPlan, TeamProblem, plan_team
 from cavalcade.execution.plan_follower import PlanFollower
@@ -158,18 +159,16 @@ def meets(map: OccupancyMap, model: RobotModel, poses: Array, before: OccupancyM
     local = map.to_local(np.stack([at_x, at_y], axis=-1).reshape(-1, 2))
     cells = np.floor(local / map.resolution).astype(int)
     inside = (cells >= 0).all(axis=1) & (cells < (map.cols, map.rows)).all(axis=1)
-    hit = ~inside if not same else np.zeros(len(cells), dtype=bool)
+    hit = np.logical_and(~inside, not same)
     hit[inside] = come[cells[inside, 1], cells[inside, 0]]
     rows = np.flatnonzero(hit.reshape(len(poses), -1).any(axis=1))
     return int(rows[0]) if len(rows) else None
 
 
-def _planned(
-    team: Team, request: Request, goals: list[Pose | None], free: list[int]
-) -> TeamPlan:
+def _planned(team: Team, request: Request, goals: list[Pose | None], free: list[int]) -> TeamPlan:
     """The plan of robots that are no obstacles; by the plain method where the best finds none."""
     starts = [_pose(request.starts[k]) for k in free]
-    ends = [start if goals[k] is None else goals[k] for k, start in zip(free, starts, strict=True)]
+    ends = [goals[k] or start for k, start in zip(free, starts, strict=True)]
     models = [team.models[k] for k in free]
     near = [body_at(model, start) for model, start in zip(models, starts, strict=True)]
     bodies = [
@@ -199,7 +198,7 @@ def _followed(
         [paths.get(k) for k in range(len(goals))],
         team.models,
         starts,
-        [start if goal is None else goal for start, goal in zip(starts, goals, strict=True)],
+        [goal or start for start, goal in zip(starts, goals, strict=True)],
         team.rate,
         settings=team.following,
         terrain=team.terrain,

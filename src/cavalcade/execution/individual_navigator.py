@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from threading import RLock
+from typing import ParamSpec, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.coordination import PlanSettings
 from cavalcade.errors import InputError
@@ -26,7 +27,10 @@ from cavalcade.robots import RobotModel, robot_model
 from cavalcade.values import instance_of, number_array, number_in, pose_of, whole_number
 from cavalcade.world import OccupancyMap, Terrain
 
-PLANNING = PlanSettings(margin=0.05, leaps=False, iterations=400_000)
+_P = ParamSpec("_P")
+_T = TypeVar("_T")
+
+PLANNING = PlanSettings(margin=0.05, leaps=False, iterations=100_000)
 """How live teams are planned if nothing else is said: bodies sway, and nobody waits for minutes."""
 
 FOLLOWING = replace(WALKING, quiet=(0.03, 0.08), quiet_heading=(0.04, 0.12))
@@ -49,6 +53,19 @@ _PATIENCE = 3.0
 
 _LAGGING = 3.0
 """A robot that is behind for so long is named, s."""
+
+
+class AtOnce(Executor):
+    """Does work in the cycle that asks for it: for simulated time, which waits for it."""
+
+    def submit(self, fn: Callable[_P, _T], /, *args: _P.args, **kwargs: _P.kwargs) -> Future[_T]:
+        """The work, done."""
+        future: Future[_T] = Future()
+        try:
+            future.set_result(fn(*args, **kwargs))
+        except Exception as error:
+            future.set_exception(error)
+        return future
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +100,7 @@ class IndividualNavigator(Degradable):
         settings: Of the plans; `PLANNING` if None. They keep to the method `auto`.
         seed: Of all random numbers.
         terrain: Heights on the map's grid; None for flat ground. Nobody leaps.
-        executor: Where plans are made; None for a thread of its own.
+        executor: Where plans are made; None for a thread of its own, `AtOnce()` for simulated time.
 
     Raises:
         InputError: An argument of another kind, or a robot without legs on uneven ground.
@@ -122,7 +139,7 @@ class IndividualNavigator(Degradable):
         self._latest = list(range(size))
         self._refused: dict[int, str] = {}
         self._lost: set[int] = set()
-        # Robots that are on no plan; of those that were obstacles for the last one, where they were.
+        # Robots that are on no plan, and where robots were when the last one was asked for.
         self._loose = set(range(size))
         self._anchors: Array | None = None
         self._follower: PlanFollower | None = None
@@ -135,6 +152,11 @@ class IndividualNavigator(Degradable):
         self._paused = self._closed = False
         self._seen = _Seen(size, rate)
         self._status = self._make_status(None)
+
+    @property
+    def map(self) -> OccupancyMap:
+        """The ground, as it was told last."""
+        return self._map
 
     @property
     def status(self) -> PlannerStatus:
@@ -493,7 +515,7 @@ class _Seen:
         """`(N, 3)` mean poses."""
         return np.asarray(np.mean(list(self._poses), axis=0))
 
-    def behind(self, robots: Array) -> list[int]:
+    def behind(self, robots: NDArray[np.bool_]) -> list[int]:
         """Those of robots `(N,)` that have been among them for a while."""
         self._behind = np.where(robots, np.minimum(self._behind, self._time), math.inf)
         return np.flatnonzero(self._behind <= self._time - _LAGGING).tolist()
@@ -509,6 +531,6 @@ def _turns_freely(model: RobotModel) -> bool:
     return model.drive.startswith("integrator")
 
 
-def _farther(off: Array, most: tuple[float, float]) -> Array:
+def _farther(off: Array, most: tuple[float, float]) -> NDArray[np.bool_]:
     """Which of `(K, 3)` are off by more, m or rad."""
     return np.asarray((np.hypot(off[:, 0], off[:, 1]) > most[0]) | (np.abs(off[:, 2]) > most[1]))

@@ -139,9 +139,7 @@ class PlanFollower(Policy):
         """
         self._scaling.halt(self._last)
         ends = np.minimum(self._scaling.caps, [path.duration for path in self._paths])
-        return np.stack(
-            [path.poses_at(ends[k : k + 1])[0] for k, path in enumerate(self._paths)]
-        )
+        return np.stack([path.poses_at(ends[k : k + 1])[0] for k, path in enumerate(self._paths)])
 
     def release(self) -> None:
         """Let them go on after `halt`."""

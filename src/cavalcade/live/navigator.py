@@ -589,7 +589,7 @@ class TeamNavigator:
 
 def kernels_of(team: Team) -> list[warming.Needs]:
     """What has to be compiled before a team is driven."""
-    found = [warming.Needs("individual", None), warming.Needs("individual")]
+    found = [warming.Needs("individual", None, live=True)]
     if team.formation is not None:
         found.append(warming.Needs("formation", None, team.planner.variant, moving=True))
     return found
