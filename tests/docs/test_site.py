@@ -67,6 +67,13 @@ def test_the_reference_of_scenarios_has_every_key(hook: ModuleType) -> None:
     assert len(anchors) == len(set(anchors))
 
 
+def test_the_reference_of_teams_has_every_key(hook: ModuleType) -> None:
+    text = hook.PARTS["team keys"]()
+    for key in ("robots", "geofence", "max_age", "velocity", "interface", "use_sim_time"):
+        assert f"\n| `{key}` | " in text
+    assert "[mapping](scenario.md#planner)" in text
+
+
 @pytest.mark.parametrize(
     "row",
     [
@@ -84,7 +91,17 @@ def test_a_row_says_value_unit_default_and_meaning(hook: ModuleType, row: str) -
 
 def test_the_reference_of_commands_has_every_option(hook: ModuleType) -> None:
     text = hook.PARTS["commands"]()
-    for command in ("run", "plan", "check", "show", "schema", "campaign", "trial", "import"):
+    for command in (
+        "run",
+        "plan",
+        "check",
+        "show",
+        "schema",
+        "campaign",
+        "trial",
+        "import",
+        "ros2 navigate",
+    ):
         assert f"## `{command}`" in text
     for option in ("--out DIR", "--seed N", "--method NAME", "--resume", "--force"):
         assert f"`{option}`" in text

@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 
 PEERS = Path(__file__).parent / "peers"
+sys.path.insert(0, str(Path(__file__).parent))  # for what tests here share
 PATIENCE = 90.0
 """A generous limit for what must happen, s."""
 

@@ -151,8 +151,15 @@ def show(
 
 
 @app.command()
-def schema() -> None:
+def schema(
+    team: Annotated[bool, typer.Option("--team", help="That of team files instead.")] = False,
+) -> None:
     """Print the JSON Schema of scenario files."""
+    if team:
+        from cavalcade.live.team_file import team_schema
+
+        options.print_json(team_schema())
+        return
     from cavalcade.scenario import scenario_schema
 
     options.print_json(scenario_schema())
