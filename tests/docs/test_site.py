@@ -80,7 +80,7 @@ def test_the_reference_of_teams_has_every_key(hook: ModuleType) -> None:
         "| `radius` | number > 0 | m | needed | Its radius. |",
         "| `rate` | number ≥ 1, ≤ 1000 | Hz | 20.0 | How often the planner is asked. |",
         "| `d_safe_a` | number > 0 | m | 0.8, `published` 1.5 |",
-        "| `backend` | `ideal`, `mujoco`, `ros2` |  | `ideal` |",
+        "| `backend` | `ideal`, `mujoco`, `ros2`, `unitree` |  | `ideal` |",
         "| `start` | [number, number, number] | m, m, rad | needed |",
         "| `resolution` | number ≥ 0.001 | m | 0.05 |",
     ],
