@@ -21,21 +21,17 @@ import sys
 import time
 from pathlib import Path
 
-from cavalcade.scenario import load_scenario
+from cavalcade.scenario import Scenario, dump_scenario, load_scenario
 
 OPERATOR = Path(__file__).parent.parent / "tests" / "live" / "peers" / "goal.py"
 CAVALCADE = [sys.executable, "-m", "cavalcade"]
 
 
-def goals_of(name: str, overrides: list[str]) -> dict[str, list[list[float]]]:
+def goals_of(scenario: Scenario) -> dict[str, list[list[float]]]:
     """Topics and the poses to send there."""
-    scenario = load_scenario(name, overrides=overrides)
-    if scenario.task.kind == "formation":
-        return {"/team/goals": [list(map(float, goal)) for goal in scenario.task.goals]}
-    return {
-        f"/robot_{k}/goal_pose": [list(map(float, goal))]
-        for k, goal in enumerate(scenario.goals)
-    }
+    if scenario.goals:
+        return {f"/robot_{k}/goal_pose": [list(goal)] for k, goal in enumerate(scenario.goals)}
+    return {"/team/goals": [list(goal) for goal in scenario.task.goals]}
 
 
 def one_run(name: str, seed: int, domain: int, said: argparse.Namespace, out: Path) -> dict:
@@ -46,9 +42,11 @@ def one_run(name: str, seed: int, domain: int, said: argparse.Namespace, out: Pa
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
         "ROS_LOG_DIR": str(out / "log"),
     }
-    limit = load_scenario(name, overrides=said.set).execution.timeout
-    words = [word for value in said.set for word in ("--set", value)]
     out.mkdir(parents=True)
+    scenario = load_scenario(name, overrides=said.set, seed=seed)
+    limit = scenario.execution.timeout
+    file = str(out / "scenario.yaml")
+    dump_scenario(scenario, file)
     log = out / "simulate.log"
     begun: list[subprocess.Popen[bytes]] = []
 
@@ -63,16 +61,16 @@ def one_run(name: str, seed: int, domain: int, said: argparse.Namespace, out: Pa
     began = time.monotonic()
     try:
         start(
-            *CAVALCADE, "ros2", "simulate", name, "--backend", said.backend, "--seed", str(seed),
-            "--speed", str(said.speed), *words, log=log,
+            *CAVALCADE, "ros2", "simulate", file, "--backend", said.backend,
+            "--speed", str(said.speed), log=log,
         )  # fmt: skip
         folder = out / "run"
         navigate = start(
-            *CAVALCADE, "ros2", "navigate", name, "--out", str(folder), *words,
+            *CAVALCADE, "ros2", "navigate", file, "--out", str(folder),
             log=out / "navigate.log",
         )  # fmt: skip
         operator = start(
-            sys.executable, str(OPERATOR), json.dumps(goals_of(name, said.set)), str(limit),
+            sys.executable, str(OPERATOR), json.dumps(goals_of(scenario)), str(limit),
             log=out / "operator.log",
         )  # fmt: skip
         operator.wait()

@@ -33,6 +33,11 @@ def navigate(
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Do everything, but command nobody.")
     ] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Record there, as every run is recorded."),
+    ] = None,
+    force: options.Force = False,
     quiet: options.Quiet = False,
 ) -> None:
     """Drive a team on a ROS 2 graph to goals that come by topics, until Ctrl-C.
@@ -45,6 +50,7 @@ def navigate(
 
     load_rclpy()
     from cavalcade.live.ros2_node import NavigationNode
+    from cavalcade.live.session import SessionFolder
     from cavalcade.live.team_file import load_team
 
     def say(text: str) -> None:
@@ -53,12 +59,14 @@ def navigate(
 
     loaded = load_team(team)
     loaded.first_map()
+    folder = None if out is None else SessionFolder(loaded, out, force)
     logging.basicConfig(stream=sys.stderr, level=logging.ERROR, format="cavalcade: %(message)s")
     stop = threading.Event()
     ends = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP")]
     before = {name: signal.signal(name, lambda *_: stop.set()) for name in ends}
     try:
-        with NavigationNode(loaded, _fleet_of, dry_run=dry_run, say=say) as node:
+        record = None if folder is None else folder.begin
+        with NavigationNode(loaded, _fleet_of, record=record, dry_run=dry_run, say=say) as node:
             if wait:
                 say("/team/navigator waits to be configured and activated; Ctrl-C ends")
             else:
@@ -69,6 +77,9 @@ def navigate(
         for name, handler in before.items():
             signal.signal(name, handler)
     say(f"{loaded.name}: ended; all robots were commanded to stop")
+    done = None if folder is None else folder.finish()
+    if done is not None:
+        say("\n".join(map(str, done.files)))
 
 
 def config() -> None:

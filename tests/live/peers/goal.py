@@ -55,8 +55,10 @@ def main():
         return False
 
     ready = until(
-        lambda status: status["state"] == "idle"
-        and all(p.get_subscription_count() for p in publishers.values()),
+        lambda status: (
+            status["state"] == "idle"
+            and all(p.get_subscription_count() for p in publishers.values())
+        ),
         300.0,
     )
     causes, states = [], []
