@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from cavalcade.cli import options
-from cavalcade.errors import InputError
 
 if TYPE_CHECKING:
     from cavalcade.fleet import LiveFleet
@@ -110,8 +109,10 @@ def _bring_up(node: Any, stop: threading.Event) -> None:
 
 def _fleet_of(team: Team) -> LiveFleet:
     """What a team is reached by, not yet started."""
-    if team.fleet != "ros2":
-        raise InputError("arrives with the fleet of Unitree robots", file=team.file, key="fleet")
+    if team.fleet == "unitree":
+        from cavalcade.live.go2 import Go2Team
+
+        return Go2Team(team)
     from cavalcade.fleet.ros2 import Ros2Fleet
 
     return Ros2Fleet(team.ros2_robots(), name="cavalcade_fleet", use_sim_time=team.use_sim_time)
