@@ -319,6 +319,47 @@ def test_a_robot_that_was_carried_off_its_plan_goes_on_from_there() -> None:
     assert all(drive.at(k, (11.0, y, 0.0)) for k, y in ((0, 7.0), (1, 3.0)))
 
 
+def test_robots_that_somebody_else_has_driven_meanwhile_are_not_sent_back() -> None:
+    drive = Drive([(3.0, 7.0, 0.0), (3.0, 3.0, 0.0)])
+    ordered(drive, [(6.0, 7.0, 0.0), (6.0, 3.0, 0.0)])
+    assert drive.arrive()
+    drive.fleet._poses[:] = (10.0, 7.0, 3.0), (10.0, 3.0, 3.0)
+    drive.fleet.advance(30.0)
+    drive.navigator.set_goal(0, (11.0, 10.0, 0.0))
+    drive.navigator.set_goal(1, None)
+    drive.run(0.5)
+    assert not np.array(drive.commands[-10:]).any()
+    assert drive.arrive()
+    assert drive.at(1, (10.0, 3.0, 3.0))
+    assert drive.at(0, (11.0, 10.0, 0.0))
+
+
+def test_a_supervisor_stops_live_goals_and_they_go_on_from_rest() -> None:
+    starts = circle(4)
+    drive = Drive(starts)
+    team = cv.SupervisedPlanner(drive.navigator, models=["spirit"] * 4, rate=20.0, area=HALL)
+    ordered(drive, across(starts))
+    for cycle in range(2400):
+        seen = drive.fleet.observe()
+        if 100 <= cycle < 110:
+            seen.poses[1] = np.nan
+        commands = team.step(seen.poses, seen.time, seen.stamps)
+        if 100 <= cycle < 200:
+            assert not commands.any()
+            assert team.status.state == "stopped"
+            assert not team.status.arrived
+        if cycle == 199:
+            team.resume()
+        drive.fleet.send(commands)
+        for _ in range(5):
+            drive.fleet.advance(STEP)
+            drive.track.append(drive.fleet.true_poses())
+        if team.status.arrived:
+            break
+    assert team.status.arrived
+    assert drive.gap() > 0.0
+
+
 def test_a_robot_without_a_goal_steps_aside_and_returns() -> None:
     lane = HALL.with_shapes([Box((7.0, 5.6), (12.0, 1.4)), Box((7.0, 8.4), (12.0, 1.4))])
     drive = Drive([(1.0, 7.0, 0.0), (11.0, 7.0, 0.0)], map=lane)

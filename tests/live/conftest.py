@@ -100,10 +100,18 @@ class MockGo2:
             )
 
     def command(self, line: str) -> None:
-        """Make it misbehave."""
+        """Make it misbehave, from when this returns on."""
+        before = self._told()
         assert self.process.stdin is not None
         self.process.stdin.write(line + "\n")
         self.process.stdin.flush()
+        end = time.monotonic() + PATIENCE
+        while self._told() == before:
+            assert time.monotonic() < end, "it does not listen"
+            time.sleep(0.01)
+
+    def _told(self) -> int:
+        return sum("told" in entry for entry in self._entries)
 
     @property
     def _entries(self) -> list[dict[str, Any]]:

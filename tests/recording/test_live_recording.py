@@ -164,7 +164,9 @@ def check_cut(data: bytes, cut: int, first: int, path: Path) -> int:
 def test_files_cut_at_and_beside_every_record(finished: tuple[bytes, int], tmp_path: Path) -> None:
     data, first = finished
     counts = []
-    for place in borders(data):
+    # Of the indices of chunks' topics, which are many, a few; everything else.
+    places = borders(data)
+    for place in [p for k, p in enumerate(places) if data[p] not in (7, 8) or k % 40 == 0]:
         for cut in (place - 1, place, place + 1, place + 8, place + 9, place + 10):
             if 0 <= cut < len(data):
                 counts.append((cut, check_cut(data, cut, first, tmp_path / "cut.mcap")))
@@ -320,7 +322,7 @@ def test_calls_never_wait_for_the_disk(tmp_path: Path, monkeypatch: pytest.Monke
 
 
 def test_memory_stays_flat(tmp_path: Path) -> None:
-    """Ten minutes at 20 Hz as fast as they go: what is kept is the index of chunks."""
+    """Minutes at 20 Hz as fast as they go: what is kept is the index of chunks."""
     recording = LiveRecording(tmp_path / "r.mcap", MODELS)
 
     def feed(first: int, count: int) -> int:
@@ -332,12 +334,12 @@ def test_memory_stays_flat(tmp_path: Path) -> None:
 
     tracemalloc.start()
     try:
-        early = feed(0, 2000)
-        late = feed(2000, 10_000)
+        early = feed(0, 1000)
+        late = feed(1000, 3000)
     finally:
         tracemalloc.stop()
         recording.close()
-    assert late - early < 1e6
+    assert late - early < 3e5
 
 
 def test_clocks_that_stand_still_or_go_back(tmp_path: Path) -> None:

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from cavalcade.cli import options
-from cavalcade.errors import InputError
 
 if TYPE_CHECKING:
     from cavalcade.fleet import LiveFleet
@@ -33,6 +32,11 @@ def navigate(
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Do everything, but command nobody.")
     ] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Record there, as every run is recorded."),
+    ] = None,
+    force: options.Force = False,
     quiet: options.Quiet = False,
 ) -> None:
     """Drive a team on a ROS 2 graph to goals that come by topics, until Ctrl-C.
@@ -48,6 +52,7 @@ def navigate(
     from cavalcade.jobs.reporter import Reporter
     from cavalcade.live.navigator import kernels_of
     from cavalcade.live.ros2_node import NavigationNode
+    from cavalcade.live.session import SessionFolder
     from cavalcade.live.team_file import load_team
 
     def say(text: str) -> None:
@@ -56,6 +61,7 @@ def navigate(
 
     loaded = load_team(team)
     loaded.first_map()
+    folder = None if out is None else SessionFolder(loaded, out, force)
     with Reporter(quiet) as reporter:  # a minute after an installation, which is said
         warming.warm(kernels_of(loaded), reporter)
     logging.basicConfig(stream=sys.stderr, level=logging.ERROR, format="cavalcade: %(message)s")
@@ -63,7 +69,8 @@ def navigate(
     ends = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP")]
     before = {name: signal.signal(name, lambda *_: stop.set()) for name in ends}
     try:
-        with NavigationNode(loaded, _fleet_of, dry_run=dry_run, say=say) as node:
+        record = None if folder is None else folder.begin
+        with NavigationNode(loaded, _fleet_of, record=record, dry_run=dry_run, say=say) as node:
             if wait:
                 say("/team/navigator waits to be configured and activated; Ctrl-C ends")
             else:
@@ -74,6 +81,9 @@ def navigate(
         for name, handler in before.items():
             signal.signal(name, handler)
     say(f"{loaded.name}: ended; all robots were commanded to stop")
+    done = None if folder is None else folder.finish()
+    if done is not None:
+        say("\n".join(map(str, done.files)))
 
 
 def config() -> None:
@@ -104,8 +114,10 @@ def _bring_up(node: Any, stop: threading.Event) -> None:
 
 def _fleet_of(team: Team) -> LiveFleet:
     """What a team is reached by, not yet started."""
-    if team.fleet != "ros2":
-        raise InputError("arrives with the fleet of Unitree robots", file=team.file, key="fleet")
+    if team.fleet == "unitree":
+        from cavalcade.live.go2 import Go2Team
+
+        return Go2Team(team)
     from cavalcade.fleet.ros2 import Ros2Fleet
 
     return Ros2Fleet(team.ros2_robots(), name="cavalcade_fleet", use_sim_time=team.use_sim_time)

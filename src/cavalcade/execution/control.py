@@ -59,7 +59,9 @@ class ControlLoop:
             deadline = supervisor.period
             self._guard = CommandGuard(fleet, supervisor, supervisor.period)
         supervisor.supervision = fitted(supervisor.supervision, policy, deadline)
+        # Looked up once: it takes longer than a robot's part of a cycle.
         self._leaper = fleet if isinstance(fleet, LeapingFleet) else None
+        self._degradable = policy if isinstance(policy, Degradable) else None
         self._paused = False
         self._known: tuple[Array, Array] | None = None
 
@@ -80,9 +82,9 @@ class ControlLoop:
         if self._leaper is not None:
             busy = np.flatnonzero(self._leaper.leaping).tolist()
         report = self.supervisor.check(observation, busy)
-        if isinstance(self.policy, Degradable):
+        if self._degradable is not None:
             for robot in report.unresponsive:
-                self.policy.lose(robot)
+                self._degradable.lose(robot)
         wanted = np.zeros((self.fleet.size, 3))
         planning = 0.0
         if report.ok:
@@ -140,14 +142,14 @@ class ControlLoop:
     def lose(self, robot: int) -> None:
         """The robot is known to be lost: no fault, no commands, and the others go on."""
         self.supervisor.lose(robot)
-        if isinstance(self.policy, Degradable):
-            self.policy.lose(robot)
+        if self._degradable is not None:
+            self._degradable.lose(robot)
 
     def rejoin(self, robot: int) -> None:
         """The robot is back."""
         self.supervisor.rejoin(robot)
-        if isinstance(self.policy, Degradable):
-            self.policy.rejoin(robot)
+        if self._degradable is not None:
+            self._degradable.rejoin(robot)
 
     def close(self) -> None:
         """Command every robot to stop, for good; a second call does the same again."""

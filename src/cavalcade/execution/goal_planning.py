@@ -8,7 +8,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cavalcade.coordination import PlanSettings, TeamPlan, TeamProblem, plan_team
 from cavalcade.execution.plan_follower import PlanFollower

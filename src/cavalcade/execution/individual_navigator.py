@@ -271,9 +271,9 @@ class IndividualNavigator(Degradable):
             measured = np.minimum(known, time)
         with self._lock:
             commands = np.zeros((self._size, 3))
-            self._seen.add(seen, time)
+            gone_on = self._seen.add(seen, time)
             if not self._closed:
-                self._watch(seen)
+                self._watch(seen, gone_on)
                 self._look_after_job()
                 self._take_up(time)
                 self._begin(time)
@@ -314,11 +314,15 @@ class IndividualNavigator(Degradable):
             return {}
         return {k: follower.ahead(k) for k in range(self._size)}
 
-    def _watch(self, poses: Array) -> None:
-        """Robots that are not where the plan has them are a reason for another one."""
+    def _watch(self, poses: Array, gone_on: bool) -> None:
+        """Robots that are not where the plan has them are a reason for another one.
+
+        Unless it has `gone_on` somebody else may have moved them since the last cycle.
+        """
         follower = self._follower
         if follower is not None:
-            errors = follower.errors
+            errors = follower.errors if gone_on else follower.references - poses
+            errors[:, 2] = wrap_angle(errors[:, 2])
             for robot in np.flatnonzero(_farther(errors, _OFF)).tolist():
                 if robot not in self._loose:
                     self._drop(follower, robot)
@@ -493,13 +497,18 @@ class _Seen:
         self._behind = np.full(size, math.inf)
         self._time = 0.0
 
-    def add(self, poses: Array, time: float) -> None:
-        """Poses `(N, 3)` of a cycle."""
+    def add(self, poses: Array, time: float) -> bool:
+        """Poses `(N, 3)` of a cycle; whether it is the one after the last."""
+        gone_on = not self._poses or time - self._time <= _WATCHED
+        if not gone_on:
+            self._poses.clear()
+            self._behind[:] = math.inf
         if self._poses:
             poses = poses.copy()
             poses[:, 2] = self._poses[-1][:, 2] + wrap_angle(poses[:, 2] - self._poses[-1][:, 2])
         self._poses.append(poses)
         self._time = time
+        return gone_on
 
     def stands(self, robot: int) -> bool:
         """Whether it has not gone on lately; not known before it was watched for a while."""

@@ -125,6 +125,14 @@ class PlanFollower(Policy):
         return self._errors.copy()
 
     @property
+    def references(self) -> Array:
+        """`(N, 3)` the poses where robots were sent in the last cycle."""
+        progress = self.progress
+        return np.stack(
+            [path.poses_at(progress[k : k + 1])[0] for k, path in enumerate(self._paths)]
+        )
+
+    @property
     def at_rest(self) -> NDArray[np.bool_]:
         """`(N,)` whether robots were sent as far as they may go since `halt`, or are held."""
         scaling = self._scaling

@@ -194,7 +194,7 @@ def _with_files(result: JobResult, folder: Path, figures: bool, replay: bool) ->
 def _as_it_came(scenario: Scenario, recording: Recording) -> Scenario:
     """The scenario with the goals, and the last shape, that the team was given."""
     status = recording.status
-    if scenario.task.kind == "individual":
+    if scenario.goals:  # of single robots
         targets = next((one.targets for one in reversed(status) if one.targets is not None), None)
         if targets is None:
             return scenario
@@ -206,7 +206,7 @@ def _as_it_came(scenario: Scenario, recording: Recording) -> Scenario:
         )
         return scenario.model_copy(update={"robots": robots})
     goals = [tuple(one.goal.tolist()) for one in status if one.goal is not None]
-    if scenario.task.kind != "formation" or not goals:
+    if not scenario.task.goals or not goals:
         return scenario
     found = (goals[0], *(new for old, new in pairwise(goals) if new != old))
     task = scenario.task.model_copy(update={"goals": found} | _last_shape(status))

@@ -22,7 +22,7 @@ from cavalcade.execution.arrival import LIVE, ArrivalMonitor
 from cavalcade.execution.control import Cycle, tell_sent
 from cavalcade.execution.formation_policy import formation_of, settings_of
 from cavalcade.execution.individual_navigator import PLANNING, IndividualNavigator
-from cavalcade.fleet import Fault, LiveFleet
+from cavalcade.fleet import DampingFleet, Fault, LiveFleet
 from cavalcade.formation import FormationPlanner
 from cavalcade.jobs import warming
 from cavalcade.jobs.reporter import Reporter
@@ -45,6 +45,9 @@ _FIRST_CYCLE = 10.0
 
 _FIGURES = 2.0
 """Figures of the cycles are found anew this often, s."""
+
+_STANDING_UP = 15.0
+"""Robots are given so long to stand up after they were damped, s."""
 
 _ENDING = 5.0
 """The threads' ends are waited for so long, s."""
@@ -293,16 +296,23 @@ class TeamNavigator:
             self._redirect(change, "goals cancelled")
 
     def stop(self, detail: str = "") -> None:
-        """The e-stop: zeros leave at once, and nothing else until `reset_stop` and `resume`."""
+        """The e-stop: zeros leave at once, and nothing else until `reset_stop` and `resume`.
+
+        Robots whose motors can be damped sink to the ground.
+        """
         self._control.stop(detail)
+        if isinstance(self._fleet, DampingFleet):
+            self._fleet.damp()
         with self._lock:
             self._notes.append("e-stop" + (f": {detail}" if detail else ""))
 
     def reset_stop(self) -> None:
-        """Lift the e-stop; the team stands until `resume`."""
+        """Lift the e-stop; the team stands, robots that were damped stand up, until `resume`."""
         self._control.reset_stop()
         with self._lock:
             self._notes.append("e-stop lifted")
+        if isinstance(self._fleet, DampingFleet):
+            self._later(self._stand_up)
 
     def lose(self, name: str) -> None:
         """Go on without a robot."""
@@ -461,6 +471,13 @@ class TeamNavigator:
             self._maps.append(area)
             size = f"{area.cols} x {area.rows} cells of {area.resolution:g} m"
             self._notes.append(f"new map: {size}")
+
+    def _stand_up(self) -> None:
+        """Have robots that were damped stand up again."""
+        try:
+            self._fleet.start(_STANDING_UP)
+        except FleetError as error:
+            self.refuse(str(error))
 
     def _count(self, robot: int, present: bool) -> None:
         """Both policies know who takes part."""

@@ -13,6 +13,7 @@ from cavalcade.errors import CavalcadeError, FleetError, InputError
 from cavalcade.fleet import LiveFleet
 from cavalcade.fleet.ros2 import Graph, has_message_type, message_type, qos
 from cavalcade.fleet.ros2.messages import read_map, read_pose
+from cavalcade.geometry import Array
 from cavalcade.live.navigator import TeamNavigator, kernels_of
 from cavalcade.live.ros2_action import ACTION, NavigateAction
 from cavalcade.live.ros2_views import Ros2Views
@@ -47,7 +48,8 @@ class NavigationNode:
     Args:
         team: Whose robots they are.
         make_fleet: Makes what they are reached by, not yet started.
-        sinks: Called with the `Frame` of each cycle.
+        record: Makes a sink of the `Frame` of each cycle when robots are about to be driven, of the
+            map and their poses `(N, 3)`.
         dry_run: Do everything, but command nobody.
         say: Told what happens, line by line.
 
@@ -63,13 +65,13 @@ class NavigationNode:
         team: Team,
         make_fleet: Callable[[Team], LiveFleet],
         *,
-        sinks: Sequence[FrameSink] = (),
+        record: Callable[[OccupancyMap, Array], FrameSink] | None = None,
         dry_run: bool = False,
         say: Callable[[str], None] = lambda text: None,
     ) -> None:
         self.team = team
         self._make_fleet = make_fleet
-        self._sinks, self._dry_run, self._say = tuple(sinks), dry_run, say
+        self._record, self._dry_run, self._say = record, dry_run, say
         self._lock = threading.RLock()
         self._fleet: LiveFleet | None = None
         self._navigator: TeamNavigator | None = None
@@ -151,13 +153,8 @@ class NavigationNode:
         if fleet is None or area is None:
             raise FleetError(self._no_map())
         self.lifecycle = "activating"
-        navigator = TeamNavigator(
-            self.team,
-            fleet,
-            map=area,
-            sinks=self._sinks,
-            dry_run=self._dry_run,
-        )
+        sinks = () if self._record is None else (self._record(area, fleet.observe().poses),)
+        navigator = TeamNavigator(self.team, fleet, map=area, sinks=sinks, dry_run=self._dry_run)
         navigator.start()
         with self._lock:
             self._navigator = navigator

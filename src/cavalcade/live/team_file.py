@@ -24,7 +24,7 @@ from cavalcade.fleet.ros2.robot import PoseSource, Ros2Robot, VelocityType
 from cavalcade.formation import Imperfections
 from cavalcade.robots import RobotModel
 from cavalcade.scenario import FormationSection, PlannerSection, Scenario, build_world
-from cavalcade.scenario.fields import File, Number, Point, Positive, Section, Seed, expected
+from cavalcade.scenario.fields import File, Number, Point, Pose, Positive, Section, Seed, expected
 from cavalcade.scenario.loading import parse_scenario, schema_of
 from cavalcade.scenario.messages import scenario_error
 from cavalcade.scenario.settings import Expectations
@@ -96,6 +96,9 @@ class TeamRobotSection(ModelSection):
         velocity: How it is commanded, with `fleet: ros2`.
         interface: The network interface that it is reached by, with `fleet: unitree`.
         domain: The DDS domain that it is in, with `fleet: unitree`.
+        start (m, m, rad): Pose [x, y, yaw] at which a Go2 stands when the team is configured: its
+            own odometry locates it from there, and drifts. Null takes poses from `pose`.
+        battery_min (%): Charge below which a Go2 is to stop.
     """
 
     name: Name
@@ -103,6 +106,8 @@ class TeamRobotSection(ModelSection):
     velocity: VelocitySection = VelocitySection()
     interface: Annotated[str, Field(min_length=1, max_length=100)] | None = None
     domain: Annotated[int, Strict(), Field(ge=0, le=232)] | None = None
+    start: Pose | None = None
+    battery_min: Annotated[Number, Field(ge=0, le=100)] = 20.0
 
     @property
     def topics(self) -> tuple[str, ...]:
@@ -195,7 +200,9 @@ class Team(Section):
     Attributes:
         version: Of the format.
         name: What it is called, also in results.
-        fleet: What robots are reached by: a `ros2` graph, or `unitree` for Go2s without ROS.
+        fleet: What robots are reached by: a `ros2` graph, or `unitree` for Go2s by their vendor's
+            SDK.
+        lie_down: Whether Go2s lie down at the end; otherwise they stay standing.
         frame: In which poses, goals and maps are given.
         use_sim_time: Whether time is that of `/clock`; null where somebody publishes that.
         robots: The team; robots are numbered from 0 in this order.
@@ -211,6 +218,7 @@ class Team(Section):
     version: Literal[1]
     name: Annotated[str, Field(min_length=1, max_length=200)] = "team"
     fleet: Literal["ros2", "unitree"] = "ros2"
+    lie_down: Annotated[bool, Strict()] = False
     frame: FrameName = "map"
     use_sim_time: Annotated[bool, Strict()] | None = None
     robots: Annotated[tuple[TeamRobotSection, ...], Field(min_length=1, max_length=256)]
@@ -259,10 +267,14 @@ class Team(Section):
         """Refuse keys of the other kind of fleet, and two Go2s that would hear the same."""
         key = f"robots[{index}]"
         if self.fleet == "ros2":
-            for name in ("interface", "domain"):
-                if getattr(robot, name) is not None:
+            for name in ("interface", "domain", "start", "battery_min"):
+                if name in robot.model_fields_set and getattr(robot, name) is not None:
                     raise expected("is for fleet: unitree", key=f"{key}.{name}")
             return
+        if robot.start is not None and "pose" in robot.model_fields_set:
+            raise expected("is not needed where start is said", key=f"{key}.pose")
+        if robot.start is None and robot.pose.type == "tf":
+            raise expected("is for fleet: ros2", key=f"{key}.pose.type")
         if robot.velocity != VelocitySection():
             raise expected("is for fleet: ros2", key=f"{key}.velocity")
         if robot.interface is None and robot.domain is None:

@@ -86,10 +86,10 @@ def test_the_worst_trials_have_pictures(run, tmp_path, make_lines, suite):
         scenario, world, recording, _ = run
         return JobResult(scenario, world, dict(line["summary"], wall_time_s=99.0), recording)
 
-    lines = make_lines(2, ("clutter",), variants=("cavalcade",))
+    lines = make_lines(5, ("clutter",), variants=("cavalcade",))
     write_report(tmp_path, suite, lines, replay=replay)
     text = (tmp_path / "report.md").read_text(encoding="utf-8")
-    assert sorted(asked) == ["clutter.0000.cavalcade", "clutter.0001.cavalcade"]
+    assert len(set(asked)) == len(asked) == 2
     for name in asked:
         assert f"(figures/worst-{name}.png)" in text
     assert "ended differently" not in text

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from itertools import zip_longest
@@ -21,8 +22,8 @@ Replay = Callable[[Mapping[str, Any]], "JobResult | None"]
 """Repeats the trial of a line in memory; None where it cannot be repeated. It is called for the few
 worst trials only."""
 
-MOST = 8
-"""So many are shown."""
+MOST, SHARE = 8, 0.25
+"""So many are shown, at most, and of all trials no more than this share: each is run once more."""
 
 _SEVERITY = {outcome: rank for rank, outcome in enumerate(OUTCOME_COLORS)}
 
@@ -32,16 +33,16 @@ def worst_trials(table: TrialTable) -> list[tuple[Trial, str]]:
 
     Of the failures one of each outcome comes first, collisions before all, and within an outcome
     those of the first variant. Failures in worlds that cannot be crossed count only where
-    something was touched. Two places are kept for trials that succeeded.
+    something was touched. Two places are kept for trials that succeeded, where there are three.
     """
+    ((trials,),) = table.rows("SELECT count(*) FROM trials")
+    most = min(MOST, math.ceil(SHARE * trials))
     failures = _in_turns(table)
-    closest = table.trials("success AND gap IS NOT NULL", "gap, place", MOST)
-    slowest = table.trials("success AND time_ratio IS NOT NULL", "time_ratio DESC, place", MOST)
-    places = MOST - min(len(failures), MOST - 2)
-    chosen = [
-        (t, f"{t.outcome}: {t.reason}" if t.reason else t.outcome)
-        for t in failures[: MOST - places]
-    ]
+    closest = table.trials("success AND gap IS NOT NULL", "gap, place", most)
+    slowest = table.trials("success AND time_ratio IS NOT NULL", "time_ratio DESC, place", most)
+    failed = min(len(failures), max(most - 2, 1))
+    places = most - failed
+    chosen = [(t, f"{t.outcome}: {t.reason}" if t.reason else t.outcome) for t in failures[:failed]]
     chosen += [
         (t, f"smallest gap of those that succeeded: {t.gap:.3f} m")
         for t in closest[: (places + 1) // 2]
@@ -49,7 +50,7 @@ def worst_trials(table: TrialTable) -> list[tuple[Trial, str]]:
     taken = {trial.name for trial, _ in chosen}
     chosen += [
         (t, f"longest time of those that succeeded: {t.time_ratio:.2f} times {_bound_of(t)}")
-        for t in [trial for trial in slowest if trial.name not in taken][: MOST - len(chosen)]
+        for t in [trial for trial in slowest if trial.name not in taken][: most - len(chosen)]
     ]
     return chosen
 

@@ -123,7 +123,8 @@ class Go2Fleet:
 
         Raises:
             FleetError: Somebody was not heard, or did not stand up within `timeout` s, or must
-                not; it says who and why. Nobody stands up where one must not.
+                not, or was damped meanwhile; it says who and why. Nobody stands up where one must
+                not.
         """
         end = time.monotonic() + timeout
         self.connect(timeout)
@@ -144,12 +145,14 @@ class Go2Fleet:
                 robot.wish(Wish.WAIT)  # a wish that comes again is a new one
 
         def standing() -> list[str]:
+            self._check_damped()
             for robot in self._robots:
                 robot.wish(Wish.STAND)
             return [_standing(robot) for robot in self._robots]
 
         self._wait(max(end - time.monotonic(), 0.0), standing)
         with self._lock:
+            self._check_damped()
             if not self._anchored:
                 for robot in self._robots:
                     robot.anchor()
@@ -244,6 +247,12 @@ class Go2Fleet:
         """`(N, 3)` the trend of the last poses, map frame: m/s, m/s, rad/s."""
         with self._lock:
             return np.array([robot.velocity() for robot in self._robots])
+
+    def _check_damped(self) -> None:
+        """Whoever stands up is not to be pushed on against an e-stop."""
+        damped = [robot.number for robot in self._robots if robot.wished is Wish.DAMP]
+        if damped:
+            raise FleetError(f"robot {damped[0]} was damped while the team stood up")
 
     def _look(self) -> None:
         for robot in self._robots:

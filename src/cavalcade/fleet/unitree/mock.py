@@ -135,6 +135,7 @@ class MockGo2:
             self._frozen = word == "freeze"
         elif word == "fall":
             self._fallen, self.posture = True, "damping"
+        self.log.append({"t": time.time(), "told": line.strip()})
         return word != "quit"
 
     def tick(self, now: float, dt: float) -> None:
