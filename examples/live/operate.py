@@ -14,6 +14,7 @@ import sys
 
 import rclpy
 from geometry_msgs.msg import PoseStamped
+from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
@@ -54,7 +55,7 @@ def watch(node: Node) -> bool:
         status = json.loads(message.data)
         if [status["state"]] != states[-1:]:
             states.append(status["state"])
-            print(status["state"], status["message"], flush=True)
+            print(status["message"] or status["state"], flush=True)
 
     latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     node.create_subscription(String, "/team/status", hear, latched)
@@ -77,6 +78,8 @@ def main(words: list[str]) -> int:
             case _:
                 print(__doc__)
                 return 2
+    except (KeyboardInterrupt, ExternalShutdownException):
+        done = False
     finally:
         node.destroy_node()
         rclpy.try_shutdown()
