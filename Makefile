@@ -2,7 +2,7 @@
 # make test   the whole suite, in the same environment
 # make venv   only the environment
 # make test-fast  what a change needs at once: everything that takes no more than a moment
-# make test-live  the tests that need ROS 2, in an environment of their own with its wheels
+# make test-live  the tests that need ROS 2 or the SDK of Unitree, in an environment of their own
 # make lint   ruff, mypy, the layers and the structure
 # make docs  the documentation as a site, in site/
 # make bench  timing against peers, and the start (scikit-fmm may need a C++ compiler)
@@ -72,12 +72,15 @@ $(ROS)/.stamp: $(VENV)/.stamp-test
 	@$(PYTHON) -m venv $(ROS)
 	@$(BIN)/python -c 'import sysconfig as s; print("import site; site.addsitedir(%r)" % s.get_path("purelib"))' \
 		> $$(echo $(ROS)/lib/python3*/site-packages)/cavalcade_tests.pth
-	@$(BIN)/python -c 'import tomllib; f = open("pyproject.toml", "rb"); \
-		print(*tomllib.load(f)["project"]["optional-dependencies"]["ros2"], sep="\n")' \
-		> $(ROS)/requirements.txt
-	@$(ROS)/bin/python -m pip --disable-pip-version-check install --quiet \
+	@for extra in ros2 unitree; do \
+		$(BIN)/python -c 'import sys, tomllib; f = open("pyproject.toml", "rb"); \
+		print(*tomllib.load(f)["project"]["optional-dependencies"][sys.argv[1]], sep="\n")' $$extra \
+		> $(ROS)/requirements.txt; \
+		$(ROS)/bin/python -m pip --disable-pip-version-check install --quiet \
 		--constraint constraints.txt --requirement $(ROS)/requirements.txt || \
-		echo "ROS 2 has no wheels for this platform: its tests are skipped"
+		echo "$$extra has no wheels for this platform: its tests are skipped"; done
+	@-$(ROS)/bin/python -m pip --disable-pip-version-check install --quiet --only-binary :all: \
+		--constraint constraints.txt far-unitree-sdk
 	@touch $@
 
 test-live: $(ROS)/.stamp

@@ -122,7 +122,7 @@ def test_what_cannot_be_written_is_two(
         (["run", "square-clutter", "--out", "x", "--seed", "one"], "--seed"),
         (
             ["run", "square-clutter", "--out", "x", "--backend", "gazebo"],
-            "(one of: ideal, mujoco, ros2)",
+            "(one of: ideal, mujoco, ros2, unitree)",
         ),
         (
             ["run", "octagon-swap", "--out", "x", "--backend", "mujoco"],

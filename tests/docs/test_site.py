@@ -67,13 +67,20 @@ def test_the_reference_of_scenarios_has_every_key(hook: ModuleType) -> None:
     assert len(anchors) == len(set(anchors))
 
 
+def test_the_reference_of_teams_has_every_key(hook: ModuleType) -> None:
+    text = hook.PARTS["team keys"]()
+    for key in ("robots", "geofence", "max_age", "velocity", "interface", "use_sim_time"):
+        assert f"\n| `{key}` | " in text
+    assert "[mapping](scenario.md#planner)" in text
+
+
 @pytest.mark.parametrize(
     "row",
     [
         "| `radius` | number > 0 | m | needed | Its radius. |",
         "| `rate` | number ≥ 1, ≤ 1000 | Hz | 20.0 | How often the planner is asked. |",
         "| `d_safe_a` | number > 0 | m | 0.8, `published` 1.5 |",
-        "| `backend` | `ideal`, `mujoco`, `ros2` |  | `ideal` |",
+        "| `backend` | `ideal`, `mujoco`, `ros2`, `unitree` |  | `ideal` |",
         "| `start` | [number, number, number] | m, m, rad | needed |",
         "| `resolution` | number ≥ 0.001 | m | 0.05 |",
     ],
@@ -84,7 +91,17 @@ def test_a_row_says_value_unit_default_and_meaning(hook: ModuleType, row: str) -
 
 def test_the_reference_of_commands_has_every_option(hook: ModuleType) -> None:
     text = hook.PARTS["commands"]()
-    for command in ("run", "plan", "check", "show", "schema", "campaign", "trial", "import"):
+    for command in (
+        "run",
+        "plan",
+        "check",
+        "show",
+        "schema",
+        "campaign",
+        "trial",
+        "import",
+        "ros2 navigate",
+    ):
         assert f"## `{command}`" in text
     for option in ("--out DIR", "--seed N", "--method NAME", "--resume", "--force"):
         assert f"`{option}`" in text

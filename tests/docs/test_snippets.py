@@ -16,6 +16,7 @@ import yaml
 import cavalcade as cv
 from cavalcade.campaign.suite import parse_suite
 from cavalcade.cli import main
+from cavalcade.live.team_file import parse_team
 from cavalcade.robots import MODELS
 
 from .pages import LESSONS, PAGES, ROOT, Block, blocks, name_of
@@ -131,6 +132,8 @@ def test_files_on_a_page_can_be_read(page: Path, folder: Path) -> None:
         data = yaml.safe_load(block.code)
         if "suite" in data:
             parse_suite(data)
+        elif "version" in data and "task" not in data and "world" not in data:
+            parse_team(data)
         elif "version" in data:
             cv.parse_scenario(data)
 

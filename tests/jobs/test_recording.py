@@ -111,7 +111,9 @@ def test_humble_could_not_read_the_quality_of_service(recording: Recording, tmp_
         offered = {c.topic: c.ext.offered_qos_profiles for c in reader.connections}
     assert {topic for topic, profiles in offered.items() if profiles} == {
         "/map",
+        "/tf_static",
         "/cavalcade/obstacles",
+        *(f"/robot_{robot}/robot_description" for robot in range(ROBOTS)),
     }
     data = file.read_bytes()
     said = yaml.safe_load(next(strings_after(data, "serialized_metadata")))
@@ -172,7 +174,7 @@ def test_a_folder_that_is_not_there(recording: Recording, tmp_path: Path) -> Non
         write_recording(tmp_path / "missing" / "r.mcap", recording, MODELS)
 
 
-@pytest.mark.parametrize("cut", [0, 5, 100, 4000, -1])
+@pytest.mark.parametrize("cut", [0, 5, 100, 4000])
 def test_a_damaged_file_is_one_clear_error(recording: Recording, tmp_path: Path, cut: int) -> None:
     file = write_recording(tmp_path / "recording.mcap", recording, MODELS)
     file.write_bytes(file.read_bytes()[:cut])

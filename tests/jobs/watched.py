@@ -19,10 +19,12 @@ import numpy as np
 from numba.core import event
 
 import cavalcade as cv
+from cavalcade.execution.individual_navigator import AtOnce, IndividualNavigator
 from cavalcade.fleet import IdealFleet
 from cavalcade.formation.settings import VARIANTS
 from cavalcade.jobs.warming import all_needs
 from cavalcade.kernels.cache import LOADED
+from cavalcade.robots import robot_model
 
 DELAY = "execution={delay: {mean: 0.1}, noise: {position: 0.02}}"
 EVENTS = """execution.events=[
@@ -125,6 +127,32 @@ def own_loop() -> set[str]:
     return seen.names
 
 
+def single_goals() -> set[str]:
+    """What live goals of single robots take after the warm-up: a swap, a lost robot, a wall."""
+    starts = [(1.0, y, 0.0) for y in (1.0, 2.0, 3.0)] + [(5.0, y, 3.14) for y in (1.0, 2.0, 3.0)]
+    empty = cv.OccupancyMap.empty((6.0, 4.0))
+    navigator = IndividualNavigator(["go1"] * 6, empty, 20.0, executor=AtOnce())
+    cv.warm_up(navigator)
+    seen = Seen()
+    seen.listen()
+    robots = IdealFleet([robot_model("go1")] * 6, starts)
+    for cycle in range(240):
+        if cycle == 0:
+            for k in range(6):
+                navigator.set_goal(k, (*starts[(k + 3) % 6][:2], starts[k][2]))
+        elif cycle == 80:
+            navigator.lose(1)
+        elif cycle == 120:
+            navigator.set_map(empty.with_shapes([cv.Box((3.0, 0.5), (0.1, 0.6))]))
+        elif cycle == 160:
+            navigator.set_goal(0, (3.0, 3.5, 0.0))
+        now = robots.observe()
+        robots.send(navigator.step(now.poses, now.time, now.stamps))
+        robots.advance(0.05)
+    seen.rest()
+    return seen.names
+
+
 def forked(job: Callable[[], set[str]]) -> list[str]:
     """What the job gives, from a process of its own; why it failed, if it did."""
     reader, writer = os.pipe()
@@ -152,7 +180,7 @@ def main() -> None:
         for module in needs.modules:
             import_module(module)
     import_module("cavalcade.jobs.running")
-    found = {"own loop": forked(own_loop)}
+    found = {"own loop": forked(own_loop), "single goals": forked(single_goals)}
     for words in RUNS:
         if physics or words[1] != "mujoco":
             found[str(words)] = forked(partial(run, *words))

@@ -52,7 +52,12 @@ def test_planners_are_asked_before_robots_stop_and_once_per_step_of_physics_at_m
 
 def test_the_schema_tells_of_physics() -> None:
     found = scenario_schema()["$defs"]
-    assert found["ExecutionSection"]["properties"]["backend"]["enum"] == ["ideal", "mujoco", "ros2"]
+    assert found["ExecutionSection"]["properties"]["backend"]["enum"] == [
+        "ideal",
+        "mujoco",
+        "ros2",
+        "unitree",
+    ]
     physics = found["PhysicsSection"]
     assert physics["additionalProperties"] is False
     assert "required" not in physics

@@ -69,6 +69,7 @@ def test_every_default_is_written_out(tmp_path: Path, data: Data) -> None:
             },
             "state_delay": 0.0,
         },
+        "unitree": {"robots": [], "lie_down": False},
         "events": [],
         "seed": 0,
     }

@@ -226,7 +226,7 @@ _TWO = {**_CIRCLE, "box": {"center": [1, 1], "size": [1, 1]}}
         (
             "execution.backend",
             "gazebo",
-            "execution.backend: unknown value 'gazebo' (one of: ideal, mujoco, ros2)",
+            "execution.backend: unknown value 'gazebo' (one of: ideal, mujoco, ros2, unitree)",
         ),
         (
             "execution.backend",

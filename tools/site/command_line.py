@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import typer
@@ -12,7 +13,16 @@ from cavalcade.cli.commands import app
 def commands() -> str:
     """A section per command, in the order of `cavalcade --help`."""
     group: Any = typer.main.get_command(app)
-    return "\n\n".join(_command(name, one) for name, one in group.commands.items())
+    return "\n\n".join(_command(name, one) for name, one in _flat(group, ""))
+
+
+def _flat(group: Any, before: str) -> Iterator[tuple[str, Any]]:
+    """Commands with their whole names; those of a group one by one."""
+    for name, one in group.commands.items():
+        if hasattr(one, "commands"):
+            yield from _flat(one, f"{before}{name} ")
+        else:
+            yield f"{before}{name}", one
 
 
 def _command(name: str, command: Any) -> str:
@@ -22,7 +32,14 @@ def _command(name: str, command: Any) -> str:
     table = ["", "| option | |", "|---|---|", *rows] if rows else []
     usage = " ".join(words)
     return "\n".join(
-        (f"## `{name}` {{ #{name} }}", "", command.help or "", "", f"`{usage}`", *table)
+        (
+            f"## `{name}` {{ #{name.replace(' ', '-')} }}",
+            "",
+            command.help or "",
+            "",
+            f"`{usage}`",
+            *table,
+        )
     )
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from command_line import commands
 from repository import changes, examples, shipped_scenarios
-from scenario_keys import generator_options, scenario_keys
+from scenario_keys import generator_options, scenario_keys, team_keys
 
 PARTS: dict[str, Callable[[], str]] = {
     "changes": changes,
@@ -20,6 +20,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "generator options": generator_options,
     "scenario keys": scenario_keys,
     "shipped scenarios": shipped_scenarios,
+    "team keys": team_keys,
 }
 
 _PLACE = re.compile(r"^<!-- generated: (.+?) -->$", re.MULTILINE)

@@ -1,4 +1,4 @@
-"""The reference of scenario files, from the JSON Schema that `cavalcade schema` prints."""
+"""The reference of scenario and team files, from what `cavalcade schema` prints."""
 
 from __future__ import annotations
 
@@ -7,13 +7,11 @@ from collections.abc import Iterator
 from typing import Any
 
 from cavalcade.formation.settings import IMPROVED, FormationSettings
+from cavalcade.live.team_file import team_schema
 from cavalcade.scenario import scenario_schema
 from cavalcade.world import TERRAINS, terrain_options
 from cavalcade.world.generators import GENERATORS
 from cavalcade.world.generators.model import options_of
-
-_SCHEMA = scenario_schema()
-_PARTS: dict[str, Any] = _SCHEMA["$defs"]
 
 _MORE = {"GenerateSource": " They are [below](#generated)."}
 """What the page has besides about a mapping."""
@@ -22,19 +20,36 @@ _UNBOUNDED = 1e6
 """Bounds of this size are those of all coordinates; the page says so once."""
 
 
+_ELSEWHERE = {
+    "FormationSection": "scenario.md#task-formation",
+    "PlannerSection": "scenario.md#planner",
+}
+"""Mappings of team files that are those of scenarios."""
+
+
 def scenario_keys() -> str:
     """A section for the file and for each mapping in it, with a table of its keys."""
+    return _keys(scenario_schema(), {})
+
+
+def team_keys() -> str:
+    """The same of team files; what they share with scenarios is told there."""
+    return _keys(team_schema(), _ELSEWHERE)
+
+
+def _keys(schema: Any, elsewhere: dict[str, str]) -> str:
+    parts: dict[str, Any] = schema["$defs"]
     places: dict[str, list[str]] = {}
-    for name, place in _mappings(_SCHEMA, ""):
+    for name, place in _mappings(schema, "", parts, elsewhere):
         places.setdefault(name, []).append(place)
-    anchors = {name: _anchor(found[0]) for name, found in places.items()}
-    sections = [f"## The file {{ #file }}\n\n{_table(_SCHEMA, '', anchors)}"]
+    anchors = {name: f"#{_anchor(found[0])}" for name, found in places.items()} | elsewhere
+    sections = [f"## The file {{ #file }}\n\n{_table(schema, '', anchors)}"]
     for name, (place, *others) in places.items():
         level = "##" if "." not in place else "###"
         also = f" Also: {', '.join(f'`{one}`' for one in others)}." if others else ""
-        about = _PARTS[name].get("description", "") + also + _MORE.get(name, "")
-        table = _table(_PARTS[name], name, anchors)
-        sections.append(f"{level} `{place}` {{ #{anchors[name]} }}\n\n{about}\n\n{table}")
+        about = parts[name].get("description", "") + also + _MORE.get(name, "")
+        table = _table(parts[name], name, anchors)
+        sections.append(f"{level} `{place}` {{ {anchors[name]} }}\n\n{about}\n\n{table}")
     return "\n\n".join(sections)
 
 
@@ -55,14 +70,18 @@ def _options(options: Any) -> str:
     return ", ".join(said)
 
 
-def _mappings(schema: Any, place: str) -> Iterator[tuple[str, str]]:
+def _mappings(
+    schema: Any, place: str, parts: dict[str, Any], elsewhere: dict[str, str]
+) -> Iterator[tuple[str, str]]:
     """Every mapping of the file, by the name of its part, and where it stands."""
     for key, value in schema.get("properties", {}).items():
         for name, is_list in _references(value):
+            if name in elsewhere:
+                continue
             below = f"{place}.{key}" if place else key
             below += "[]" if is_list else ""
             yield name, below
-            yield from _mappings(_PARTS[name], below)
+            yield from _mappings(parts[name], below, parts, elsewhere)
 
 
 def _references(schema: Any, is_list: bool = False) -> Iterator[tuple[str, bool]]:
@@ -102,7 +121,7 @@ def _default(schema: Any, name: str, key: str, value: Any) -> str:
 def _kind(schema: Any, anchors: dict[str, str]) -> str:
     """What a value may be, in words; null is left to the default."""
     if "$ref" in schema:
-        return f"[mapping](#{anchors[schema['$ref'].rpartition('/')[2]]})"
+        return f"[mapping]({anchors[schema['$ref'].rpartition('/')[2]]})"
     if "anyOf" in schema:
         return " or ".join(_kind(one, anchors) for one in schema["anyOf"] if one != _NULL)
     if "const" in schema or "enum" in schema:

@@ -26,7 +26,15 @@ from cavalcade.checking.places import check_places
 from cavalcade.checking.plans import judge_plan, read_plan
 from cavalcade.checking.report import Figures, Report, Violation, make_report
 from cavalcade.checking.solids import Scene, build_scene
-from cavalcade.checking.tracks import Track, disordered, incomplete, misplaced, read_tracks
+from cavalcade.checking.tracks import (
+    Track,
+    broken_off,
+    disordered,
+    has_end,
+    incomplete,
+    misplaced,
+    read_tracks,
+)
 from cavalcade.errors import InputError, RecordingError
 from cavalcade.robots import RobotModel
 from cavalcade.scenario import Scenario, load_scenario, resolve_scenario
@@ -37,6 +45,9 @@ OWN_SPEEDING = 0.05
 
 RECORDING, PLAN = "recording.mcap", "plan.npz"
 
+SIMULATED = ("ideal", "mujoco")
+"""Backends whose true poses are known; of robots of the real world there are measured ones."""
+
 
 def check(directory: str | Path) -> Report:
     """Judge what `run` or `plan` left behind: recorded true poses or planned motion.
@@ -46,9 +57,14 @@ def check(directory: str | Path) -> Report:
     recording; the starts; and, where the summary claims success, arrival. Of plans also dynamics,
     forces, the ground and the footholds, see `judge_plan`.
 
+    Of live robots poses are measured: what differences of noisy poses would say of speed and
+    acceleration is not judged, and cycles may be late by half a second. A recording whose end is
+    missing, because its writer was stopped, is judged as far as it goes, which is a violation.
+
     Args:
         directory: With `scenario.yaml`, `summary.json` and `recording.mcap` or `plan.npz`; where
-            both are there, both are judged.
+            both are there, both are judged. Without a summary nothing is claimed: that is so
+            where a recording has no end.
 
     Raises:
         RecordingError: One of them, or the map file that the scenario names, cannot be read.
@@ -57,8 +73,10 @@ def check(directory: str | Path) -> Report:
     if not folder.is_dir():
         raise RecordingError("there is no such folder", file=folder)
     scenario = _read_scenario(folder / "scenario.yaml")
-    summary = _read_summary(folder / "summary.json")
     recording, plan = folder / RECORDING, folder / PLAN
+    broken = recording.is_file() and not has_end(recording)
+    said = folder / "summary.json"
+    summary = {} if broken and not said.exists() else _read_summary(said)
     individual = scenario.task.kind == "individual"
     if not plan.is_file() and (recording.is_file() or not individual):
         return _judge_recording(scenario, recording, summary)
@@ -86,9 +104,10 @@ def judge(scenario: Scenario, tracks: tuple[Track, ...], summary: dict[str, Any]
         leaps = scenario.world.has_heights
         models = tuple(with_own_limits(model, leaps) for model in models)
         speeding = OWN_SPEEDING
-    violations, figures = judge_planar(scene, tracks, models, speeding)
+    live = scenario.execution.backend not in SIMULATED
+    violations, figures = judge_planar(scene, tracks, models, None if live else speeding)
     if figures is not None:
-        violations += _claimed(scenario, tracks, summary, IDEAL)
+        violations += _claimed(scenario, tracks, summary, PHYSICS if live else IDEAL)
         violations += check_places(scenario, scene, bool(summary.get("success")), violations)
     return make_report(violations, figures)
 
@@ -123,11 +142,11 @@ def judge_planar(
     scene: Scene,
     tracks: tuple[Track, ...],
     models: tuple[RobotModel, ...],
-    speeding: float = TOLERANCE,
+    speeding: float | None = TOLERANCE,
 ) -> tuple[list[Violation], Figures | None]:
     """Contact between samples and limits of planar motion; no figures if its time is in disorder.
 
-    Speed and yaw rate may exceed their limits by the fraction `speeding`.
+    Speed and yaw rate may exceed their limits by the fraction `speeding`; None judges no limits.
     """
     violations = disordered(tracks)
     if violations:
@@ -135,8 +154,9 @@ def judge_planar(
     efforts = [measure(track, model) for track, model in zip(tracks, models, strict=True)]
     ticks = common_clock(tracks, scene.solids)
     violations, gap = find_contacts(scene, bodies(tracks, models, ticks), ticks)
-    for robot, (effort, model) in enumerate(zip(efforts, models, strict=True)):
-        violations += exceeded(effort, model, robot, speeding)
+    if speeding is not None:
+        for robot, (effort, model) in enumerate(zip(efforts, models, strict=True)):
+            violations += exceeded(effort, model, robot, speeding)
     return violations, _figures(efforts, float(ticks[-1] - ticks[0]), gap)
 
 
@@ -145,7 +165,9 @@ def _claimed(
 ) -> list[Violation]:
     """Starts, samples and, where the summary claims success, what of the task was not done."""
     violations = misplaced(tracks, scenario.starts)
-    violations += incomplete(tracks, scenario.execution.rate, _number(summary, "sim_time_s"))
+    live = scenario.execution.backend not in SIMULATED
+    end = _number(summary, "sim_time_s")
+    violations += incomplete(tracks, scenario.execution.rate, end, live)
     if not summary.get("success"):
         return violations
     match scenario.task.kind:
@@ -162,8 +184,12 @@ def _judge_recording(scenario: Scenario, path: Path, summary: dict[str, Any]) ->
     robots = len(scenario.robots)
     tracks = read_tracks(path, robots)
     if scenario.execution.backend == "mujoco":
-        return judge_physics(scenario, tracks, read_records(path, robots), summary)
-    return judge(scenario, tracks, summary)
+        report = judge_physics(scenario, tracks, read_records(path, robots), summary)
+    else:
+        report = judge(scenario, tracks, summary)
+    if has_end(path):
+        return report
+    return make_report([*report.violations, broken_off(tracks)], report.figures)
 
 
 def _figures(efforts: list[Effort], duration: float, gap: float) -> Figures:

@@ -16,6 +16,7 @@ import numpy as np
 from cavalcade.checking.report import Violation, broken
 from cavalcade.errors import RecordingError
 from cavalcade.geometry import Array, wrap_angle
+from cavalcade.mcap_framing import readable
 
 _TOPIC = re.compile(r"/robot_(\d+)/pose")
 _TYPE = "geometry_msgs/msg/PoseStamped"
@@ -24,6 +25,9 @@ _LARGEST = 1e10
 
 
 Pose = tuple[float, float, float]
+
+LIVE_GAP = 0.5
+"""Live robots may be without a sample so long, s: then they should have been stopped."""
 
 _SLACK = 1e-6
 _START = (0.05, 0.05)
@@ -49,7 +53,7 @@ class Track:
 
 
 def read_tracks(path: Path, robots: int) -> tuple[Track, ...]:
-    """The tracks of robots 0 to `robots` - 1.
+    """The tracks of robots 0 to `robots` - 1; if the file's end is missing, what all have.
 
     Raises:
         RecordingError: The file is missing or damaged, a robot has no poses, there are robots
@@ -74,7 +78,21 @@ def read_tracks(path: Path, robots: int) -> tuple[Track, ...]:
             file=path,
             key=f"/robot_{unknown[0]}/pose",
         )
-    return tuple(_track(samples.get(k, []), path, f"/robot_{k}/pose") for k in range(robots))
+    tracks = tuple(_track(samples.get(k, []), path, f"/robot_{k}/pose") for k in range(robots))
+    if has_end(path):
+        return tracks
+    count = min(len(track.time) for track in tracks)
+    return tuple(Track(track.time[:count], track.pose[:count]) for track in tracks)
+
+
+def has_end(path: Path) -> bool:
+    """Whether a recording was written to its end; otherwise its writer was stopped before.
+
+    Raises:
+        RecordingError: It cannot be read, or nothing in it is whole.
+    """
+    with readable(path) as (_, ended):
+        return ended
 
 
 def _track(samples: list[tuple[float, ...]], path: Path, topic: str) -> Track:
@@ -111,7 +129,7 @@ def read_messages(
         raise RecordingError("there is no such file", file=path)
     store = get_typestore(Stores.ROS2_HUMBLE)
     try:
-        with Reader(path) as reader:
+        with readable(path) as (whole, _), Reader(whole) as reader:
             wanted = [one for one in reader.connections if type_of(one.topic)]
             for one in wanted:
                 if one.msgtype != (expected := type_of(one.topic)):
@@ -165,20 +183,24 @@ def disordered(tracks: tuple[Track, ...]) -> list[Violation]:
     return result
 
 
-def incomplete(tracks: tuple[Track, ...], rate: float, end: float | None) -> list[Violation]:
+def incomplete(
+    tracks: tuple[Track, ...], rate: float, end: float | None, live: bool = False
+) -> list[Violation]:
     """Samples that are missing: between others, at the end, or for some robots only.
 
-    There is at least a sample per cycle of the planner's `rate`, Hz; `end` is the simulated time
-    that the summary claims, s, if it does.
+    There is at least a sample per cycle of the planner's `rate`, Hz, or, of `live` robots, whose
+    cycles may be late, per two cycles and half a second; `end` is the simulated time that the
+    summary claims, s, if it does.
     """
     result = []
     cycle = 1.0 / rate
+    longest = max(2.0 * cycle, LIVE_GAP) if live else cycle
     samples = np.unique(np.concatenate([track.time for track in tracks]))
     for robot, track in enumerate(tracks):
         gaps = np.diff(track.time)
-        for k in np.flatnonzero(gaps > cycle * (1.0 + 1e-3) + _SLACK):
+        for k in np.flatnonzero(gaps > longest * (1.0 + 1e-3) + _SLACK):
             text = f"robot {robot} has no samples for {gaps[k]:.3f} s; a cycle lasts {cycle:.3f} s"
-            result.append(broken("samples", track.time[k], robot, text, gaps[k], cycle))
+            result.append(broken("samples", track.time[k], robot, text, gaps[k], longest))
         if len(track.time) != len(samples):
             missing = float(np.setdiff1d(samples, track.time)[0])
             have, most = len(track.time), len(samples)
@@ -190,6 +212,13 @@ def incomplete(tracks: tuple[Track, ...], rate: float, end: float | None) -> lis
         text = f"the recording covers {duration:.2f} s, the summary says {end:.2f} s"
         result.append(Violation("samples", float(samples[-1]), everyone, text, duration, end))
     return result
+
+
+def broken_off(tracks: tuple[Track, ...]) -> Violation:
+    """That the recording's end is missing: what came then, nobody knows."""
+    end = max(float(track.time[-1]) for track in tracks)
+    text = f"the recording breaks off at {end:.2f} s: whoever wrote it was stopped before its end"
+    return Violation("samples", end, tuple(range(len(tracks))), text, end, end)
 
 
 def misplaced(tracks: tuple[Track, ...], starts: tuple[Pose, ...]) -> list[Violation]:

@@ -19,7 +19,7 @@ import typer
 
 from cavalcade.cli import campaigns, options, ros2
 from cavalcade.cli.signals import terminated_as_interrupted
-from cavalcade.errors import CavalcadeError, OutputError
+from cavalcade.errors import CavalcadeError, InputError, OutputError
 
 if TYPE_CHECKING:
     from cavalcade.checking import Report, Violation
@@ -128,7 +128,13 @@ def scenarios(as_json: options.Json = False) -> None:
 
 @app.command()
 def show(
-    scenario: options.ScenarioArgument,
+    scenario: Annotated[
+        str,
+        typer.Argument(
+            metavar="SCENARIO|DIR",
+            help="A shipped scenario's name, a file, or the folder of a live session.",
+        ),
+    ],
     out: Annotated[
         Path | None, typer.Option(metavar="FILE", help="The picture; NAME.png if not given.")
     ] = None,
@@ -136,7 +142,12 @@ def show(
     overrides: options.Set = None,
     quiet: options.Quiet = False,
 ) -> None:
-    """Draw a scenario without running it."""
+    """Draw a scenario without running it, or what a live session recorded before it died."""
+    if Path(scenario).is_dir():
+        if out is not None or seed is not None or overrides:
+            raise InputError("--out, --seed and --set are for scenarios, not for folders")
+        _finish_session(Path(scenario), quiet)
+        return
     from cavalcade.scenario import build_world, resolve_scenario
 
     loaded = resolve_scenario(options.load(scenario, overrides, seed, None))
@@ -151,8 +162,15 @@ def show(
 
 
 @app.command()
-def schema() -> None:
+def schema(
+    team: Annotated[bool, typer.Option("--team", help="That of team files instead.")] = False,
+) -> None:
     """Print the JSON Schema of scenario files."""
+    if team:
+        from cavalcade.live.team_file import team_schema
+
+        options.print_json(team_schema())
+        return
     from cavalcade.scenario import scenario_schema
 
     options.print_json(scenario_schema())
@@ -253,6 +271,19 @@ def _finite(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [_finite(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _finish_session(folder: Path, quiet: bool) -> None:
+    """Make figures, replay and summary of a recording that has none."""
+    from cavalcade.jobs import finish_recording
+
+    if (folder / "summary.json").exists():
+        raise InputError(
+            "this run is finished: it has a summary, figures and a replay", file=folder
+        )
+    result = finish_recording(folder)
+    if not quiet:
+        print("\n".join(map(str, result.files)))
 
 
 def run_command(arguments: Sequence[str] | None) -> int:

@@ -36,7 +36,9 @@ Set = Annotated[
 ]
 Backend = Annotated[
     str | None,
-    typer.Option("--backend", metavar="NAME", help="Who moves the robots: ideal, mujoco or ros2."),
+    typer.Option(
+        "--backend", metavar="NAME", help="Who moves: ideal, mujoco, ros2 or unitree robots."
+    ),
 ]
 Force = Annotated[bool, typer.Option("--force", help="Replace what DIR holds.")]
 Realtime = Annotated[bool, typer.Option("--realtime", help="At the pace of the wall clock.")]

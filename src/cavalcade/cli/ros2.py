@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from cavalcade.cli import options
+from cavalcade.cli import navigating, options
 from cavalcade.errors import InputError
 
 app = typer.Typer(
@@ -66,3 +66,7 @@ def simulate(
         graph.run(stop, speed)
     finally:
         graph.close()
+
+
+app.command()(navigating.navigate)
+app.command()(navigating.config)

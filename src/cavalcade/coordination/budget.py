@@ -47,6 +47,8 @@ class Budget:
         self.used += iterations
 
     def __str__(self) -> str:
+        if self.deadline.cancelled:
+            return "it was cancelled"
         if self.deadline.late:
             return f"{self.deadline.seconds:g} s are over"
         if self.used < self.iterations:

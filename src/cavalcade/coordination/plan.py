@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -44,6 +44,7 @@ def plan_team(
     method: str = "auto",
     settings: PlanSettings | None = None,
     seed: int = 0,
+    cancelled: Callable[[], bool] | None = None,
 ) -> TeamPlan:
     """Plan a team whose robots have goals of their own.
 
@@ -52,6 +53,8 @@ def plan_team(
         method: `auto`, `sequential`, `joint` or `cbs`.
         settings: Options and budget.
         seed: Of all random numbers.
+        cancelled: Asked now and then, from this thread, whether the plan is still wanted; if it is
+            not, the answer comes soon: that the budget is spent.
 
     Returns:
         A plan, or why there is none. Trajectories are in the map's frame.
@@ -77,7 +80,7 @@ def plan_team(
         raise InputError(f"{where} is for robots with legs", key="robots")
     Budget(settings.iterations, Deadline(settings.seconds))  # refuses before it costs
     warm_up(published or not problem.ground.flat)
-    budget = Budget(settings.iterations, Deadline(settings.seconds))
+    budget = Budget(settings.iterations, Deadline(settings.seconds, cancelled))
     if not settings.margin:
         return _Call(problem, method, settings, seed, budget).answer()
     return _plan_inflated(problem, method, settings, seed, budget)

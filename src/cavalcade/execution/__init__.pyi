@@ -1,4 +1,6 @@
 from .control import ControlLoop as ControlLoop
+from .individual_navigator import AtOnce as AtOnce
+from .individual_navigator import IndividualNavigator as IndividualNavigator
 from .loop import carry_out as carry_out
 from .policy import Degradable as Degradable
 from .policy import Policy as Policy

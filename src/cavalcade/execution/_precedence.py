@@ -73,7 +73,7 @@ class Braking(NamedTuple):
     trust: bool
 
 
-@kernel
+@kernel(nogil=True)
 def first_cells(poses, spread, rests, bodies, margin, band):
     """The first blocked cell of each row of each pair.
 

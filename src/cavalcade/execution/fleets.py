@@ -19,6 +19,7 @@ from cavalcade.scenario import Scenario, World
 if TYPE_CHECKING:
     from cavalcade.fleet.mujoco import MujocoFleet
     from cavalcade.fleet.ros2 import Ros2Fleet
+    from cavalcade.fleet.unitree import Go2Fleet
 
 PATIENCE = 15.0
 """How long robots on a network are waited for, s."""
@@ -113,6 +114,29 @@ def ros2_fleet(scenario: Scenario) -> Ros2Fleet:
     fleet = Ros2Fleet(scenario_robots(len(scenario.robots)))
     try:
         fleet.start(PATIENCE)
+    except BaseException:
+        fleet.close()
+        raise
+    return fleet
+
+
+def go2_fleet(scenario: Scenario) -> Go2Fleet:
+    """Go2s at the scenario's starts, once all have been heard; nobody has stood up yet.
+
+    Raises:
+        InputError: The vendor's SDK is not there.
+        FleetError: Somebody was not heard; it says who and where.
+    """
+    from cavalcade.fleet.unitree import Go2Fleet, Go2Link
+
+    said = scenario.execution.unitree
+    links = [
+        Go2Link(robot.domain, robot.interface, "sport", robot.offset, robot.battery_min)
+        for robot in said.robots
+    ]
+    fleet = Go2Fleet(links, starts=scenario.starts, lie_down=said.lie_down)
+    try:
+        fleet.connect(PATIENCE)
     except BaseException:
         fleet.close()
         raise

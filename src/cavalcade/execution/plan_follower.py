@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cavalcade.execution.leaping import LeapScheduler
 from cavalcade.execution.policy import Policy
@@ -27,7 +28,13 @@ HEADING_GAIN = 3.0
 SIDE_GAIN = 6.0
 """Yaw rate of a unicycle per speed and sideways error, rad/m²."""
 
+LOOK = 0.05
+"""Between looks at what a robot has before it, s of plan time."""
+
 _STILL = 1e-9
+
+_STOPPED = 1e-3
+"""Progress, s, or a rate: less is none."""
 
 _PATH_SPACING = 10
 """Of the samples of a path, every so-many-th is shown."""
@@ -86,6 +93,7 @@ class PlanFollower(Policy):
                 self._targets[robot, 2] = self._paths[robot].yaw[-1]
         self._lines = [path.position[::_PATH_SPACING, :2] for path in self._paths]
         self._moments = [path.time[::_PATH_SPACING] for path in self._paths]
+        self._errors = np.zeros((len(self._paths), 3))
         self._status = self._status_at(0.0)
 
     @property
@@ -96,7 +104,7 @@ class PlanFollower(Policy):
     @property
     def progress(self) -> Array:
         """`(N,)` plan times up to which the robots were sent in the last cycle, s."""
-        return self._scaling.progress(self._trace[-1][0] if self._trace else 0.0)
+        return self._scaling.progress(self._last)
 
     @property
     def delays(self) -> Array:
@@ -110,6 +118,56 @@ class PlanFollower(Policy):
         known = np.array([moment for moment, _ in self._trace])
         rows = np.searchsorted(known, times + 1e-6, side="right") - 1
         return np.stack([delay for _, delay in self._trace])[np.maximum(rows, 0)]
+
+    @property
+    def errors(self) -> Array:
+        """`(N, 3)` what references were ahead of the robots in the last cycle, map frame."""
+        return self._errors.copy()
+
+    @property
+    def references(self) -> Array:
+        """`(N, 3)` the poses where robots were sent in the last cycle."""
+        progress = self.progress
+        return np.stack(
+            [path.poses_at(progress[k : k + 1])[0] for k, path in enumerate(self._paths)]
+        )
+
+    @property
+    def at_rest(self) -> NDArray[np.bool_]:
+        """`(N,)` whether robots were sent as far as they may go since `halt`, or are held."""
+        scaling = self._scaling
+        there = self.progress >= scaling.caps - _STOPPED
+        return np.asarray((there & (scaling.rates <= _STOPPED)) | scaling.held)
+
+    def halt(self) -> Array:
+        """Let all robots come to rest along the plan, within their limits and in their order.
+
+        Returns:
+            `(N, 3)` the poses where they will stand.
+        """
+        self._scaling.halt(self._last)
+        ends = np.minimum(self._scaling.caps, [path.duration for path in self._paths])
+        return np.stack([path.poses_at(ends[k : k + 1])[0] for k, path in enumerate(self._paths)])
+
+    def release(self) -> None:
+        """Let them go on after `halt`."""
+        self._scaling.caps[:] = math.inf
+
+    def hold(self, robot: int) -> None:
+        """Command a robot no more; those whose turn is after it wait."""
+        self._scaling.held[robot] = True
+
+    def ahead(self, robot: int) -> tuple[Array, int]:
+        """What a robot has before it, from where it was sent last.
+
+        Returns:
+            Poses `(K, 3)` every `LOOK` s of plan time up to the goal, and how many of them it
+            passes at least until it has braked.
+        """
+        path, scaling = self._paths[robot], self._scaling
+        begin = float(scaling.progress(self._last)[robot])
+        poses = path.poses_at(np.arange(begin, max(path.duration, begin) + LOOK, LOOK))
+        return poses, math.ceil(scaling.stopping[robot] / LOOK) + 1
 
     def step(self, poses: Array, time: float, stamps: Array) -> Array:
         """Poses `(N, 3)` and their times `(N,)` in, body-frame velocities `(N, 3)` out."""
@@ -131,6 +189,7 @@ class PlanFollower(Policy):
             - poses
         )
         errors[:, 2] = wrap_angle(errors[:, 2])
+        self._errors = errors
         scaling.decide(now, ages, errors, poses)
         if self._leaps is not None:
             self._leaps.hand_over(now)
@@ -142,6 +201,11 @@ class PlanFollower(Policy):
             here, there = self._paths[robot].poses_at(marks)
             commands[robot] = self._command(robot, here, there, errors[robot], poses[robot, 2])
         return commands
+
+    @property
+    def _last(self) -> float:
+        """The time of the last cycle, s since the first one."""
+        return self._trace[-1][0] if self._trace else 0.0
 
     def _command(
         self, robot: int, here: Array, there: Array, error: Array, heading: float

@@ -166,6 +166,19 @@ class TimeScaling:
         late = np.isnan(self.arrived_late) & (progress >= self._ends - _STILL)
         self.arrived_late[late] = self.delay[late]
 
+    @property
+    def stopping(self) -> Array:
+        """`(N,)` plan time that passes until robots stand that brake after this cycle, s."""
+        rates = self.rates
+        return np.asarray(rates * self.period + 0.5 * rates * rates / self._braking.deceleration)
+
+    def halt(self, now: float) -> None:
+        """Let all come to rest as soon as they can brake; `caps` say where.
+
+        They keep their order on the way, as each could stop there in any case.
+        """
+        self.caps = np.minimum(self.caps, self.progress(now) + self.stopping)
+
     def go_on(self, robot: int, now: float, moment: float) -> None:
         """A robot that was held is at this plan time and stands."""
         self.held[robot] = False

@@ -1,4 +1,5 @@
 from .ideal import IdealFleet as IdealFleet
+from .protocol import DampingFleet as DampingFleet
 from .protocol import Fall as Fall
 from .protocol import FallingFleet as FallingFleet
 from .protocol import Fault as Fault

@@ -97,6 +97,14 @@ class LiveFleet(Fleet, Protocol):
         """Command all robots to stop and leave; a second call does nothing."""
 
 
+@runtime_checkable
+class DampingFleet(LiveFleet, Protocol):
+    """Robots whose e-stop damps their motors, so that they sink to the ground."""
+
+    def damp(self, robot: int | None = None) -> None:
+        """Damp a robot or all, until `start` has them stand up again; from any thread."""
+
+
 @dataclass(frozen=True)
 class Fall:
     """A robot that fell.

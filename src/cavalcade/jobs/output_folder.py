@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from cavalcade.errors import OutputError
-from cavalcade.files import make_folders, reason_of, remove_folders
+from cavalcade.files import make_folders, reason_of, remove_folders, write_file
 from cavalcade.recording import mcap_writer, plan_file
 from cavalcade.scenario import Scenario, dump_scenario
 from cavalcade.values import path_of
@@ -76,8 +76,7 @@ class OutputFolder:
                 os.replace(draft, self.stage / SCENARIO)
             finally:
                 draft.unlink(missing_ok=True)
-            text = json.dumps(summary, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-            (self.stage / SUMMARY).write_text(text, encoding="utf-8")
+            write_summary(self.stage / SUMMARY, summary)
             staged = sorted(
                 (file.relative_to(self.stage) for file in self.stage.rglob("*") if file.is_file()),
                 key=lambda name: (_PRODUCTS.index(name.parts[0]), name),
@@ -95,3 +94,13 @@ class OutputFolder:
             raise OutputError(f"{self.path}: cannot be written: {reason_of(error)}") from None
         self._made.clear()
         return tuple(self.path / file for file in staged)
+
+
+def write_summary(path: Path, summary: Mapping[str, Any]) -> None:
+    """Write the summary of a run or plan.
+
+    Raises:
+        OutputError: It cannot be written.
+    """
+    text = json.dumps(summary, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    write_file(path, text)

@@ -118,8 +118,9 @@ def run(
         out: The folder for the results, missing or empty; None writes nothing.
         seed: Over the scenario's.
         overrides: Over the file's values, as `load_scenario` takes them; only for a name or file.
-        backend: Over the scenario's; `ideal`, `mujoco` for walking robots with dynamics, or `ros2`
-            for robots `robot_0` and so on of a ROS 2 graph, which stand at their starts.
+        backend: Over the scenario's; `ideal`, `mujoco` for walking robots with dynamics, `ros2`
+            for robots `robot_0` and so on of a ROS 2 graph, or `unitree` for Go2s without ROS;
+            these stand at their starts.
         realtime: At the pace of the wall clock instead of as fast as possible.
         force: Replace what an earlier run left in `out`.
         figures: Draw the figures.
@@ -149,6 +150,10 @@ def run(
 
         load_mujoco()
         loaded = with_own_robots(loaded)
+    if loaded.execution.backend == "unitree" and fleet is None:
+        from cavalcade.fleet.unitree import load_sdk
+
+        load_sdk()
     with ExitStack() as stack:
         folder = stack.enter_context(OutputFolder(out, force)) if out is not None else None
         reporter = stack.enter_context(JobReporter(loaded.name, quiet))

@@ -8,7 +8,13 @@ from functools import cached_property
 from typing import ClassVar, cast
 
 from cavalcade.execution.command_player import CommandPlayer
-from cavalcade.execution.fleets import ideal_fleet, physics_fleet, ros2_fleet, tracking_fleet
+from cavalcade.execution.fleets import (
+    go2_fleet,
+    ideal_fleet,
+    physics_fleet,
+    ros2_fleet,
+    tracking_fleet,
+)
 from cavalcade.execution.formation_policy import make_planner
 from cavalcade.execution.loop import Execution
 from cavalcade.execution.plan_follower import PlanFollower
@@ -75,6 +81,8 @@ class Task:
         """
         if self.scenario.execution.backend == "ros2":
             return ros2_fleet(self.scenario)
+        if self.scenario.execution.backend == "unitree":
+            return go2_fleet(self.scenario)
         if self.scenario.execution.backend == "mujoco":
             return physics_fleet(self.scenario, self.world, self.turning)
         return self.ideal_fleet()

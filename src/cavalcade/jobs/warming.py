@@ -13,12 +13,15 @@ from pathlib import Path
 from typing import Any
 
 from cavalcade.errors import InputError
+from cavalcade.execution.individual_navigator import AtOnce, IndividualNavigator
 from cavalcade.execution.loop import carry_out
+from cavalcade.fleet import IdealFleet
 from cavalcade.formation import FormationPlanner
 from cavalcade.formation.settings import VARIANTS
 from cavalcade.jobs.planning import make_plan
 from cavalcade.jobs.reporter import JobReporter, Reporter
 from cavalcade.jobs.tasks import TASKS
+from cavalcade.robots import robot_model
 from cavalcade.scenario import (
     Scenario,
     build_world,
@@ -28,6 +31,7 @@ from cavalcade.scenario import (
 )
 from cavalcade.scenario.rules import LIVE
 from cavalcade.values import described
+from cavalcade.world import OccupancyMap
 
 # Where the kernels of jobs are, for the estimate of what there is to do.
 _MEASURED = (
@@ -45,8 +49,8 @@ _UNEVEN = ("cavalcade.kinodynamic", "cavalcade.world.terrain.filters")
 _PHYSICS = ("cavalcade.locomotion.control", "cavalcade.fleet.mujoco")
 
 # Those of them that few jobs take: compiled when they are.
+_JOINT = ("cavalcade.coordination._joint",)
 _RARE = (
-    "cavalcade.coordination._joint",
     "cavalcade.geometry.distances.cells_clearance",
     "cavalcade.geometry.distances.nearest_gaps",
     "cavalcade.geometry.string_pulling.string_pulled_length",
@@ -65,6 +69,7 @@ class Needs:
         variant, method: The planner's.
         uneven: Its ground has heights.
         moving: Something may move on the way.
+        live: Goals of its own that each robot has may change at any time.
     """
 
     kind: str
@@ -73,6 +78,7 @@ class Needs:
     method: str = "auto"
     uneven: bool = False
     moving: bool = False
+    live: bool = False
 
     @property
     def modules(self) -> tuple[str, ...]:
@@ -81,6 +87,8 @@ class Needs:
         found = kinds.get(self.kind, ())
         if self.uneven:
             found += _UNEVEN
+        if self.live:
+            found += ("cavalcade.execution",)
         if self.backend is not None:
             found += _PHYSICS if self.backend == "mujoco" else ("cavalcade.fleet.ideal",)
         return found + _MEASURED
@@ -89,7 +97,8 @@ class Needs:
     def unused(self) -> tuple[str, ...]:
         """What it does not take of these."""
         surface = () if self.uneven else _SURFACE
-        return _RARE + surface if self.moving else _RARE + surface + _MOVING
+        rare = _RARE + surface if self.live else _RARE + surface + _JOINT
+        return rare if self.moving else rare + _MOVING
 
 
 def needs_of(scenario: Scenario, backend: str | None) -> Needs:
@@ -107,7 +116,9 @@ def needs_of(scenario: Scenario, backend: str | None) -> Needs:
     )
 
 
-def warm_up(*whats: Scenario | str | Path | FormationPlanner, quiet: bool = True) -> None:
+def warm_up(
+    *whats: Scenario | str | Path | FormationPlanner | IndividualNavigator, quiet: bool = True
+) -> None:
     """Compile or load the kernels that jobs or a control loop of your own will call.
 
     The first time on a machine this takes from some seconds to a minute. Call it before a loop
@@ -115,7 +126,8 @@ def warm_up(*whats: Scenario | str | Path | FormationPlanner, quiet: bool = True
 
     Args:
         whats: Scenarios, loaded or by name or file, for runs and plans of them; a
-            `FormationPlanner` for loops around it; nothing for all that formations take.
+            `FormationPlanner` or an `IndividualNavigator` for loops around it; nothing for all that
+            formations take.
         quiet: Print nothing; otherwise the progress.
 
     Raises:
@@ -143,7 +155,7 @@ def all_needs(everything: bool) -> list[Needs]:
     if not everything:
         return found
     found += [replace(formation, variant=name) for name in VARIANTS]
-    found += [Needs("individual", None, uneven=True)]
+    found += [Needs("individual", None, live=True), Needs("individual", None, uneven=True)]
     found += [Needs("individual", None, "published", method) for method in ("cbs", "joint")]
     try:
         from cavalcade.fleet.mujoco.engine import load_mujoco
@@ -155,10 +167,14 @@ def all_needs(everything: bool) -> list[Needs]:
     return [*found, Needs("individual", "mujoco", uneven=True)]
 
 
-def _needs(what: Scenario | str | Path | FormationPlanner) -> list[Needs]:
+def _needs(
+    what: Scenario | str | Path | FormationPlanner | IndividualNavigator,
+) -> list[Needs]:
     if isinstance(what, FormationPlanner):
         return [Needs("formation", None, what.variant.name, moving=True)]
-    wanted = "a scenario, its name or file, or a FormationPlanner"
+    if isinstance(what, IndividualNavigator):
+        return [Needs("individual", None, live=True)]
+    wanted = "a scenario, its name or file, a FormationPlanner or an IndividualNavigator"
     if not isinstance(what, Scenario | str | Path):
         raise InputError(f"expected {wanted}, got {described(what)}", key="whats")
     scenario = what if isinstance(what, Scenario) else load_scenario(what)
@@ -169,6 +185,11 @@ def _needs(what: Scenario | str | Path | FormationPlanner) -> list[Needs]:
 @cache
 def _rehearse(needs: Needs) -> None:
     """Do a job that takes the same kernels, once in a process."""
+    if needs.live:
+        for method in ("auto", "joint"):
+            _rehearse(replace(needs, method=method, live=False))
+        _drive_live()
+        return
     scenario = resolve_scenario(parse_scenario(_rehearsal(needs)))
     world = build_world(scenario)
     if needs.backend is None and scenario.goals:
@@ -180,6 +201,23 @@ def _rehearse(needs: Needs) -> None:
     done = carry_out(scenario, world, policy, robots, budget=task.budget)
     if needs.backend is not None:
         task.summarise(policy, done)
+
+
+def _drive_live() -> None:
+    """Robots on their way to goals that change, of which one is lost."""
+    room = OccupancyMap.empty((6.0, 4.0))
+    starts = ((1.0, 1.0, 0.0), (1.0, 2.0, 0.0), (5.0, 3.5, 0.0))
+    navigator = IndividualNavigator(("spirit",) * 3, room, 20.0, executor=AtOnce())
+    fleet = IdealFleet([robot_model("spirit")] * 3, starts)
+    for cycle in range(60):
+        if cycle == 0:
+            navigator.set_goal(0, (3.0, 2.0, 0.0))
+            navigator.set_goal(1, (3.0, 1.0, 0.0))
+        elif cycle == 30:
+            navigator.lose(2)
+        seen = fleet.observe()
+        fleet.send(navigator.step(seen.poses, seen.time, seen.stamps))
+        fleet.advance(0.05)
 
 
 def _rehearsal(needs: Needs) -> dict[str, Any]:

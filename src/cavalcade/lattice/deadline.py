@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import perf_counter
 
@@ -21,10 +21,14 @@ class Deadline:
 
     Args:
         seconds: Of wall time; None for no limit.
+        cancelled: Asked now and then whether the answer is still wanted.
     """
 
-    def __init__(self, seconds: float | None = None) -> None:
+    def __init__(
+        self, seconds: float | None = None, cancelled: Callable[[], bool] | None = None
+    ) -> None:
         self.seconds = seconds
+        self._cancelled = cancelled
         self._begin = perf_counter()
 
     @property
@@ -39,8 +43,15 @@ class Deadline:
 
     @property
     def late(self) -> bool:
-        """Whether the time is over."""
+        """Whether the time is over, or nobody wants the answer any more."""
+        if self.cancelled:
+            return True
         return self.seconds is not None and self.elapsed >= self.seconds
+
+    @property
+    def cancelled(self) -> bool:
+        """Whether nobody wants the answer any more."""
+        return self._cancelled is not None and self._cancelled()
 
     @contextmanager
     def paused(self) -> Iterator[None]:

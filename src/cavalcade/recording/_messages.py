@@ -1,17 +1,23 @@
 """The messages of a recording, each kind with its layout on the wire.
 
+`/robot_k/robot_description`, std_msgs/String, is the robot's URDF with the links `robot_k/body`,
+`robot_k/FL_hip` and so on, which are frames of `/tf` and `/tf_static`: RViz and Foxglove draw links
+where the frames of their names are. Robots of one link have `robot_k/base`. Joints, which nobody
+looks up across robots, are called `FL_hip_joint` with all.
+
+The tree is `map` > `robot_k/base`, put down on the plane > `robot_k/body`, the trunk > per leg hip,
+thigh, calf > foot, which is fixed. Without physics legs stand, and only the base moves.
+
 In physics there are also:
 
 - `/robot_k/body`, geometry_msgs/PoseStamped: the trunk's frame in the map, three-dimensional.
-- `/robot_k/joint_states`, sensor_msgs/JointState: joints `FL_hip` to `RR_calf`; the effort is the
-  torque of largest magnitude since the message before.
+- `/robot_k/joint_states`, sensor_msgs/JointState: joints `FL_hip_joint` to `RR_calf_joint`; the
+  effort is the torque of largest magnitude since the message before.
 - `/robot_k/foot_force/FL` and so on, geometry_msgs/WrenchStamped: mean contact force since the
-  message before, in the frame `robot_k/FL_foot`, at the foot with the axes of the map.
+  message before, in the frame `robot_k/FL_contact`, at the foot with the axes of the map.
 - `/cavalcade/contacts`, std_msgs/String, JSON `{"time", "robot", "part", "other"}`: every contact
   but feet on the ground, said anew while it lasts.
 - `/cavalcade/falls`, std_msgs/String, JSON `{"time", "robot"}`.
-- In `/tf`, at each sample of physics, `robot_k/base` under `map`: the trunk's frame put down on the
-  plane; under it `robot_k/body`, that of `/robot_k/body`, and under this the feet's frames.
 """
 
 from __future__ import annotations
@@ -25,7 +31,13 @@ from numpy.typing import ArrayLike, NDArray
 from cavalcade.geometry import Array
 from cavalcade.recording.cdr import ENCAPSULATION, Layout, planar_poses, stamps_of
 from cavalcade.recording.physics_track import yaw_of
-from cavalcade.robots import JOINTS, LEGS, RobotModel
+from cavalcade.robots import (
+    JOINT_NAMES,
+    LEGS,
+    LINK_NAMES,
+    QuadrupedDescription,
+    RobotModel,
+)
 from cavalcade.world import OccupancyMap
 
 Stamps = NDArray[np.int64]
@@ -37,7 +49,7 @@ Transform = tuple[str, str, Array]
 FRAME = "map"
 
 STATUS_TOPIC = "/cavalcade/status"
-"""std_msgs/String, JSON: the planner's status of every cycle (see `status.encoded`)."""
+"""std_msgs/String, JSON: the planner's status of every cycle (see `status.StatusEncoder`)."""
 
 NOTES_TOPIC = "/cavalcade/notes"
 """std_msgs/String, JSON `{"time", "text"}`: events and faults."""
@@ -49,8 +61,6 @@ CONTACTS_TOPIC, FALLS_TOPIC = "/cavalcade/contacts", "/cavalcade/falls"
 
 JOINT_COLUMNS = {"position": "joints", "velocity": "joint_rates", "effort": "torques"}
 """Columns of sensor_msgs/JointState, and what they are called in a track."""
-
-JOINT_NAMES = tuple(f"{leg}_{joint}" for leg in LEGS for joint in JOINTS)
 
 POSE = Layout().header(FRAME).numbers("pose", "f8", 7)
 """geometry_msgs/PoseStamped with columns `stamp` and `pose`, position and quaternion x to w."""
@@ -72,11 +82,15 @@ _CUBE, _SPHERE, _LINE_LIST = 1, 2, 5
 _ADD, _DELETE = 0, 2
 
 
-def topics_of(robots: int, bodies: int) -> dict[str, str]:
-    """Topics of a recording of so many robots, `bodies` of them in physics, and their types."""
+def topics_of(robots: int, bodies: int, described: int) -> dict[str, str]:
+    """Topics of a recording of so many robots, and their types.
+
+    `bodies` of them are in physics, `described` have a description.
+    """
     kinds = {
         "/map": "nav_msgs/msg/OccupancyGrid",
         "/tf": "tf2_msgs/msg/TFMessage",
+        "/tf_static": "tf2_msgs/msg/TFMessage",
         "/markers": "visualization_msgs/msg/MarkerArray",
         **dict.fromkeys((STATUS_TOPIC, NOTES_TOPIC, OBSTACLES_TOPIC), "std_msgs/msg/String"),
     }
@@ -87,6 +101,8 @@ def topics_of(robots: int, bodies: int) -> dict[str, str]:
             f"/robot_{k}/cmd_vel": "geometry_msgs/msg/TwistStamped",
             f"/robot_{k}/path": "nav_msgs/msg/Path",
         }
+    for k in range(described):
+        kinds[f"/robot_{k}/robot_description"] = "std_msgs/msg/String"
     if bodies:
         kinds |= dict.fromkeys((CONTACTS_TOPIC, FALLS_TOPIC), "std_msgs/msg/String")
     for k in range(bodies):
@@ -98,14 +114,20 @@ def topics_of(robots: int, bodies: int) -> dict[str, str]:
     return kinds
 
 
+def latched(described: int) -> set[str]:
+    """Topics whose last message late subscribers get, too."""
+    descriptions = {f"/robot_{k}/robot_description" for k in range(described)}
+    return {"/map", "/tf_static", OBSTACLES_TOPIC} | descriptions
+
+
 def base_frame(robot: int) -> str:
     """The body frame of a robot."""
     return f"robot_{robot}/base"
 
 
-def foot_frame(robot: int, leg: str) -> str:
+def contact_frame(robot: int, leg: str) -> str:
     """The frame at a foot of a robot, with the axes of the map."""
-    return f"robot_{robot}/{leg}_foot"
+    return f"robot_{robot}/{leg}_contact"
 
 
 def twist_layout(robot: int) -> Layout:
@@ -125,7 +147,7 @@ def joints_layout(robot: int) -> Layout:
 
 def force_layout(robot: int, leg: str) -> Layout:
     """geometry_msgs/WrenchStamped with columns `stamp` and `wrench`, force and torque."""
-    return Layout().header(foot_frame(robot, leg)).numbers("wrench", "f8", 6)
+    return Layout().header(contact_frame(robot, leg)).numbers("wrench", "f8", 6)
 
 
 def string_message(text: str) -> memoryview:
@@ -172,11 +194,10 @@ def planar_frames(poses: Array) -> list[Transform]:
     ]
 
 
-def legged_frames(robot: int, base: Array, feet: Array | None) -> list[Transform]:
-    """A robot's base in the map, its body in the base, and its feet in the body.
+def body_frames(robot: int, base: Array) -> list[Transform]:
+    """A robot's base in the map and its body in the base.
 
-    `base` `(M, 7)` is the trunk's place and quaternion w, x, y, z in the map, `feet` `(M, 4, 3)`
-    the feet's places in the trunk's frame. The feet's axes are those of the map.
+    `base` `(M, 7)` is the trunk's place and quaternion w, x, y, z in the map.
     """
     w, x, y, z = base[:, 3:].T
     yaw = yaw_of(base[:, 3:])
@@ -184,14 +205,54 @@ def legged_frames(robot: int, base: Array, feet: Array | None) -> list[Transform
     body = np.zeros((len(base), 7))
     body[:, 2] = base[:, 2]
     body[:, 3:] = np.column_stack([c * x + s * y, c * y - s * x, c * z - s * w, c * w + s * z])
-    trunk = f"robot_{robot}/body"
     ground = planar_poses(np.column_stack([base[:, :2], yaw]))
-    found = [(FRAME, base_frame(robot), ground), (base_frame(robot), trunk, body)]
-    if feet is not None:
-        level = np.column_stack([-x, -y, -z, w])
-        for k, leg in enumerate(LEGS):
-            found.append((trunk, foot_frame(robot, leg), np.hstack([feet[:, k], level])))
-    return found
+    return [
+        (FRAME, base_frame(robot), ground),
+        (base_frame(robot), f"robot_{robot}/{LINK_NAMES[0]}", body),
+    ]
+
+
+def link_frames(robot: int, poses: Array) -> list[Transform]:
+    """The legs' links, each in the one before it; poses `(M, 12, 7)` as of `link_poses`."""
+    names = [f"robot_{robot}/{link}" for link in LINK_NAMES]
+    return [
+        (names[number if number % 3 else 0], names[number + 1], poses[:, number])
+        for number in range(len(JOINT_NAMES))
+    ]
+
+
+def foot_frames(robot: int, feet: Array) -> list[Transform]:
+    """The feet in their calves, with the axes of these; `feet` `(M, 4, 3)`."""
+    level = np.tile((0.0, 0.0, 0.0, 1.0), (len(feet), 1))
+    return [
+        (f"robot_{robot}/{leg}_calf", f"robot_{robot}/{leg}_foot", np.hstack([feet[:, k], level]))
+        for k, leg in enumerate(LEGS)
+    ]
+
+
+def standing_frames(robot: int, body: QuadrupedDescription) -> list[Transform]:
+    """The body in the base and the legs' links, of a robot that stands."""
+    trunk = np.array([[0.0, 0.0, body.stand_height, 0.0, 0.0, 0.0, 1.0]])
+    return [
+        (base_frame(robot), f"robot_{robot}/{LINK_NAMES[0]}", trunk),
+        *link_frames(robot, body.link_poses(body.standing[None])),
+    ]
+
+
+def contact_frames(robot: int, base: Array, feet: Array) -> list[Transform]:
+    """At the feet, with the axes of the map, in the body.
+
+    `base` as of `body_frames`, `feet` `(M, 4, 3)` in the trunk's frame.
+    """
+    level = np.column_stack([-base[:, 4:], base[:, 3]])
+    return [
+        (
+            f"robot_{robot}/{LINK_NAMES[0]}",
+            contact_frame(robot, leg),
+            np.hstack([feet[:, k], level]),
+        )
+        for k, leg in enumerate(LEGS)
+    ]
 
 
 def path_message(time: int, path: Array) -> bytes:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -67,6 +67,8 @@ class Recording:
         obstacles: What the world gained or lost on the way, in order of time.
         notes: (time, text) pairs: events and faults.
         physics: Bodies, joints, forces and contacts; None for robots without.
+        ended: False if it was read from a file whose writer was stopped before its end: then
+            everything up to then is here, and nobody knows how it went on.
     """
 
     time: Array
@@ -77,6 +79,7 @@ class Recording:
     obstacles: tuple[ObstacleTrack, ...]
     notes: tuple[tuple[float, str], ...]
     physics: PhysicsTrack | None = None
+    ended: bool = True
 
     @property
     def roles(self) -> NDArray[np.int64]:
@@ -115,23 +118,20 @@ class ObstacleTrack:
         return np.stack(columns, axis=-1)
 
 
-class Recorder:
-    """A sink of frames that gives a `Recording`."""
+class FrameThinner:
+    """Makes frames into those that are kept: with fewer paths, of fewer points.
+
+    Paths are kept at turning points and every `PATH_PERIOD`; in between, the last ones stand.
+    """
 
     def __init__(self) -> None:
-        self._frames: list[Frame] = []
+        self._before: PlannerStatus | None = None
         self._paths: tuple[Array, ...] = ()
         self._paths_time = -np.inf
 
-    @property
-    def maps(self) -> tuple[tuple[float, OccupancyMap], ...]:
-        """(time, map) pairs: the map as it was from then on."""
-        return tuple((frame.time, grid) for frame in self._frames for grid in frame.maps)
-
-    def __call__(self, frame: Frame) -> None:
-        """Keep one cycle."""
-        status = frame.status
-        before = self._frames[-1].status if self._frames else None
+    def __call__(self, frame: Frame) -> Frame:
+        """The frame as it is kept."""
+        status, before = frame.status, self._before
         turning_point = before is None or any(
             getattr(status, name) != getattr(before, name)
             for name in ("state", "leader", "waypoint")
@@ -139,22 +139,48 @@ class Recorder:
         if turning_point or frame.time - self._paths_time >= PATH_PERIOD - 1e-9:
             self._paths = tuple(thinned(path) for path in status.paths)
             self._paths_time = frame.time
-        status = replace(status, paths=self._paths)
-        self._frames.append(replace(frame, time=round(frame.time, 9), status=status))
+        self._before = status = replace(status, paths=self._paths)
+        return replace(frame, time=round(frame.time, 9), status=status)
+
+
+class Recorder:
+    """A sink of frames that gives a `Recording`."""
+
+    def __init__(self) -> None:
+        self._frames: list[Frame] = []
+        self._thin = FrameThinner()
+
+    @property
+    def maps(self) -> tuple[tuple[float, OccupancyMap], ...]:
+        """(time, map) pairs: the map as it was from then on."""
+        return maps_of(self._frames)
+
+    def __call__(self, frame: Frame) -> None:
+        """Keep one cycle."""
+        self._frames.append(self._thin(frame))
 
     def recording(self, obstacles: tuple[ObstacleTrack, ...] = ()) -> Recording:
         """Everything so far."""
-        frames = self._frames
-        shape = (len(frames), len(frames[0].poses) if frames else 0, 3)
-        return Recording(
-            time=np.array([frame.time for frame in frames]),
-            poses=np.array([frame.poses for frame in frames]).reshape(shape),
-            estimated=np.array([frame.estimated for frame in frames]).reshape(shape),
-            commands=np.array([frame.commands for frame in frames]).reshape(shape),
-            status=tuple(frame.status for frame in frames),
-            obstacles=obstacles,
-            notes=tuple((frame.time, text) for frame in frames for text in frame.notes),
-        )
+        return recording_of(self._frames, obstacles)
+
+
+def maps_of(frames: Sequence[Frame]) -> tuple[tuple[float, OccupancyMap], ...]:
+    """(time, map) pairs: the map as it was from then on."""
+    return tuple((frame.time, grid) for frame in frames for grid in frame.maps)
+
+
+def recording_of(frames: Sequence[Frame], obstacles: tuple[ObstacleTrack, ...] = ()) -> Recording:
+    """Cycle by cycle what these frames tell."""
+    shape = (len(frames), len(frames[0].poses) if frames else 0, 3)
+    return Recording(
+        time=np.array([frame.time for frame in frames]),
+        poses=np.array([frame.poses for frame in frames]).reshape(shape),
+        estimated=np.array([frame.estimated for frame in frames]).reshape(shape),
+        commands=np.array([frame.commands for frame in frames]).reshape(shape),
+        status=tuple(frame.status for frame in frames),
+        obstacles=obstacles,
+        notes=tuple((frame.time, text) for frame in frames for text in frame.notes),
+    )
 
 
 def thinned(path: Array, count: int = PATH_POINTS) -> Array:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import warnings
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,16 +15,17 @@ from numpy.typing import NDArray
 
 from cavalcade.errors import RecordingError
 from cavalcade.geometry import Array
+from cavalcade.mcap_framing import readable
 from cavalcade.recording import _messages
 from cavalcade.recording.cdr import Layout, nanoseconds_of
 from cavalcade.recording.frames import ObstacleTrack, Recording
 from cavalcade.recording.mcap_writer import FILE
 from cavalcade.recording.physics_track import ContactEvent, FallEvent, PhysicsTrack
 from cavalcade.recording.status import decoded
-from cavalcade.robots import LEGS
+from cavalcade.robots import JOINT_NAMES, LEGS
 from cavalcade.values import path_of
 
-_BULKY = ("/map", "/tf", "/markers")
+_BULKY = ("/map", "/tf", "/tf_static", "/markers")
 """What is only for other programs."""
 
 _Found = dict[str, list[tuple[int, bytes]]]
@@ -32,6 +35,9 @@ _Found = dict[str, list[tuple[int, bytes]]]
 def read_recording(path: str | Path) -> Recording:
     """Read what a run left, from its folder or the MCAP file itself.
 
+    If the end of the file is missing, because its writer was stopped or the file was cut off, the
+    cycles that are whole are read, with a warning, and `Recording.ended` is False.
+
     Raises:
         RecordingError: It is missing, damaged or not one of ours.
     """
@@ -40,24 +46,48 @@ def read_recording(path: str | Path) -> Recording:
         file = file / FILE
     if not file.is_file():
         raise RecordingError("there is no such recording", file=file)
-    found = _messages_of(file)
+    with readable(file) as (whole, ended):
+        found = _messages_of(whole, file)
     try:
-        return _recording(found)
+        if not ended:
+            _cut_to_whole_cycles(found)
+        recording = replace(_recording(found), ended=ended)
     except RecordingError as error:
         raise RecordingError(str(error), file=file) from None
     except (AttributeError, KeyError, TypeError, ValueError) as error:
         raise RecordingError(f"not a recording of a run: {error}", file=file) from None
+    if not ended:
+        last = f"{recording.time[-1]:.2f} s" if len(recording.time) else "nothing"
+        warnings.warn(
+            f"{file}: the end of this recording is missing; read up to {last}", stacklevel=2
+        )
+    return recording
 
 
-def _messages_of(file: Path) -> _Found:
+def _cut_to_whole_cycles(found: _Found) -> None:
+    """Leave out the last messages of topics that have more of them than others."""
+    cycles, samples = [_messages.STATUS_TOPIC], []
+    for topic in found:
+        if topic.endswith(("/pose", "/pose_estimated", "/cmd_vel")):
+            cycles.append(topic)
+        elif topic.endswith(("/body", "/joint_states")) or "/foot_force/" in topic:
+            samples.append(topic)
+    for group in (cycles, samples):
+        count = min((len(found.get(topic, ())) for topic in group), default=0)
+        for topic in group:
+            found[topic] = found.get(topic, [])[:count]
+
+
+def _messages_of(whole: Path, file: Path) -> _Found:
+    """The messages of `whole`, which has what is whole of `file`."""
     from rosbags.rosbag2 import Reader
 
     found: _Found = defaultdict(list)
     try:
-        with Reader(file) as reader:
+        with Reader(whole) as reader:
             robots = sum(c.topic.endswith("/pose") for c in reader.connections)
             bodies = sum(c.topic.endswith("/body") for c in reader.connections)
-            known = _messages.topics_of(robots, bodies)
+            known = _messages.topics_of(robots, bodies, 0)
             wanted = [
                 c
                 for c in reader.connections
@@ -123,7 +153,7 @@ def _physics(found: _Found) -> PhysicsTrack | None:
         return None
     time = _times(found["/robot_0/body"])
     base = np.zeros((len(time), robots, 7))
-    shape = (len(time), robots, len(_messages.JOINT_NAMES))
+    shape = (len(time), robots, len(JOINT_NAMES))
     joints = {name: np.zeros(shape) for name in _messages.JOINT_COLUMNS.values()}
     forces = np.zeros((len(time), robots, len(LEGS), 3))
     for robot in range(robots):

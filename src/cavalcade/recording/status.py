@@ -63,13 +63,17 @@ class PlannerStatus:
     targets: Array | None = None
 
 
-def encoded(statuses: Iterable[PlannerStatus]) -> Iterator[str]:
-    """The text of status after status in JSON, without their paths.
+class StatusEncoder:
+    """Makes status after status into text, JSON, without their paths.
 
     What seldom changes is written only when it does.
     """
-    before: dict[str, Any] = {}
-    for status in statuses:
+
+    def __init__(self) -> None:
+        self._before: dict[str, Any] = {}
+
+    def __call__(self, status: PlannerStatus) -> str:
+        """The text of the next status."""
         said: dict[str, Any] = {
             "state": status.state,
             "leader": int(status.leader),
@@ -86,17 +90,17 @@ def encoded(statuses: Iterable[PlannerStatus]) -> Iterator[str]:
             "waypoint": int(status.waypoint),
             "targets": None if status.targets is None else _plain(status.targets),
         }
+        before, self._before = self._before, said
         kept = {key for key in _RARE if key in before and before[key] == said[key]}
         news = {key: value for key, value in said.items() if key not in kept}
-        yield json.dumps(news, separators=(",", ":"))
-        before = said
+        return json.dumps(news, separators=(",", ":"))
 
 
 def decoded(texts: Iterable[tuple[str, tuple[Array, ...]]]) -> Iterator[PlannerStatus]:
     """The way back, of each text and the paths of that cycle.
 
     Raises:
-        ValueError, KeyError, TypeError: A text is not what `encoded` writes.
+        ValueError, KeyError, TypeError: A text is not what `StatusEncoder` writes.
     """
     rare: dict[str, Any] = {}
     for text, paths in texts:

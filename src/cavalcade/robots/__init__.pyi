@@ -4,8 +4,10 @@ from .catalogue import is_model_file as is_model_file
 from .catalogue import load_model as load_model
 from .catalogue import register_model as register_model
 from .catalogue import robot_model as robot_model
+from .description import JOINT_NAMES as JOINT_NAMES
 from .description import JOINTS as JOINTS
 from .description import LEGS as LEGS
+from .description import LINK_NAMES as LINK_NAMES
 from .description import PARTS as PARTS
 from .description import BodyShape as BodyShape
 from .description import QuadrupedDescription as QuadrupedDescription
@@ -13,3 +15,5 @@ from .model import Drive as Drive
 from .model import LegModel as LegModel
 from .model import RobotModel as RobotModel
 from .model import check_model as check_model
+from .plain_body import body_of as body_of
+from .urdf import urdf_of as urdf_of

@@ -22,6 +22,12 @@ LEGS = ("FL", "FR", "RL", "RR")
 JOINTS = ("hip", "thigh", "calf")
 """Names of a leg's joints, and of the links they move, in their order."""
 
+JOINT_NAMES = tuple(f"{leg}_{joint}_joint" for leg in LEGS for joint in JOINTS)
+"""Names of the 12 joints in their order, as robots' own descriptions and ROS call them."""
+
+LINK_NAMES = ("body", *(f"{leg}_{joint}" for leg in LEGS for joint in JOINTS))
+"""Names of the 13 links' frames: the trunk's, then what each joint moves."""
+
 PartName = Literal["trunk", "hip", "thigh", "calf", "foot"]
 PARTS: tuple[PartName, ...] = ("trunk", "hip", "thigh", "calf", "foot")
 """Names of a robot's parts; contacts are told apart by them."""
@@ -166,6 +172,13 @@ class BodyShape:
         """Index of the link it is fixed to: 0 the trunk, `1 + 3 * leg + j` those of the legs."""
         return 0 if self.leg < 0 else 1 + 3 * self.leg + min(PARTS.index(self.part) - 1, 2)
 
+    @property
+    def turn(self) -> Array:
+        """`rotation` as a matrix `(3, 3)`."""
+        w, x, y, z = np.array(self.rotation) / np.linalg.norm(self.rotation)
+        cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+        return np.asarray(np.eye(3) + 2.0 * w * cross + 2.0 * cross @ cross)
+
 
 @dataclass(frozen=True)
 class QuadrupedDescription:
@@ -242,6 +255,18 @@ class QuadrupedDescription:
             about_y = (c * x + s * z, y, c * z - s * x)
             place = offset + np.stack(about_y if joint else about_x, axis=-1)
         return np.asarray(place)
+
+    def link_poses(self, joints: Array) -> Array:
+        """Each joint's link in the link before it, `(..., 12, 7)`, at `(..., 12)` rad.
+
+        Place in m and quaternion x, y, z, w. The link before a hip is the trunk.
+        """
+        half = 0.5 * np.asarray(joints, dtype=float)[..., None]
+        poses = np.empty((*half.shape[:-1], 7))
+        poses[..., :3] = [joint.offset for joint in self.joints]
+        poses[..., 3:6] = np.sin(half) * np.array([joint.axis for joint in self.joints])
+        poses[..., 6:] = np.cos(half)
+        return poses
 
     def leg_angles(self, leg: int, drop: float) -> tuple[float, float, float]:
         """Hip, thigh and calf angles with the foot's centre straight below the thigh's joint.

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from cavalcade.errors import ScenarioError
 from cavalcade.scenario.advice import warn_of
@@ -73,7 +73,12 @@ def parse_scenario(data: Mapping[str, Any], file: str | Path | None = None) -> S
 
 def scenario_schema() -> dict[str, Any]:
     """The JSON Schema of scenario files; `unit` is the unit of a key's value."""
-    schema = _with_bounds(Scenario.model_json_schema())
+    return schema_of(Scenario)
+
+
+def schema_of(model: type[BaseModel]) -> dict[str, Any]:
+    """The JSON Schema of files that a model describes."""
+    schema = _with_bounds(model.model_json_schema())
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
 
 

@@ -27,7 +27,7 @@ from cavalcade.scenario.task import INDIVIDUAL, Kind, RobotSection, TaskSection,
 SIMULATED = ("ideal", "mujoco")
 """Who moves robots in a time that is ours."""
 
-LIVE = ("ros2",)
+LIVE = ("ros2", "unitree")
 """Who moves them in a time of their own."""
 
 BACKENDS = (*SIMULATED, *LIVE)
@@ -260,9 +260,30 @@ def check_backend(scenario: Parts) -> None:
                 key=f"{key}.model",
                 choices=(name for name, known in MODELS.items() if known.description is not None),
             )
+    if backend == "unitree":
+        _check_network(scenario)
     if backend != "ideal" and not SLOWEST <= scenario.execution.rate <= FASTEST:
         where = "in physics" if physics else f"with backend {backend}"
         raise expected(
             f"expected {SLOWEST:g} to {FASTEST:g} {where}: robots stop 0.5 s after a command",
             key="execution.rate",
         )
+
+
+def _check_network(scenario: Parts) -> None:
+    """Refuse a team of Go2s that are not all told apart on the network."""
+    said, team, key = scenario.execution.unitree.robots, scenario.robots, "execution.unitree.robots"
+    if len(said) != len(team):
+        raise expected(
+            f"expected the place of each of {len(team)} robots on the network, such as "
+            f"[{{interface: eth1}}, {{interface: eth2}}] or [{{domain: 1}}, {{domain: 2}}]; "
+            f"got {len(said)}",
+            key=key,
+        )
+    known: dict[tuple[int, str | None], int] = {}
+    for index, robot in enumerate(said):
+        place = robot.domain, robot.interface
+        if place in known:
+            text = f"is where robot {known[place]} is; each needs its own interface or domain"
+            raise expected(text, key=f"{key}[{index}]")
+        known[place] = index

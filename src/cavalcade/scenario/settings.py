@@ -281,26 +281,56 @@ class Event(Choice):
     push: Push | None = None
 
 
+class Go2Section(Section):
+    """Where a Go2 is on the network; each needs a domain or an interface of its own.
+
+    Attributes:
+        domain: DDS domain; a robot as it is delivered is in 0.
+        interface: Network interface that it is behind; null is the one that the system prefers.
+        offset (m, m, rad): Pose of its odometry's origin in the map; null: it stands at its start.
+        battery_min (%): Charge below which the team stops.
+    """
+
+    domain: Annotated[int, Strict(), Field(ge=0, le=232)] = 0
+    interface: Annotated[str, Field(min_length=1, max_length=100)] | None = None
+    offset: Pose | None = None
+    battery_min: Annotated[Number, Field(ge=0, le=100)] = 20.0
+
+
+class UnitreeSection(Section):
+    """How Go2s are reached by backend `unitree`; of no account for others.
+
+    Attributes:
+        robots: One for each robot of the team, in its order.
+        lie_down: Whether they lie down at the end; otherwise they stay standing.
+    """
+
+    robots: Annotated[tuple[Go2Section, ...], Field(max_length=256)] = ()
+    lie_down: Annotated[bool, Strict()] = False
+
+
 class ExecutionSection(Section):
     """Who moves the robots, how long, how well, and what happens on the way.
 
     Attributes:
         backend: `ideal` moves robots exactly as commanded within their limits; `mujoco` lets them
-            walk on legs in physics; `ros2` are robots on a ROS 2 graph.
+            walk on legs in physics; `ros2` are robots on a ROS 2 graph, `unitree` Go2s without ROS.
         rate (Hz): How often the planner is asked.
         timeout (s): Simulated time after which the run ends.
         noise: Of the localisation that the planner works with.
         delay: Of the commands.
         physics: What robots with dynamics are like.
+        unitree: Where Go2s are on the network.
         events: What happens on the way, in any order.
         seed: Of everything random.
     """
 
-    backend: Literal["ideal", "mujoco", "ros2"] = "ideal"
+    backend: Literal["ideal", "mujoco", "ros2", "unitree"] = "ideal"
     rate: Annotated[Number, Field(ge=1, le=1000)] = 20.0
     timeout: Annotated[Number, Field(gt=0, le=86_400)] = 180.0
     noise: Noise = Noise()
     delay: Delay = Delay()
     physics: PhysicsSection = PhysicsSection()
+    unitree: UnitreeSection = UnitreeSection()
     events: Annotated[tuple[Event, ...], Field(max_length=10_000), AfterValidator(in_time)] = ()
     seed: Seed = 0

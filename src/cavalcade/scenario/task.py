@@ -47,21 +47,14 @@ INDIVIDUAL = "individual"
 Kind = Literal["formation", "individual", "commands"]
 
 
-class RobotSection(Section):
-    """One robot.
+class ModelSection(Section):
+    """Something with a robot's model.
 
     Attributes:
         model: A known model's name, or a file (`*.yaml`) with one of your own.
-        start (m, m, rad): Pose [x, y, yaw] in the map frame at the beginning.
-        goal (m, m, rad): Its own goal [x, y, yaw], with `task.goals: individual`.
-        mjcf: A MuJoCo model of your own for physics: footprint and speeds are those of `model`,
-            masses, joints and shapes of this file.
     """
 
     model: str = "go1"
-    start: Pose
-    goal: Pose | None = None
-    mjcf: File | None = None
 
     _read: RobotModel | None = PrivateAttr(default=None)
 
@@ -90,6 +83,21 @@ class RobotSection(Section):
         if not is_model_file(self.model):
             return robot_model(self.model)
         return self._read or load_model(self.model)
+
+
+class RobotSection(ModelSection):
+    """One robot.
+
+    Attributes:
+        start (m, m, rad): Pose [x, y, yaw] in the map frame at the beginning.
+        goal (m, m, rad): Its own goal [x, y, yaw], with `task.goals: individual`.
+        mjcf: A MuJoCo model of your own for physics: footprint and speeds are those of `model`,
+            masses, joints and shapes of this file.
+    """
+
+    start: Pose
+    goal: Pose | None = None
+    mjcf: File | None = None
 
 
 class ConnectionSection(Section):

@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 
 from cavalcade.checking.physics.rotations import matrices
-from cavalcade.checking.tracks import read_messages, stamp_of, table_of
+from cavalcade.checking.tracks import has_end, read_messages, stamp_of, table_of
 from cavalcade.errors import RecordingError
 from cavalcade.geometry import Array
 from cavalcade.robots.description import JOINTS, LEGS, PARTS
 
 CONTACTS = "/cavalcade/contacts"
 
-_JOINTS = tuple(f"{leg}_{joint}" for leg in LEGS for joint in JOINTS)
+_JOINTS = tuple(f"{leg}_{joint}_joint" for leg in LEGS for joint in JOINTS)
 _OTHER = re.compile(r"ground|obstacle|robot \d+")
 _TOPIC = re.compile(r"/robot_\d+/(body|joint_states|foot_force/(?:FL|FR|RL|RR))")
 _TYPES = {
@@ -120,6 +120,9 @@ def read_records(path: Path, robots: int) -> tuple[RobotRecord, ...]:
         rows.setdefault(topic, []).append((stamp_of(message), *figures))
 
     read_messages(path, lambda topic: _TYPES.get(_kind(topic), ""), take)
+    if not has_end(path):
+        count = min(map(len, rows.values()), default=0)
+        rows = {topic: figures[:count] for topic, figures in rows.items()}
     touches = _touches(texts, robots, path)
     records = tuple(_record(k, rows, touches[k], path) for k in range(robots))
     for record in records[1:]:

@@ -36,6 +36,9 @@ from cavalcade.values import number_array
 _SETTLED = 0.5
 """How long others are looked for once all robots were heard, s."""
 
+_PLACED = 2.0
+"""Poses whose stamps fit the clock are waited for so long, s."""
+
 _LOOK = 0.25
 """How often other commanders are looked for, s."""
 
@@ -126,6 +129,10 @@ class Ros2Fleet:
         while self.graph.sim_time and not self.time:
             if wall.monotonic() >= end:
                 raise FleetError("no time was heard on /clock, which use_sim_time asks for")
+            wall.sleep(0.01)
+        # What came before the clock was known was compared with another time.
+        until = min(end, wall.monotonic() + _PLACED)
+        while self._misplaced() and wall.monotonic() < until:
             wall.sleep(0.01)
         self._look_for_rivals()
 
@@ -253,6 +260,13 @@ class Ros2Fleet:
                 found.append(Fault(index, "second-commander", detail))
         with self._lock:
             self._rivals = tuple(found)
+
+    def _misplaced(self) -> bool:
+        """Whether somebody's last pose does not fit the clock."""
+        self._look_up()
+        now = self.time
+        with self._lock:
+            return any(track.fault(now) or track.stamp > now + 1.0 for track in self._tracks)
 
     def _missing(self) -> list[str]:
         """What is missing of each robot that was not heard, in words."""

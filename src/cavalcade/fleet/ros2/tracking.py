@@ -30,7 +30,7 @@ class PoseTrack:
         self._robot = robot
         self.pose: Pose = _NOWHERE
         self.stamp = -math.inf
-        self._heard = False
+        self.heard = False
         self._frame: str | None = None
         self._ahead = 0.0
         self._past: deque[tuple[float, float, float, float]] = deque()
@@ -45,7 +45,7 @@ class PoseTrack:
             return  # overtaken on its way
         if report.stamp < self.stamp:  # the clock was set back
             self._past.clear()
-        self.pose, self.stamp, self._heard = report.pose, report.stamp, True
+        self.pose, self.stamp, self.heard = report.pose, report.stamp, True
         self._ahead = report.stamp - now
         if all(map(math.isfinite, report.pose)):
             self._keep(report)
@@ -56,17 +56,15 @@ class PoseTrack:
         if self._frame is not None:
             return f"{robot.name}: {self._wrong_frame()}"
         kind = "" if robot.pose_type == "tf" else f" ({robot.pose_type})"
-        return (
-            "" if self._heard else f"{robot.name}: nothing was heard on {robot.pose_source}{kind}"
-        )
+        return "" if self.heard else f"{robot.name}: nothing was heard on {robot.pose_source}{kind}"
 
     def fault(self, now: float) -> tuple[str, str] | None:
         """Kind and detail of what is wrong with its reports, None if nothing is."""
         if self._frame is not None:
             return "frame", self._wrong_frame()
-        if self._heard and self.stamp == 0.0 and now > AHEAD:
+        if self.heard and self.stamp == 0.0 and now > AHEAD:
             return "stamp", f"poses on {self._robot.pose_source} have no stamp"
-        if self._heard and self._ahead > AHEAD:
+        if self.heard and self._ahead > AHEAD:
             ahead = f"stamped {self._ahead:.2f} s ahead of the clock"
             return "stamp", f"{ahead}: synchronise the computers' clocks, or set use_sim_time"
         return None

@@ -1,0 +1,5 @@
+"""Unitree Go2 robots without ROS. Importing this package loads nothing of the vendor's."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

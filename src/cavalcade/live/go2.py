@@ -1,0 +1,80 @@
+"""A team file's Go2s: located by their odometry, or by poses on a ROS 2 graph."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+from cavalcade.fleet.protocol import Fault, Observation
+from cavalcade.fleet.ros2 import Graph, qos
+from cavalcade.fleet.ros2.messages import POSE_TYPES, read_report
+from cavalcade.fleet.ros2.tracking import PoseTrack
+from cavalcade.fleet.unitree import Go2Fleet, Go2Link
+from cavalcade.live.team_file import Team
+
+
+class Go2Team(Go2Fleet):
+    """The Go2s of a team, driven through the vendor's SDK.
+
+    Robots with a `start` are located by their odometry from there; the poses of the others, such
+    as those of motion capture, come by their `pose` topics, and faults of these (`frame`, `stamp`)
+    are faults of the observation.
+
+    Args:
+        team: With `fleet: unitree`.
+
+    Raises:
+        InputError: The SDK, ROS 2 or a type of message is not there.
+    """
+
+    def __init__(self, team: Team) -> None:
+        links = [
+            Go2Link(
+                domain=robot.domain or 0,
+                interface=robot.interface,
+                pose_source="external" if robot.start is None else "sport",
+                offset=robot.start,
+                battery_min=robot.battery_min,
+            )
+            for robot in team.robots
+        ]
+        super().__init__(links, lie_down=team.lie_down)
+        external = [k for k, robot in enumerate(team.robots) if robot.start is None]
+        tracks = team.ros2_robots()
+        self._tracks = {number: PoseTrack(tracks[number]) for number in external}
+        self._graph = Graph("cavalcade_go2s") if external else None
+        try:
+            for number in external:
+                self._subscribe(number, team)
+        except BaseException:
+            self.close()
+            raise
+
+    def observe(self) -> Observation:
+        """The newest pose of every robot, and what is wrong with robots or their poses."""
+        seen = super().observe()
+        found = [
+            Fault(number, *fault)
+            for number, track in self._tracks.items()
+            if (fault := track.fault(seen.time)) is not None
+        ]
+        return replace(seen, faults=(*seen.faults, *found))
+
+    def close(self) -> None:
+        """Command all robots to stop, or to lie down, and leave; a second call does nothing."""
+        super().close()
+        if self._graph is not None:
+            self._graph.close()
+
+    def _subscribe(self, number: int, team: Team) -> None:
+        robot, graph = team.ros2_robots()[number], self._graph
+        assert graph is not None
+        kind = POSE_TYPES[robot.pose_type]
+        graph.subscribe(kind, robot.pose_source, partial(self._hear, number), qos.sensor_data())
+
+    def _hear(self, number: int, message: Any) -> None:
+        track, now = self._tracks[number], self.time
+        track.hear(read_report(message), now)
+        if track.heard:
+            self.set_pose(number, track.pose, track.stamp)
