@@ -10,6 +10,7 @@ from functools import partial
 from typing import Any, Self
 
 from cavalcade.errors import CavalcadeError, FleetError, InputError
+from cavalcade.execution.real_time import prepare_process
 from cavalcade.fleet import LiveFleet
 from cavalcade.fleet.ros2 import Graph, has_message_type, message_type, qos
 from cavalcade.fleet.ros2.messages import read_map, read_pose
@@ -155,6 +156,7 @@ class NavigationNode:
         self.lifecycle = "activating"
         sinks = () if self._record is None else (self._record(area, fleet.observe().poses),)
         navigator = TeamNavigator(self.team, fleet, map=area, sinks=sinks, dry_run=self._dry_run)
+        prepare_process()
         navigator.start()
         with self._lock:
             self._navigator = navigator
