@@ -26,7 +26,7 @@ from cavalcade.lattice.ground import Ground, make_ground
 from cavalcade.lattice.motion_limits import footprint, motion_limits
 from cavalcade.lattice.planner import NOBODY, Others, others_of
 from cavalcade.lattice.primitives import make_move, sample_moves, trapezoid
-from cavalcade.robots import MODELS, robot_model
+from cavalcade.robots import MODELS, RobotModel, robot_model
 from cavalcade.world import OccupancyMap
 
 Shape = tuple[float, float, bool]
@@ -194,41 +194,85 @@ def test_places_are_free_while_nobody_is_there(footprint_gap, seed, name):
     assert free[~_taken(footprint_gap, *reference, 0.05 * math.sqrt(2) + 1e-9)].all()
 
 
+def _looking(step: float, others: float = 0.0) -> Margins:
+    return Margins(0.0, others, 0.04, 0.03, step, 0)
+
+
+def _fastest(track: Array, model: RobotModel) -> float:
+    """Of any point of a body on a track, m/s."""
+    moved = np.abs(np.diff(track, axis=0))
+    reach = 0.0 if model.round else math.hypot(model.length, model.width) / 2
+    return float((np.hypot(moved[:, 0], moved[:, 1]) + moved[:, 2] * reach).max(initial=0.0) / 0.05)
+
+
 @_FEW
-@given(_SEEDS, _NAMES, st.booleans())
-@example(1993, "unicycle", True)
-@example(1993, "unicycle", False)
-def test_free_from_is_when_the_last_one_has_left(footprint_gap, seed, name, stay):
+@given(_SEEDS, _NAMES, st.sampled_from((math.inf, 0.0, 1.0)), st.sampled_from((0.06, 0.05, 0.004)))
+@example(1993, "unicycle", math.inf, 0.05)  # comes back for 27 ms between two looks
+@example(1993, "unicycle", 0.0, 0.05)
+@example(1993, "unicycle", 0.0, 0.004)
+def test_free_from_is_when_the_last_one_has_left(footprint_gap, seed, name, after, step):
     rng = np.random.default_rng(seed)
     model = robot_model(name)
     one, shape = footprint(model), (model.length / 2, model.width / 2, model.round)
     tracks = _tracks(rng, 3)
     models = [robot_model("go1"), robot_model("unicycle"), robot_model("double-integrator")]
-    late = math.inf if stay else 0.05 * (max(map(len, tracks)) - 1)
+    # They stand for good, or are gone this long after the last has come to rest.
+    still = 0.05 * (max(map(len, tracks)) - 1)
+    late = still + after
     spans = [(0, 0.0, late), (1, 0.0, late), (2, 0.3, late)]
     others = others_of(tracks, models, spans)
     place = np.array([*rng.uniform(0, 3, 2), rng.uniform(-3, 3)])
-    last = occupied_until(others, one, tuple(place), 0.0, 0.0)
-    time = np.arange(0.0, 10.0, 0.01)
-    taken = _taken(footprint_gap, tracks, models, spans, shape, place, time, 0.0)
+    last = occupied_until(others, one, tuple(place), 0.0, _looking(step))
+    reference = (footprint_gap, tracks, models, spans, shape, place)
     if last == math.inf:
-        assert stay
-        assert taken[-1]
-    elif last < 0.0:
-        # Looks are a step of the tracks apart.
-        assert not taken[::5][1:].any()
-    else:
-        assert not taken[::5][time[::5] > last + 0.01].any()
-        # Between looks somebody may graze it by no more than what moves in half a step.
-        deep = _taken(footprint_gap, tracks, models, spans, shape, place, time, -0.03)
-        assert not deep[time > last + 0.05].any()
-        assert taken[np.abs(time - last) <= 0.011].any()
+        assert after == math.inf
+        assert _taken(*reference, np.array([max(still, 0.3) + 1.0]), 0.0).all()
+        return
+    if last >= 0.0:
+        assert _taken(*reference, np.array([last]), 1e-9).all()
+    # Nobody is there at any later look, nor deeper in between than what moves in one step.
+    end = max(still, 0.3) if after == math.inf else max(late, 0.0)
+    looks = end - step * np.arange(2000)
+    looks = looks[looks > max(last, 0.0) + 1e-9]
+    assert not _taken(*reference, looks, -1e-9).any()
+    time = np.arange(max(last, 0.0) + step + 1e-9, end + 1.0, 0.002)
+    deepest = step * max(map(_fastest, tracks, models))
+    assert not _taken(*reference, time, -deepest - 1e-9).any()
+
+
+def test_a_goal_was_taken_for_free_while_somebody_came_past_between_samples():
+    """Looks at a goal are as close as those along a path: at small margins, not 50 ms apart."""
+    disc = robot_model("double-integrator")
+    one, goal, diameter = footprint(disc), (0.0, 0.0, 0.0), disc.length
+    # Straight past it, nearest halfway between two samples, at which it is clear.
+    along = 1.4 * 0.05 * (np.arange(41) - 20.5)
+    aside = math.sqrt(diameter**2 - 0.02**2)
+    track = np.column_stack([along, np.full(41, aside), np.zeros(41)])
+    others = _one("double-integrator", track)
+    assert all(place_free(others, one, goal, 0.05 * k, 0.0) for k in range(41))
+    assert not place_free(others, one, goal, 0.05 * 20.5, 0.0)
+    assert occupied_until(others, one, goal, 0.0, _looking(0.004)) == pytest.approx(
+        0.05 * 20.5 + 0.02 / 1.4, abs=0.004
+    )
+
+
+@pytest.mark.parametrize("leaves", [0.001, 0.05, 2.0, 30.0])
+def test_a_goal_was_taken_for_free_while_somebody_stood_there_for_a_time(leaves):
+    """Whose track ends before it leaves is there until then."""
+    go1, here = footprint(robot_model("go1")), (0.0, 0.0, 0.0)
+    for track in (np.zeros((1, 3)), np.linspace((1.0, 0.0, 0.0), here, 11)):
+        others = others_of([track], [robot_model("go1")], [(0, 0.0, 0.5 + leaves)])
+        for step in (0.06, 0.004):
+            last = occupied_until(others, go1, here, 0.0, _looking(step))
+            assert last == 0.5 + leaves
+            assert not place_free(others, go1, here, last, 0.0)
+            assert place_free(others, go1, here, last + 1e-9, 0.0)
 
 
 def test_nobody_is_never_in_the_way():
     go1 = footprint(robot_model("go1"))
     assert place_free(NOBODY, go1, (0.0, 0.0, 0.0), 0.0, 1.0)
-    assert occupied_until(NOBODY, go1, (0.0, 0.0, 0.0), 0.0, 1.0) == -1.0
+    assert occupied_until(NOBODY, go1, (0.0, 0.0, 0.0), 0.0, _looking(0.05, 1.0)) == -1.0
 
 
 def _one(model: str, track: Array) -> Others:
@@ -241,9 +285,10 @@ def test_a_robot_that_stays_takes_the_place_for_good():
     others = _one("go1", track)
     assert place_free(others, go1, here, 0.0, 0.0)
     assert not place_free(others, go1, here, 1e5, 0.0)
-    assert occupied_until(others, go1, here, 0.0, 0.0) == math.inf
+    assert occupied_until(others, go1, here, 0.0, _looking(0.05)) == math.inf
     # Where it came from, it is gone after 0.65 m at 1 m/s.
-    assert occupied_until(others, go1, (5.0, 0.0, 0.0), 0.0, 0.0) == pytest.approx(0.65, abs=0.051)
+    left = occupied_until(others, go1, (5.0, 0.0, 0.0), 0.0, _looking(0.05))
+    assert left == pytest.approx(0.65, abs=0.051)
 
 
 @_FEW

@@ -11,9 +11,10 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from cavalcade.geometry import Array
+from cavalcade.lattice import dubins
 from cavalcade.lattice.dubins import backward_factor, connect, no_words
 from cavalcade.lattice.motion_limits import MotionLimits, motion_limits
-from cavalcade.lattice.primitives import poses_between, sample_moves, trapezoid
+from cavalcade.lattice.primitives import V0, V1, poses_between, sample_moves, trapezoid
 from cavalcade.robots import MODELS, robot_model
 
 _FEW = settings(max_examples=400, deadline=None)
@@ -81,8 +82,8 @@ def test_words_reach_their_end_at_its_speed(name, a, v0, b, v1):
 @example("double-integrator", (0.0, 0.0, 0.0), 0.0, (0.0, 6.930851225079091e-13, 0.0), 0.0)
 def test_no_word_beats_the_straight_line(name, a, v0, b, v1):
     limits = motion_limits(robot_model(name))
-    # Poses a nanometre apart are one; from rest, time grows with the root of the distance.
-    distance = max(math.dist(a[:2], b[:2]) - 1e-9, 0.0)
+    # Of each of three parts a nanometre is not driven; from rest, time grows with the root of it.
+    distance = max(math.dist(a[:2], b[:2]) - 3e-9, 0.0)
     least = distance / limits.speed
     if v0 == v1 == 0.0:
         least = trapezoid(distance, 0.0, 0.0, limits.speed, limits.acceleration)[0]
@@ -90,6 +91,23 @@ def test_no_word_beats_the_straight_line(name, a, v0, b, v1):
         assert np.abs(word[:, 0]).sum() >= distance - 1e-6
         assert word[:, 5].sum() >= least - 1e-6
         assert cost >= least + 2.0 * distance - 1e-6
+
+
+@pytest.mark.parametrize("short", [0.0, 4e-10, 9e-10, 9.99e-10, 1e-9, 1.1e-9, 1e-8])
+@pytest.mark.parametrize("speed", [0.0, 0.5])
+def test_a_word_did_not_come_to_rest_where_its_last_parts_were_too_short_to_drive(short, speed):
+    limits, words = motion_limits(robot_model("go1")), no_words()
+    for lengths in itertools.permutations((1.0, short, short)):
+        parts = np.array([(length, 0.0) for length in lengths])
+        ends = (speed, 0.0)
+        assert dubins._lay(words, 0, (0.0, 0.0), parts, ends, limits, 2.0) == 1
+        rows = words.moves[0, : words.counts[0]]
+        assert rows[0, V0] == speed
+        assert rows[-1, V1] == 0.0
+        assert (np.abs(rows[:, 0]) >= 1e-9).all()
+        assert rows[1:, V0] == pytest.approx(rows[:-1, V1], abs=0.0)
+        expected = rows[:, 5].sum() + 2.0 * rows[:, 0].sum()
+        assert words.costs[0] == pytest.approx(expected, abs=1e-12)
 
 
 @_FEW

@@ -18,7 +18,7 @@ from cavalcade.geometry import Array
 from cavalcade.kernels import kernel, subroutine
 from cavalcade.kernels.copying import copy_rows, copy_to
 from cavalcade.lattice._queue import doubled, doubled_rows, pop, push, slot_of
-from cavalcade.lattice.collision import move_free, moves_free, occupied_until
+from cavalcade.lattice.collision import move_free, moves_free, occupied_until, still_from
 from cavalcade.lattice.dubins import (
     MOST_MOVES,
     backward_factor,
@@ -147,18 +147,6 @@ def _distance_ahead(to_go, x, y, goal):
 
 
 @subroutine
-def _still_from(others):
-    """When the last of the others has left or stands for good, s."""
-    still = 0.0
-    for k in range(others.spans.shape[0]):
-        begin, end = others.spans[k, 1], others.spans[k, 2]
-        if end == math.inf:
-            end = max(begin, (others.tracks.shape[1] - 1) * others.step)
-        still = max(still, end)
-    return still
-
-
-@subroutine
 def _later_start(scene, start, goal, taken, words, out):
     """The shortest wait at the start after which one of the cheapest words gets to the goal.
 
@@ -228,11 +216,11 @@ def search(scene, goal, primitives, to_go, settings, frontier):
     none = np.empty((0, 6))
     # Arriving counts only from when nobody comes past the goal any more.
     taken = occupied_until(
-        others, footprint_of(limits), (goal[0], goal[1], goal[2]), 0.0, scene.margins.others
+        others, footprint_of(limits), (goal[0], goal[1], goal[2]), 0.0, scene.margins
     )
     if taken == math.inf:
         return EXHAUSTED, none, 0, frontier
-    still = _still_from(others)
+    still = still_from(others)
     speed = limits.speed
     turn_round, _ = trapezoid(math.pi, 0.0, 0.0, limits.yaw_rate, limits.yaw_acceleration)
     turn_round *= 2.0

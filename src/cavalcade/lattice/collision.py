@@ -195,21 +195,34 @@ def place_free(others, footprint, pose, t, margin):
 
 
 @subroutine
-def occupied_until(others, footprint, pose, t, margin):
-    """The last time at or after `t` at which others are where a footprint is to stand, s.
+def still_from(others):
+    """When the last of the others has left or stands for good, s."""
+    still = 0.0
+    for k in range(others.spans.shape[0]):
+        begin, end = others.spans[k, 1], others.spans[k, 2]
+        if end == math.inf:
+            end = max(begin, (others.tracks.shape[1] - 1) * others.step)
+        still = max(still, end)
+    return still
 
-    -1 if they never are; infinite where somebody stands there for good.
+
+@subroutine
+def occupied_until(others, footprint, pose, t, margins):
+    """The last look after `t` at which others are where a footprint is to stand, s.
+
+    Looks are as far apart as those along moves, `margins.time_step`: so no more is hidden between
+    two of them than there. -1 if they never are; infinite where somebody stands there for good.
     """
     if others.spans.shape[0] == 0:
         return -1.0
-    end = (others.tracks.shape[1] - 1) * others.step
-    moment = max(end, t)
-    if not place_free(others, footprint, pose, moment + 1e6, margin):
+    still = still_from(others)
+    if not place_free(others, footprint, pose, max(still, t) + 1e6, margins.others):
         return math.inf
-    while moment > t:
-        if not place_free(others, footprint, pose, moment, margin):
+    count = int(math.ceil((still - t) / margins.time_step))
+    for k in range(count):
+        moment = still - k * margins.time_step
+        if not place_free(others, footprint, pose, moment, margins.others):
             return moment
-        moment -= others.step
     return -1.0
 
 

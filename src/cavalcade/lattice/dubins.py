@@ -19,6 +19,9 @@ from cavalcade.lattice.primitives import DURATION, make_move, trapezoid
 
 MOST_WORDS, MOST_MOVES = 16, 5
 
+_LEAST = 1e-9
+"""Places nearer than this are one, m: no part of a word is shorter."""
+
 
 class Words(NamedTuple):
     """The words between two states, as `connect` writes them.
@@ -90,7 +93,11 @@ def _lay(words, number, turns, parts, speeds, limits, metre_cost):
         speeds: At the start and at the end, m/s.
     """
     v0, v1 = speeds
-    total = abs(parts[0, 0]) + abs(parts[1, 0]) + abs(parts[2, 0])
+    # What is too short to be driven does not count either: the last part driven ends at v1.
+    total = 0.0
+    for k in range(3):
+        if abs(parts[k, 0]) >= _LEAST:
+            total += abs(parts[k, 0])
     ahead = parts[0, 0] >= 0.0 and parts[1, 0] >= 0.0 and parts[2, 0] >= 0.0
     a, vmax = limits.acceleration, limits.speed if ahead else limits.backward_speed
     duration, peak = trapezoid(total, v0, v1, vmax, a)
@@ -107,13 +114,13 @@ def _lay(words, number, turns, parts, speeds, limits, metre_cost):
     gone, speed = 0.0, v0
     for k in range(3):
         length = abs(parts[k, 0])
-        if length < 1e-9:
+        if length < _LEAST:
             continue
         gone += length
         left = max(total - gone, 0.0)
         after = min(peak, math.sqrt(v0 * v0 + 2.0 * a * gone))
         after = min(after, math.sqrt(v1 * v1 + 2.0 * a * left))
-        if left < 1e-9:
+        if left < _LEAST:
             after = v1
         if not make_move(rows[count], parts[k, 0], parts[k, 1], speed, after, peak, limits):
             return number
@@ -197,16 +204,16 @@ def connect(a, v0, b, v1, limits, metre_cost, words):
     speeds, none = (v0, v1), (0.0, 0.0)
     # Turn, straight, turn; a short straight backwards, too.
     if v0 == 0.0 and v1 == 0.0:
-        bearing = math.atan2(dy, dx) if distance > 1e-9 else a[2]
+        bearing = math.atan2(dy, dx) if distance >= _LEAST else a[2]
         parts[1, 0] = distance
         turns = (_wrapped(bearing - a[2]), _wrapped(b[2] - bearing))
         number = _lay(words, number, turns, parts, speeds, limits, metre_cost)
-        if limits.backwards >= distance > 1e-9:
+        if limits.backwards >= distance >= _LEAST:
             parts[1, 0] = -distance
             turns = (_wrapped(bearing + math.pi - a[2]), _wrapped(b[2] - bearing - math.pi))
             number = _lay(words, number, turns, parts, speeds, limits, metre_cost)
     radius = limits.radius
-    if limits.free or radius <= 0.0 or distance < 1e-9:
+    if limits.free or radius <= 0.0 or distance < _LEAST:
         return number
     for word in range(4):
         if _dubins(word, dx, dy, a[2], b[2], radius, parts):

@@ -97,7 +97,7 @@ def shorten(scene, start, rows, begin, end):
     words = no_words()
     goal = poses_between(start, rows)[-1]
     taken = occupied_until(
-        scene.others, footprint_of(limits), (goal[0], goal[1], goal[2]), 0.0, margins.others
+        scene.others, footprint_of(limits), (goal[0], goal[1], goal[2]), 0.0, margins
     )
     changed = False
     i = begin
