@@ -41,12 +41,18 @@ class Cards:
             _ip("-n", namespace, "addr", "add", f"{net}.2/24", "dev", self.theirs)
             _ip("-n", namespace, "link", "set", self.theirs, "up")
             _ip("-n", namespace, "link", "set", "lo", "up")
+            self._route(k)
 
     def pull(self, robot: int) -> None:
         _ip("-n", self.namespaces[robot], "link", "set", self.theirs, "down")
 
     def plug(self, robot: int) -> None:
         _ip("-n", self.namespaces[robot], "link", "set", self.theirs, "up")
+        self._route(robot)
+
+    def _route(self, robot: int) -> None:
+        """For multicast, which goes with the link."""
+        _ip("-n", self.namespaces[robot], "route", "add", "224.0.0.0/4", "dev", self.theirs)
 
     def _remove(self) -> None:
         for namespace, card in zip(self.namespaces, self.ours, strict=True):
