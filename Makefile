@@ -23,6 +23,9 @@ CAMPAIGNS ?= clutter forest rooms corridors barn real-maps sizes disturbed event
 # Nothing is kept outside the checkout: an empty or missing home directory is fine.
 export MPLCONFIGDIR ?= $(abspath $(VENV))/matplotlib
 
+# Each of the tests' many processes would read all of the source anew.
+unexport PYTHONDONTWRITEBYTECODE
+
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help demo test test-fast test-live venv lint docs bench evidence clean

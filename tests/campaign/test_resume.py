@@ -38,7 +38,10 @@ if __name__ == "__main__":
 
 @pytest.fixture
 def suite(tiny: Path) -> Path:
+    """More trials than the tiny one's, each of half a metre."""
     tiny.write_text(tiny.read_text().replace("seeds: 3", "seeds: 7"))
+    scenario = tiny.with_name("short.yaml")
+    scenario.write_text(scenario.read_text().replace("[2.5, 2.0, 0.0]", "[1.5, 2.0, 0.0]"))
     return tiny
 
 
@@ -142,7 +145,7 @@ def test_kill_9_of_a_worker_and_of_the_parent(
 def test_ctrl_c_ends_cleanly_and_says_how_to_go_on(
     start: Callable[..., subprocess.Popen[str]], tmp_path: Path, table: Table
 ) -> None:
-    process = start("a", "--set", "execution.rate=25")
+    process = start("a", "--set", "execution.rate=25", workers=1)
     wait_for_lines(tmp_path / "a", 2)
     workers = children(process.pid)
     process.send_signal(signal.SIGINT)
@@ -152,7 +155,7 @@ def test_ctrl_c_ends_cleanly_and_says_how_to_go_on(
     assert len(said) == 2
     assert said[1] == "cavalcade: interrupted"
     assert " of 28 trials are done; go on with: cavalcade campaign " in said[0]
-    assert said[0].endswith(f"--out {tmp_path / 'a'} --set execution.rate=25 --workers 2 --resume")
+    assert said[0].endswith(f"--out {tmp_path / 'a'} --set execution.rate=25 --workers 1 --resume")
     wait_for_the_end_of(workers)
     before = (tmp_path / "a" / "trials.jsonl").read_bytes()
     done = before.count(b"\n")

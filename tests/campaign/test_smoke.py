@@ -10,7 +10,6 @@ from typing import Any
 import pytest
 
 from cavalcade.campaign.definition import check_definition, define_campaign
-from cavalcade.campaign.engines.local import LocalEngine
 from cavalcade.campaign.engines.protocol import Engine
 from cavalcade.campaign.report import worst
 from cavalcade.campaign.runner import run_campaign
@@ -19,17 +18,19 @@ from cavalcade.campaign.samplers import DataFolder
 
 @pytest.fixture(autouse=True)
 def few_are_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Three of the worst trials are repeated for the report: one of each reason to be shown."""
-    monkeypatch.setattr(worst, "MOST", 3)
+    """Two of the worst trials are repeated for the report: a failure and one that succeeded."""
+    monkeypatch.setattr(worst, "MOST", 2)
 
 
-def test_smoke(tmp_path: Path, table: Callable[[Path], list[dict[str, Any]]]) -> None:
+def test_smoke(
+    tmp_path: Path, table: Callable[[Path], list[dict[str, Any]]], in_this_process: Engine
+) -> None:
     definition = define_campaign("smoke")
     assert definition.suite.missing(DataFolder(None)) is None
     check_definition(definition)
     assert len(definition.trials) >= 20
     result = run_campaign(
-        definition, tmp_path / "a", LocalEngine(1), command="cavalcade campaign smoke"
+        definition, tmp_path / "a", in_this_process, command="cavalcade campaign smoke"
     )
     lines = table(tmp_path / "a")
     assert [line["trial"] for line in lines] == sorted(trial.id for trial in definition.trials)

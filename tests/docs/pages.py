@@ -14,6 +14,9 @@ LESSONS = [DOCS / "tutorial" / f"{name}.md" for name in ("first-run", "own-map",
 LESSONS.append(DOCS / "tutorial" / "own-robot.md")
 """They build on each other, in this order."""
 
+LIVE = [DOCS / "tutorial" / "live.md"]
+"""They need a ROS 2 graph: `tests/live` runs them."""
+
 _BLOCK = re.compile(r'^```(\w*)(?: title="([^"]+)")?\n(.*?)^```$', re.MULTILINE | re.DOTALL)
 _EXIT = re.compile(r"# Ends with exit code (\d)")
 

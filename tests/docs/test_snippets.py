@@ -19,11 +19,13 @@ from cavalcade.cli import main
 from cavalcade.live.team_file import parse_team
 from cavalcade.robots import MODELS
 
-from .pages import LESSONS, PAGES, ROOT, Block, blocks, name_of
+from .pages import LESSONS, LIVE, PAGES, ROOT, Block, blocks, name_of
 
 RUN = ("python", "sh")
 ALONE = [
-    page for page in PAGES if page not in LESSONS and any(one.is_run for one in blocks(page, *RUN))
+    page
+    for page in PAGES
+    if page not in LESSONS + LIVE and any(one.is_run for one in blocks(page, *RUN))
 ]
 
 
@@ -142,7 +144,7 @@ def test_files_on_a_page_can_be_read(page: Path, folder: Path) -> None:
 def test_blocks_say_what_they_are(page: Path) -> None:
     for block in blocks(page):
         assert block.language in {"", "python", "sh", "yaml"}
-        command = re.match(r"\$ |(cavalcade|make|pip|python3?) ", block.code)
+        command = re.match(r"\$ |(cavalcade|make|pip|python3?|ros2) ", block.code)
         assert block.language or not command, "a block of commands is `sh`"
     fences = re.findall(r"^```", page.read_text(encoding="utf-8"), re.MULTILINE)
     assert len(fences) == 2 * len(blocks(page)), "a block is not understood"

@@ -25,11 +25,16 @@ def forces_of(problem):
     return solution.forces
 
 
+def as_compiled(problem):
+    """The problem as `solve_mpc` gives it to kernels, so that they are compiled once."""
+    arrays = [np.ascontiguousarray(v) if isinstance(v, np.ndarray) else v for v in problem]
+    return MpcProblem(*arrays)._replace(contacts=problem.contacts.astype(np.int64))
+
+
 def overwritten(problem, before):
     """The same by the kernel, in an array that holds something else before."""
     plan = np.full((STEPS, 4, 3), before)
-    arrays = [np.ascontiguousarray(v) if isinstance(v, np.ndarray) else v for v in problem]
-    solve(MpcProblem(*arrays), plan, 30)
+    solve(as_compiled(problem), plan, 30)
     return plan
 
 
@@ -37,7 +42,7 @@ def build(problem):
     """The programme's whole hessian, and its gradient."""
     n = 3 * int(problem.contacts.sum())
     hessian, gradient = np.zeros((n, n)), np.empty(n)
-    build_qp(problem, hessian, gradient)
+    build_qp(as_compiled(problem), hessian, gradient)
     return np.triu(hessian) + np.triu(hessian, 1).T, gradient
 
 

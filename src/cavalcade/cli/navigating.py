@@ -48,6 +48,9 @@ def navigate(
     from cavalcade.fleet.ros2 import load_rclpy
 
     load_rclpy()
+    from cavalcade.jobs import warming
+    from cavalcade.jobs.reporter import Reporter
+    from cavalcade.live.navigator import kernels_of
     from cavalcade.live.ros2_node import NavigationNode
     from cavalcade.live.session import SessionFolder
     from cavalcade.live.team_file import load_team
@@ -59,6 +62,8 @@ def navigate(
     loaded = load_team(team)
     loaded.first_map()
     folder = None if out is None else SessionFolder(loaded, out, force)
+    with Reporter(quiet) as reporter:  # a minute after an installation, which is said
+        warming.warm(kernels_of(loaded), reporter)
     logging.basicConfig(stream=sys.stderr, level=logging.ERROR, format="cavalcade: %(message)s")
     stop = threading.Event()
     ends = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP")]

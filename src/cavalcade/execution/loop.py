@@ -17,6 +17,7 @@ from cavalcade.execution.arrival import ArrivalMonitor, tolerance_of
 from cavalcade.execution.control import ControlLoop, Cycle
 from cavalcade.execution.events import EventRunner
 from cavalcade.execution.policy import Policy
+from cavalcade.execution.real_time import prepare_process
 from cavalcade.execution.supervisor import Supervision, Supervisor
 from cavalcade.fleet import Fall, FallingFleet, Fleet, LiveFleet, SampledFleet
 from cavalcade.formation import Imperfections
@@ -126,6 +127,7 @@ def carry_out(
         return run.carry_out(budget, sinks)
     with _terminable():
         try:
+            prepare_process()
             fleet.start(_CONNECTING)
             return run.carry_out(budget, sinks)
         finally:

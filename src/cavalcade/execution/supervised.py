@@ -66,6 +66,7 @@ class SupervisedPlanner(Policy):
         given = Supervision() if supervision is None else supervision
         instance_of(given, Supervision, "supervision")
         self._policy = policy
+        self._degradable = policy if isinstance(policy, Degradable) else None
         self._own_area = area
         expected = Imperfections()
         if isinstance(policy, FormationPlanner):
@@ -154,9 +155,9 @@ class SupervisedPlanner(Policy):
         supervisor = self._supervisor
         supervisor.area = self._area
         self._report = supervisor.check(Observation(now, seen, measured, faults))
-        if isinstance(self._policy, Degradable):
+        if self._degradable is not None:
             for robot in self._report.unresponsive:
-                self._policy.lose(robot)
+                self._degradable.lose(robot)
                 self._unresponsive.add(robot)
         wanted = np.zeros((self._size, 3))
         if not self._report.ok:
@@ -195,15 +196,15 @@ class SupervisedPlanner(Policy):
     def lose(self, robot: int) -> None:
         """Go on without a robot: it is not commanded, and its poses do not count."""
         self._supervisor.lose(robot)
-        if isinstance(self._policy, Degradable):
-            self._policy.lose(robot)
+        if self._degradable is not None:
+            self._degradable.lose(robot)
 
     def rejoin(self, robot: int) -> None:
         """Take a lost robot back."""
         self._supervisor.rejoin(robot)
         self._unresponsive.discard(robot)
-        if isinstance(self._policy, Degradable):
-            self._policy.rejoin(robot)
+        if self._degradable is not None:
+            self._degradable.rejoin(robot)
 
     def close(self) -> None:
         """No command but zero from now on."""

@@ -10,6 +10,7 @@ from functools import partial
 from typing import Any, Self
 
 from cavalcade.errors import CavalcadeError, FleetError, InputError
+from cavalcade.execution.real_time import prepare_process
 from cavalcade.fleet import LiveFleet
 from cavalcade.fleet.ros2 import Graph, has_message_type, message_type, qos
 from cavalcade.fleet.ros2.messages import read_map, read_pose
@@ -31,6 +32,9 @@ PATIENCE = 30.0
 _LOOK, _SHOW, _TELL, _DIAGNOSE = 0.05, 0.2, 0.5, 1.0
 """How often is looked for news, and at most how long until plans and markers, the status and
 diagnostics are published again, s."""
+
+_TOLD = ("arrived", "paused", "stale", "stuck", "infeasible")
+"""States that are said on the terminal, besides what a message says."""
 
 _ANSWER = 5
 """Cycles in which a resumed team has to be found good."""
@@ -78,6 +82,7 @@ class NavigationNode:
         self.problem = self._refused = ""
         self._shown: tuple[Any, ...] = ()
         self._told = self._drawn = self._diagnosed = 0.0
+        self._told_text = ""
         self._error: Exception | None = None
         self._closed = False
         self.graph = Graph(
@@ -151,6 +156,7 @@ class NavigationNode:
         self.lifecycle = "activating"
         sinks = () if self._record is None else (self._record(area, fleet.observe().poses),)
         navigator = TeamNavigator(self.team, fleet, map=area, sinks=sinks, dry_run=self._dry_run)
+        prepare_process()
         navigator.start()
         with self._lock:
             self._navigator = navigator
@@ -364,12 +370,22 @@ class NavigationNode:
         fleet = self._fleet
         return self.graph.time if fleet is None else fleet.time
 
+    def _tell(self, status: TeamStatus) -> None:
+        """Say what the team has come to, where that is another than before."""
+        text = status.message or (status.state if status.state in _TOLD else "")
+        if text != self._told_text:
+            self._told_text = text
+            if text:
+                self._say(f"{self.team.name}: {text}")
+
     def _publish(self, force: bool = False) -> None:
         """What is due; news at once."""
         navigator, now, status = self._navigator, wall.monotonic(), self.status()
         news = (self.lifecycle, *status.turning_point)
         changed = force or news != self._shown
         stamp = self._now
+        if navigator is not None:
+            self._tell(status)
         if changed or now - self._told >= _TELL:
             self._shown, self._told = news, now
             self._views.show_status(self.lifecycle, status)

@@ -78,7 +78,7 @@ class SimulationGraph:
     ) -> None:
         self._simulation = simulation
         self._say = say
-        self._epoch = float(math.floor(wall.time()))
+        self._epoch = wall.time()
         self.robots = scenario_robots(simulation.size)
         self.graph = Graph("cavalcade_simulation", on_failure=lambda error: say(f"error: {error}"))
         try:
@@ -98,6 +98,8 @@ class SimulationGraph:
             InputError: Physics has become unstable.
         """
         pace = _Pace(speed, self._say)
+        # Who goes by the wall's clock and not by ours finds poses of now.
+        self._epoch = wall.time()
         while not stop.is_set():
             ahead = pace.wait(self._simulation.time)
             if ahead > 0.0:

@@ -79,6 +79,8 @@ def main():
             late = status["time"] - began > limit
             return status["arrived"] or late or status["state"] == "stopped"
 
+        # It may say for a moment yet that it has arrived where it was.
+        until(lambda status: not status["arrived"], 5.0)
         until(over, 20.0 * limit)
     last = heard[-1] if heard else {}
     told = {key: last.get(key) for key in ("state", "arrived", "cause", "message", "pace")}
