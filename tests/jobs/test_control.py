@@ -152,6 +152,18 @@ def test_the_team_goes_on_without_a_robot_known_to_be_lost(bench: Bench) -> None
     assert np.any(bench.sent[-1][2] != 0.0)
 
 
+def test_a_policy_that_was_exchanged_is_the_one_that_hears_of_lost_robots(
+    bench: Bench, straight: Any, make_scenario: Any
+) -> None:
+    bench.cycles(1)
+    other = straight(make_scenario(robots=3, goal=(8.0, 3.0, 0.0)), None)
+    bench.loop.policy = other
+    bench.loop.lose(2)
+    bench.loop.rejoin(2)
+    assert (other.called("lose"), other.called("rejoin")) == ([(2,)], [(2,)])
+    assert bench.planner.called("lose") == []
+
+
 def test_the_planner_never_sees_nonsense_of_a_lost_robot(bench: Bench) -> None:
     bench.cycles(5)
     bench.loop.lose(1)

@@ -25,7 +25,25 @@ class Peer:
     def __init__(self, command: list[str], log: Path) -> None:
         self._log = log
         with log.open("w") as out:
-            self.process = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT)
+            self.process = subprocess.Popen(
+                command, stdin=subprocess.PIPE, stdout=out, stderr=subprocess.STDOUT, text=True
+            )
+
+    def tell(self, **change: Any) -> float:
+        """Make it misbehave; since when it does, s of the wall's time."""
+        before = len(told := self._told)
+        assert self.process.stdin is not None
+        self.process.stdin.write(json.dumps(change) + "\n")
+        self.process.stdin.flush()
+        end = time.monotonic() + PATIENCE
+        while len(told := self._told) == before:
+            assert time.monotonic() < end, "it does not listen"
+            time.sleep(0.005)
+        return float(told[-1]["time"])
+
+    @property
+    def _told(self) -> list[dict[str, Any]]:
+        return [entry for entry in self.heard if "told" in entry]
 
     @property
     def text(self) -> str:
@@ -40,6 +58,8 @@ class Peer:
         if self.process.poll() is None:
             self.process.kill()
         self.process.wait()
+        assert self.process.stdin is not None
+        self.process.stdin.close()
 
 
 @pytest.fixture
@@ -47,7 +67,7 @@ def graph(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
 ) -> Iterator[Callable[..., Peer]]:
     """Starts processes on a graph that no other test is on: `graph("robot.py", ...)` for a peer,
-    `graph("cavalcade", ...)` for a command of ours."""
+    `graph("cavalcade", ...)` for a command of ours; in a `namespace` of the network."""
     from cavalcade.errors import InputError
     from cavalcade.fleet.ros2 import load_rclpy
 
@@ -61,10 +81,11 @@ def graph(
     monkeypatch.setenv("ROS_LOG_DIR", str(tmp_path / "log"))
     started: list[Peer] = []
 
-    def start(what: str, *arguments: str) -> Peer:
+    def start(what: str, *arguments: str, namespace: str = "") -> Peer:
+        within = ["ip", "netns", "exec", namespace] if namespace else []
         code = ["-m", "cavalcade"] if what == "cavalcade" else [str(PEERS / what)]
         log = tmp_path / f"{len(started)}.log"
-        started.append(Peer([sys.executable, *code, *arguments], log))
+        started.append(Peer([*within, sys.executable, *code, *arguments], log))
         return started[-1]
 
     yield start

@@ -288,7 +288,13 @@ class Onward:
 
     @property
     def status(self) -> PlannerStatus:
-        raise NotImplementedError
+        return PlannerStatus(
+            state="final",
+            roles=np.full(self._count, -1),
+            goals=np.zeros((self._count, 2)),
+            paths=(np.empty((0, 2)),) * self._count,
+            eta=np.zeros(self._count),
+        )
 
     def step(self, *_: Any) -> Any:
         return np.tile((0.3, 0.0, 0.0), (self._count, 1))

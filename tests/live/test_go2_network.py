@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib.util
-import os
 import subprocess
 import sys
 import time
@@ -14,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from network_cards import Cards
 
 import cavalcade as cv
 from cavalcade.errors import FleetError
@@ -25,55 +25,10 @@ STOP_WITHIN = 0.6
 """From the last word of a fleet until its robots have heard a stop, s."""
 
 
-class Cards:
-    """Two networks of one robot each, with a card of this computer in each."""
-
-    def __init__(self) -> None:
-        tag = os.getpid() % 100_000
-        self.namespaces = [f"cv{tag}n{k}" for k in range(2)]
-        self.ours = [f"cv{tag}c{k}" for k in range(2)]
-        self.theirs = "eth0"
-
-    def make(self) -> None:
-        for k, (namespace, card) in enumerate(zip(self.namespaces, self.ours, strict=True)):
-            net = f"10.{100 + os.getpid() % 100}.{k}"
-            _ip("netns", "add", namespace)
-            _ip(
-                "link", "add", card, "type", "veth", "peer", "name", self.theirs, "netns", namespace
-            )
-            _ip("addr", "add", f"{net}.1/24", "dev", card)
-            _ip("link", "set", card, "up")
-            _ip("-n", namespace, "addr", "add", f"{net}.2/24", "dev", self.theirs)
-            _ip("-n", namespace, "link", "set", self.theirs, "up")
-            _ip("-n", namespace, "link", "set", "lo", "up")
-
-    def pull(self, robot: int) -> None:
-        _ip("-n", self.namespaces[robot], "link", "set", self.theirs, "down")
-
-    def plug(self, robot: int) -> None:
-        _ip("-n", self.namespaces[robot], "link", "set", self.theirs, "up")
-
-    def remove(self) -> None:
-        for namespace, card in zip(self.namespaces, self.ours, strict=True):
-            # A pair goes with either end, but with a namespace some time later.
-            for what in (["link", "del", card], ["netns", "del", namespace]):
-                subprocess.run(["ip", *what], capture_output=True, check=False)
-
-
-def _ip(*arguments: str) -> None:
-    subprocess.run(["ip", *arguments], check=True, capture_output=True)
-
-
 @pytest.fixture
 def cards() -> Iterator[Cards]:
-    made = Cards()
-    try:
-        made.make()
-    except (OSError, subprocess.CalledProcessError) as error:
-        made.remove()
-        pytest.skip(f"networks cannot be made here: {error}")
-    yield made
-    made.remove()
+    with Cards(2) as made:
+        yield made
 
 
 @pytest.fixture

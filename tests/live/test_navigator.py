@@ -19,6 +19,8 @@ from cavalcade.world import Box, OccupancyMap
 
 STARTS = ((1.5, 2.0, 0.0), (1.5, 3.0, 0.0), (1.5, 4.0, 0.0))
 GOAL = (4.0, 3.0, 0.0)
+CALLS = 300
+"""Of each of the threads that call everything."""
 
 
 def team_with(**more):
@@ -287,38 +289,62 @@ def test_fleet_of_another_size_is_refused(ground):
         TeamNavigator(team_with(), FakeFleet(STARTS[:2]), map=ground)
 
 
-def test_any_thread_may_call_anything_at_any_time(live, ground):
+def test_ten_threads_may_call_anything_at_any_time(live, ground):
+    """No call raises, and each status is of one moment."""
     box = ground.with_shapes([Box((3.0, 1.0), (0.3, 0.3))])
     calls = (
         lambda: live.set_formation_goals([GOAL]),
+        lambda: live.set_formation_goals([(2.0, 3.0, 0.0), GOAL]),
         lambda: live.set_robot_goal("bert", (2.0, 3.0, 0.0)),
+        lambda: live.set_robot_goal("cleo", (2.5, 4.5, 1.0)),
         lambda: live.set_map(box),
         lambda: live.set_map(ground),
         live.pause,
         live.resume,
+        live.resume,
         live.cancel,
         live.stop,
         live.reset_stop,
-        lambda: live.set_formation({"shape": "column"}),
+        lambda: live.lose("anna"),
+        lambda: live.rejoin("anna"),
+        lambda: live.set_formation({"shape": "line", "spacing": 0.9}),
         lambda: live.set_formation({"shape": "line"}),
-        lambda: json.dumps(live.status.to_dict(), allow_nan=False),
+        lambda: live.refuse("a word"),
+        lambda: live.map.grid.sum(),
+        lambda: live.frame.commands.sum(),
     )
-    wrong = []
+    wrong, seen = [], set()
+
+    def look():
+        status = live.status
+        seen.add(status.state)
+        json.dumps(status.to_dict(), allow_nan=False)
+        assert (status.state == "stopped") == bool(status.cause) == (not status.ok)
+        if not status.ok:
+            assert not any(any(robot.command) for robot in status.robots)
+            assert status.message.startswith("stopped: ")
+        # Goals are of the formation or of single robots, and `idle` is who has none.
+        own = [robot.goal for robot in status.robots if robot.goal is not None]
+        assert not (status.goals and own)
+        assert not (status.state == "idle" and (status.goals or own))
 
     def work(seed):
         pick = random.Random(seed)
         try:
-            for _ in range(60):
+            for _ in range(CALLS):
                 pick.choice(calls)()
-        except Exception as error:
+                look()
+        except BaseException as error:
             wrong.append(error)
 
-    threads = [threading.Thread(target=work, args=(seed,)) for seed in range(4)]
+    threads = [threading.Thread(target=work, args=(seed,)) for seed in range(10)]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    assert not wrong
+    assert not wrong, wrong[0]
+    assert {"stopped", "idle"} < seen
+    live.rejoin("anna")
     live.reset_stop()
     live.set_formation({"shape": "line"})
     live.set_formation_goals([GOAL])

@@ -61,9 +61,19 @@ class ControlLoop:
         supervisor.supervision = fitted(supervisor.supervision, policy, deadline)
         # Looked up once: it takes longer than a robot's part of a cycle.
         self._leaper = fleet if isinstance(fleet, LeapingFleet) else None
-        self._degradable = policy if isinstance(policy, Degradable) else None
         self._paused = False
         self._known: tuple[Array, Array] | None = None
+
+    @property
+    def policy(self) -> Policy:
+        """What decides; another one may be set between cycles."""
+        return self._policy
+
+    @policy.setter
+    def policy(self, policy: Policy) -> None:
+        self._policy = policy
+        # Asked once and not in each cycle: it takes as long as a small kernel.
+        self._degradable = policy if isinstance(policy, Degradable) else None
 
     def __enter__(self) -> Self:
         if self._guard is not None:

@@ -347,11 +347,13 @@ class TeamNavigator:
             mode: Mode = "formation" if self._wanted is self._formation else "individual"
         names = self.team.names
         now, cause = self._fleet.time, self._supervisor.cause
-        lines = tuple(_line(fault, names) for fault in cause)
         if last is None or self._closed:
             robots = tuple(RobotStatus(name) for name in names)
             return TeamStatus("inactive", mode, now, robots, message=trouble, refused=refused)
         frame, cycle = last
+        # While the cycle that lets the team go on is not over, it stands as of the last one.
+        cause = cause or cycle.report.cause
+        lines = tuple(_line(fault, names) for fault in cause)
         planner, lost = frame.status, self._supervisor.lost
         commands = frame.commands if not cause else np.zeros_like(frame.commands)
         robots = tuple(

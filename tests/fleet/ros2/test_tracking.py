@@ -41,6 +41,13 @@ def test_stamps_ahead_and_missing_stamps_are_faults(stamp: float, fault: bool) -
     assert (found is not None and found[0] == "stamp") == fault
 
 
+def test_reports_that_lose_their_stamp_are_not_taken_for_overtaken_ones() -> None:
+    track = track_of((9.0, 1.0, "map"), (0.0, 2.0, "map"))
+    assert (track.fault(10.0) or ("",))[0] == "stamp"
+    track.hear(PoseReport(9.1, "map", (2.0, 0.0, 0.0)), 10.0)
+    assert track.fault(10.0) is None
+
+
 def test_a_stamp_from_the_future_does_not_silence_those_that_follow() -> None:
     assert track_of((99.0, 5.0, "map"), (9.9, 1.0, "map")).pose[0] == 1.0
 

@@ -41,8 +41,8 @@ class PoseTrack:
             self._frame = report.frame
             return
         self._frame = None
-        if report.stamp < self.stamp <= now + AHEAD:
-            return  # overtaken on its way
+        if report.stamp != 0.0 and report.stamp < self.stamp <= now + AHEAD:
+            return  # overtaken on its way; of one without a stamp nobody knows
         if report.stamp < self.stamp:  # the clock was set back
             self._past.clear()
         self.pose, self.stamp, self.heard = report.pose, report.stamp, True
