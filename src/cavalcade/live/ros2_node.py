@@ -101,7 +101,7 @@ class NavigationNode:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def bring_up(self, patience: float = PATIENCE) -> None:
+    def bring_up(self) -> None:
         """Configure and activate, as a lifecycle manager would do it.
 
         Raises:
@@ -109,10 +109,6 @@ class NavigationNode:
             FleetError: Robots were not heard, or no map; it says who and where.
         """
         self._transition(self.graph.node.trigger_configure)
-        end = wall.monotonic() + patience
-        while self._first_map() is None and not self._map_heard.wait(0.1):
-            if wall.monotonic() > end:
-                raise FleetError(self._no_map())
         self._transition(self.graph.node.trigger_activate)
 
     def close(self) -> None:
@@ -150,10 +146,11 @@ class NavigationNode:
 
     def activate(self) -> None:
         """Begin to drive."""
-        fleet, area = self._fleet, self._first_map()
-        if fleet is None or area is None:
-            raise FleetError(self._no_map())
+        fleet = self._fleet
+        if fleet is None:
+            raise FleetError("the node is not configured")
         self.lifecycle = "activating"
+        area = self._await_map()
         sinks = () if self._record is None else (self._record(area, fleet.observe().poses),)
         navigator = TeamNavigator(self.team, fleet, map=area, sinks=sinks, dry_run=self._dry_run)
         prepare_process()
@@ -213,17 +210,27 @@ class NavigationNode:
             heard = self._map
         return heard if heard is not None else self.team.first_map()
 
-    def _no_map(self) -> str:
+    def _await_map(self) -> OccupancyMap:
+        """The map, waited for."""
         topic = self.team.map.topic
-        return f"no map was heard on {topic} (nav_msgs/OccupancyGrid, transient local)"
+        if self._first_map() is None and topic is not None:
+            # A transition that a lifecycle manager asks for keeps the node's own thread.
+            with Graph("navigator_map", "team") as graph:
+                self._hear_map(graph, topic)
+                self._map_heard.wait(PATIENCE)
+        area = self._first_map()
+        if area is None:
+            raise FleetError(
+                f"no map was heard on {topic} (nav_msgs/OccupancyGrid, transient local)"
+            )
+        return area
 
     # Inputs.
 
     def _connect(self) -> None:
         graph = self.graph
         if self.team.map.topic is not None:
-            grid = "nav_msgs/msg/OccupancyGrid"
-            self._hear(grid, self.team.map.topic, self._on_map, qos.latched())
+            self._hear_map(graph, self.team.map.topic)
         stamped = "geometry_msgs/msg/PoseStamped"
         self._hear(stamped, "goal_pose", self._on_goal)
         self._hear("nav_msgs/msg/Path", "goals", self._on_goals)
@@ -241,7 +248,16 @@ class NavigationNode:
             self._say("nav2_msgs is not there: no action team/navigate; topics do the same")
         graph.every(_LOOK, self._publish)
 
-    def _hear(self, kind: str, topic: str, act: Callable[[Any], None], quality: Any = None) -> None:
+    def _hear_map(self, graph: Graph, topic: str) -> None:
+        handle = self._using(topic, self._on_map)
+        graph.subscribe("nav_msgs/msg/OccupancyGrid", topic, handle, qos.latched())
+
+    def _hear(self, kind: str, topic: str, act: Callable[[Any], None]) -> None:
+        self.graph.subscribe(kind, topic, self._using(topic, act), qos.reliable())
+
+    def _using(self, topic: str, act: Callable[[Any], None]) -> Callable[[Any], None]:
+        """Has a message used; one that cannot be is refused with a reason."""
+
         def handle(message: Any) -> None:
             try:
                 act(message)
@@ -252,7 +268,7 @@ class NavigationNode:
                 _LOG.exception("a message on %s could not be used", topic)
                 self.refuse(f"{topic}: {type(error).__name__}: {error}")
 
-        self.graph.subscribe(kind, topic, handle, quality or qos.reliable())
+        return handle
 
     def refuse(self, text: str) -> None:
         """Say in log and status that an input could not be used."""
