@@ -1,7 +1,7 @@
 """Whole runs on a ROS 2 graph: simulated robots, the navigation and an operator, a process each.
 
-    python benchmarks/live_runs.py [SCENARIO ...] [--seeds 1] [--first 0] [--backend ideal] [--speed 1]
-                                   [--set KEY=VALUE ...] [--out DIR]
+    python benchmarks/live_runs.py [SCENARIO ...] [--seeds 1] [--first 0] [--backend ideal]
+                                   [--speed 1] [--set KEY=VALUE ...] [--out DIR]
 
 Needs rclpy. The goals of each scenario are published by an operator that is written without
 Cavalcade (`tests/live/peers/goal.py`); the run is over when the navigation says that the team has
