@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import atexit
-import math
 import threading
 import time as wall
 from collections.abc import Sequence
@@ -27,9 +26,9 @@ from cavalcade.fleet.ros2.messages import (
     read_report,
 )
 from cavalcade.fleet.ros2.robot import Ros2Robot
-from cavalcade.fleet.ros2.schedule import Schedule
 from cavalcade.fleet.ros2.tracking import PoseTrack
 from cavalcade.fleet.ros2.transforms import TransformPoses
+from cavalcade.fleet.schedule import Schedule
 from cavalcade.geometry import Array
 from cavalcade.values import number_array
 
@@ -188,19 +187,17 @@ class Ros2Fleet:
         Raises:
             InputError: `dt` is not positive and finite.
         """
-        if not (math.isfinite(dt) and dt > 0.0):
-            raise InputError("expected a positive time step", key="dt")
         self._schedule.wait(dt, lambda: self.time)
 
     def true_poses(self) -> Array:
         """`(N, 3)` the last reported poses, map frame."""
         with self._lock:
-            return np.array([track.sound_pose for track in self._tracks])
+            return np.array([track.trend.pose for track in self._tracks])
 
     def true_velocities(self) -> Array:
         """`(N, 3)` the trend of the last poses, map frame: m/s, m/s, rad/s."""
         with self._lock:
-            return np.array([track.velocity() for track in self._tracks])
+            return np.array([track.trend.velocity() for track in self._tracks])
 
     def _connect(self) -> None:
         graph = self.graph

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import array
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -113,12 +114,30 @@ def fill_pose(pose: Any, planar: Array | Pose, height: float = 0.0) -> None:
     """Set a `geometry_msgs/Pose` to x, y, yaw at a height in m."""
     x, y, yaw = (float(value) for value in planar)
     pose.position.x, pose.position.y, pose.position.z = x, y, float(height)
-    fill_quaternion(pose.orientation, quaternion_of_yaw(yaw))
+    turn = pose.orientation
+    turn.x, turn.y, turn.z, turn.w = quaternion_of_yaw(yaw)
 
 
-def fill_quaternion(turn: Any, quaternion: Array | Quaternion) -> None:
-    """Set a `geometry_msgs/Quaternion`."""
-    turn.x, turn.y, turn.z, turn.w = (float(value) for value in quaternion)
+def fill_place(position: Any, turn: Any, place: Array) -> None:
+    """Set a `geometry_msgs/Point` or `Vector3` and a `Quaternion` to x, y, z and x, y, z, w."""
+    x, y, z, *quaternion = place.tolist()
+    position.x, position.y, position.z = x, y, z
+    turn.x, turn.y, turn.z, turn.w = quaternion
+
+
+def fill_transforms(
+    message: Any, seconds: float, places: Sequence[tuple[str, str, Array]], transform_type: Any
+) -> None:
+    """Set a `tf2_msgs/TFMessage` to parents, children and the places `(7,)` of these in those.
+
+    `transform_type` makes a TransformStamped; those of as many frames as before are used again.
+    """
+    if len(message.transforms) != len(places):
+        message.transforms = [transform_type() for _ in places]
+    for transform, (parent, child, place) in zip(message.transforms, places, strict=True):
+        fill_header(transform.header, seconds, parent)
+        transform.child_frame_id = child
+        fill_place(transform.transform.translation, transform.transform.rotation, place)
 
 
 def fill_header(header: Any, seconds: float, frame: str) -> None:
