@@ -173,10 +173,10 @@ class TeamNavigator:
             self._closed = True
         self._supervisor.close()
         self._end.set()
-        self._changes.close()
         if self._thread.ident is not None and self._thread is not threading.current_thread():
             self._thread.join(_ENDING)
         self._control.close()
+        self._changes.close()
         self._individual.close()
 
     @property

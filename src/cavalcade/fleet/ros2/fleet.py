@@ -62,7 +62,6 @@ class Ros2Fleet:
         name: Of the node.
         use_sim_time: Whether time is that of `/clock`; None: where somebody publishes that when
             the fleet starts.
-        graph: A node that exists already; it is not closed with the fleet.
 
     Raises:
         InputError: ROS 2 or a type of message is not there, or two robots share a topic.
@@ -74,7 +73,6 @@ class Ros2Fleet:
         *,
         name: str = "cavalcade",
         use_sim_time: bool | None = None,
-        graph: Graph | None = None,
     ) -> None:
         self.robots = tuple(robots)
         _check_distinct(self.robots)
@@ -85,8 +83,7 @@ class Ros2Fleet:
                 message_type(POSE_TYPES[robot.pose_type])
         self._lock = threading.Condition()
         self._wanted_sim_time = use_sim_time
-        self._own_graph = graph is None
-        self.graph = graph or Graph(name, use_sim_time=bool(use_sim_time))
+        self.graph = Graph(name, use_sim_time=bool(use_sim_time))
         self._schedule = Schedule()
         self._rivals: tuple[Fault, ...] = ()
         self._closed = False
@@ -149,8 +146,7 @@ class Ros2Fleet:
                     self._publish(index, np.zeros(3))
             self.graph.deliver(*publishers)
         finally:
-            if self._own_graph:
-                self.graph.close()
+            self.graph.close()
 
     def observe(self) -> Observation:
         """The newest pose of every robot, nan for one that was never heard, and its faults."""

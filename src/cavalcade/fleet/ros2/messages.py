@@ -42,9 +42,6 @@ _UPRIGHT = 1e-3
 
 _NOWHERE = (math.nan, math.nan, math.nan)
 
-_PLANAR = (0, 1, 5)
-"""Rows of x, y and yaw in a covariance of six."""
-
 
 @dataclass(frozen=True)
 class PoseReport:
@@ -54,16 +51,11 @@ class PoseReport:
         stamp: When that was measured, s.
         frame: In which it is given, without a leading slash.
         pose: x, y in m, yaw in rad; nan where the message has no sound number.
-        covariance: `(3, 3)` of x, y, yaw: m², m rad, rad²; None where the message has none or
-            leaves it zero.
-        velocity: vx, vy, yaw rate in the *body* frame: m/s, m/s, rad/s; None where there is none.
     """
 
     stamp: float
     frame: str
     pose: Pose
-    covariance: Array | None = None
-    velocity: Pose | None = None
 
 
 def yaw_of_quaternion(x: float, y: float, z: float, w: float) -> float:
@@ -149,13 +141,9 @@ def fill_header(header: Any, seconds: float, frame: str) -> None:
 def read_report(message: Any) -> PoseReport:
     """Of a PoseStamped, a PoseWithCovarianceStamped or an Odometry."""
     header, held = message.header, message.pose
-    covariance = velocity = None
-    if hasattr(held, "covariance"):
-        covariance, held = _planar_covariance(held.covariance), held.pose
-    if hasattr(message, "twist"):
-        velocity = read_twist(message.twist.twist)
+    held = getattr(held, "pose", held)  # beside a covariance
     frame = header.frame_id.removeprefix("/")
-    return PoseReport(seconds_of(header.stamp), frame, read_pose(held), covariance, velocity)
+    return PoseReport(seconds_of(header.stamp), frame, read_pose(held))
 
 
 def read_transform(message: Any) -> PoseReport:
@@ -169,19 +157,6 @@ def read_transform(message: Any) -> PoseReport:
     )
 
 
-def _planar_covariance(values: Any) -> Array | None:
-    whole: Array = np.asarray(values, dtype=float).reshape(6, 6)
-    planar = whole[np.ix_(_PLANAR, _PLANAR)]
-    return planar if np.isfinite(planar).all() and planar.any() else None
-
-
-def fill_covariance(held: Any, planar: ArrayLike) -> None:
-    """Set the covariance `(3, 3)` of x, y, yaw in a message that has one of six; the rest is 0."""
-    whole = np.zeros((6, 6))
-    whole[np.ix_(_PLANAR, _PLANAR)] = planar
-    held.covariance = whole.ravel()
-
-
 def read_twist(twist: Any) -> Pose:
     """A `geometry_msgs/Twist` as vx, vy, yaw rate: m/s, m/s, rad/s."""
     return float(twist.linear.x), float(twist.linear.y), float(twist.angular.z)
@@ -191,11 +166,6 @@ def fill_twist(twist: Any, velocity: Array | Pose) -> None:
     """Set a `geometry_msgs/Twist` to vx, vy, yaw rate."""
     vx, vy, rate = (float(value) for value in velocity)
     twist.linear.x, twist.linear.y, twist.angular.z = vx, vy, rate
-
-
-def read_path(message: Any) -> Array:
-    """Poses `(K, 3)` of a `nav_msgs/Path`; may hold nan."""
-    return np.array([read_pose(stamped.pose) for stamped in message.poses]).reshape(-1, 3)
 
 
 def fill_path(message: Any, points: ArrayLike, pose_type: Any) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
 import os
 import subprocess
@@ -214,18 +213,15 @@ class Robot:
 
     def close(self) -> None:
         """Wait until the helper has ended, and let go of all."""
-        if self._lifeline is None:
-            return
-        process, lifeline = self._process, self._lifeline
-        self._lifeline = None
-        if process is not None:
+        if self._process is not None:
             try:
-                process.wait(_ENDING)
+                self._process.wait(_ENDING)
             except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
-        with contextlib.suppress(OSError):
-            os.close(lifeline)
+                self._process.kill()
+                self._process.wait()
+        if self._lifeline is not None:
+            os.close(self._lifeline)
+            self._lifeline = None
         self._messages.close()
 
     def _gone(self) -> str:
