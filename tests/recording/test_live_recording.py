@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import resource
 import signal
@@ -330,6 +331,8 @@ def test_memory_stays_flat(tmp_path: Path) -> None:
             recording(a_frame(k))
             if k % 100 == 0:
                 wait_until(lambda: not recording._waiting.qsize())
+        wait_until(lambda: not recording._waiting.qsize())
+        gc.collect()  # what goes round in circles is taken away when enough has come together
         return tracemalloc.get_traced_memory()[0]
 
     tracemalloc.start()
