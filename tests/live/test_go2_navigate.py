@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import signal
 import threading
 import time
@@ -19,10 +20,12 @@ import pytest
 from navigation_peers import Peers
 from network_cards import Cards
 
-from cavalcade.errors import InputError
+from cavalcade.errors import FleetError, InputError
 from cavalcade.fleet.ros2 import load_rclpy, message_type, qos
 from cavalcade.fleet.ros2.messages import fill_header, fill_pose
 from cavalcade.fleet.unitree.sport import Api
+from cavalcade.live.go2 import Go2Team
+from cavalcade.live.team_file import load_team
 from cavalcade.world import OccupancyMap, save_map
 
 Mocks = Callable[..., tuple[int, Any]]
@@ -69,11 +72,18 @@ class Go2s:
         self.walk()
 
     def walk(self) -> None:
-        self.until(lambda: self.peers.status["ok"] and all(map(walks, self.mocks)))
+        self.until(lambda: self.onward() and all(map(walks, self.mocks)))
+
+    def onward(self) -> bool:
+        """Whether nothing stops them; a machine that stood still for half a second has."""
+        if self.peers.state() == "stopped":
+            print("again:", self.peers.status["cause"])
+            self.peers.call("resume")
+        return bool(self.peers.status["ok"])
 
     def arrive(self, *places: tuple[float, float]) -> None:
         """They do, and really are there: odometry drifts little on a few metres."""
-        self.until(lambda: self.peers.state() == "arrived")
+        self.until(lambda: self.onward() and self.peers.state() == "arrived")
         for mock, (x, y) in zip(self.mocks, places, strict=True):
             assert math.dist(mock.states[-1]["pose"][:2], (x, y)) < 0.2
 
@@ -115,14 +125,12 @@ def walks(mock: Any) -> bool:
     return bool(mock.states) and math.hypot(*mock.states[-1]["v"][:2]) > 0.05
 
 
-def places(mock: Any) -> str:
+def posture(mock: Any) -> str:
     return str(mock.states[-1]["is"]) if mock.states else ""
 
 
 @pytest.fixture
 def domain(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, request: Any) -> None:
-    import os
-
     number = 1 + hash((os.getpid(), request.node.nodeid)) % 99
     monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
@@ -155,21 +163,21 @@ def test_goals_e_stops_and_faults_of_two_go2s_on_cards_of_their_own(
     dogs, cards = team
     peers, (first, second) = dogs.peers, dogs.mocks
     dogs.navigate()
-    assert [places(mock) for mock in dogs.mocks] == ["ready", "ready"]
-    dogs.go(3.0)
-    dogs.arrive((3.0, 1.5), (3.0, 2.5))
+    assert [posture(mock) for mock in dogs.mocks] == ["ready", "ready"]
+    dogs.go(2.0)
+    dogs.arrive((2.0, 1.5), (2.0, 2.5))
     # Goals of their own.
-    peers.send_goal((4.0, 1.2, 0.0), robot="robot_0")
-    peers.send_goal((2.5, 2.8, 0.0), robot="robot_1")
+    peers.send_goal((2.3, 1.2, 0.0), robot="robot_0")
+    peers.send_goal((1.4, 2.8, 0.0), robot="robot_1")
     dogs.until(lambda: peers.status["mode"] == "individual")
     dogs.until(lambda: peers.status["robots"]["robot_1"]["goal"] is not None)
-    dogs.arrive((4.0, 1.2), (2.5, 2.8))
+    dogs.arrive((2.3, 1.2), (1.4, 2.8))
     # The e-stop damps them.
-    dogs.go(4.5)
+    dogs.go(5.0)
     pressed = time.time()
     assert peers.call("stop").success
     dogs.stopped(pressed, "e-stop")
-    dogs.until(lambda: all(places(mock) == "damping" for mock in dogs.mocks))
+    dogs.until(lambda: all(posture(mock) == "damping" for mock in dogs.mocks))
     assert all(mock.asked(Api.DAMP, pressed)[0] - pressed <= SLACK for mock in dogs.mocks)
     assert not peers.call("resume").success
     # Whoever presses it while they stand up damps them again.
@@ -179,13 +187,13 @@ def test_goals_e_stops_and_faults_of_two_go2s_on_cards_of_their_own(
     assert peers.call("stop").success
     dogs.until(lambda: "was damped while the team stood up" in peers.status["refused"])
     dogs.until(lambda: all(mock.asked(Api.DAMP, pressed) for mock in dogs.mocks))
-    dogs.until(lambda: all(places(mock) == "damping" for mock in dogs.mocks))
+    dogs.until(lambda: all(posture(mock) == "damping" for mock in dogs.mocks))
     # Also where the order to stand up is waiting while it is pressed.
     assert peers.call("reset_stop").success
     assert peers.call("stop").success
     assert peers.call("reset_stop").success
     lifted = time.time()
-    dogs.until(lambda: all(places(mock) == "ready" for mock in dogs.mocks))
+    dogs.until(lambda: all(posture(mock) == "ready" for mock in dogs.mocks))
     dogs.stands(lifted)
     dogs.resume()
     dogs.walk()
@@ -217,15 +225,105 @@ def test_goals_e_stops_and_faults_of_two_go2s_on_cards_of_their_own(
     dogs.stopped(low, "battery-low: robot_1 (12 %, 20 % are asked for)", 0.6)
     assert not peers.call("resume").success
     assert peers.call("stop").success
-    dogs.until(lambda: all(places(mock) == "damping" for mock in dogs.mocks))
+    dogs.until(lambda: all(posture(mock) == "damping" for mock in dogs.mocks))
     assert peers.call("reset_stop").success
     dogs.until(lambda: "must not stand up: battery-low: robot_1 (" in peers.status["refused"])
-    assert all(places(mock) == "damping" for mock in dogs.mocks)
+    assert all(posture(mock) == "damping" for mock in dogs.mocks)
     second.command("battery 80")
-    time.sleep(1.0)
-    assert peers.call("reset_stop").success
-    dogs.until(lambda: all(places(mock) == "ready" for mock in dogs.mocks))
+    dogs.until(
+        lambda: (
+            peers.call("reset_stop").success
+            and all(posture(mock) == "ready" for mock in dogs.mocks)
+        )
+    )
     dogs.resume()
-    dogs.until(lambda: peers.state() == "arrived")
+    dogs.walk()
     dogs.end()
     assert all(mock.calls[-1] == Api.STOP_MOVE for mock in dogs.mocks)
+
+
+class Camera(threading.Thread):
+    """Says where robots really are, as motion capture does, and misbehaves."""
+
+    def __init__(self, peers: Peers, mocks: list[Any]) -> None:
+        super().__init__(name="camera")
+        self._graph = peers.graph
+        self._logs = [mock.log.open() for mock in mocks]
+        kind = "geometry_msgs/msg/PoseStamped"
+        self._publishers = [
+            peers.graph.publisher(kind, f"/{name}/pose", qos.sensor_data()) for name in NAMES
+        ]
+        self._end = threading.Event()
+        self.frame, self.ahead, self.silent = "map", 0.0, False
+
+    def run(self) -> None:
+        poses, begun = [list(start) for start in STARTS], [""] * len(STARTS)
+        while not self._end.wait(0.03):
+            for k, log in enumerate(self._logs):
+                *lines, begun[k] = (begun[k] + log.read()).split("\n")
+                for entry in map(json.loads, lines):
+                    poses[k] = entry.get("pose", poses[k])
+                message = message_type("geometry_msgs/msg/PoseStamped")()
+                ahead, frame = (self.ahead, self.frame) if k == 0 else (0.0, "map")
+                fill_header(message.header, self._graph.time + ahead, frame)
+                fill_pose(message.pose, poses[k])
+                if k or not self.silent:
+                    self._publishers[k].publish(message)
+
+    def close(self) -> None:
+        self._end.set()
+        self.join()
+        for log in self._logs:
+            log.close()
+
+
+@pytest.fixture
+def seen(domain: None, mocks: Mocks, tmp_path: Path) -> Iterator[tuple[Go2s, Camera]]:
+    """Robots in domains of their own whose odometry is of no use, and a camera."""
+    made = [mocks("--drift", "0.3", "--start", *map(str, start)) for start in STARTS]
+    robots = [f"domain: {number}, interface: lo, battery_min: 5" for number, _ in made]
+    found = Go2s(tmp_path, [mock for _, mock in made], robots, "lie_down: true\n")
+    camera = Camera(found.peers, found.mocks)
+    try:
+        yield found, camera
+    finally:
+        if camera.ident is not None:
+            camera.close()
+        found.peers.close()
+
+
+def test_go2s_located_by_others_and_a_dry_run(seen: tuple[Go2s, Camera]) -> None:
+    dogs, camera = seen
+    peers = dogs.peers
+    blind = Go2Team(load_team(peers.team))
+    with pytest.raises(FleetError, match=r"robot_1: nothing was heard on /robot_1/pose \(PoseSt"):
+        blind.connect(1.0)
+    blind.close()
+    camera.start()
+    # The first day: everything but the commands, and so nobody stands up.
+    dogs.navigate("--dry-run")
+    peers.send_goal((3.0, 2.0, 0.0))
+    dogs.until(lambda: min(peers.plans.values(), default=0) > 1)
+    assert peers.call("stop").success
+    assert peers.call("reset_stop").success
+    dogs.resume()
+    dogs.end()
+    assert not any(mock.requests for mock in dogs.mocks)
+    dogs.navigate()
+    dogs.go(3.0)
+    for fault, cause, limit in (
+        ({"frame": "odom"}, "frame: robot_0 (poses on /robot_0/pose are in 'odom'", 0.0),
+        ({"ahead": 300.0}, "stamp: robot_0 (stamped", 0.0),
+        ({"silent": True}, "stale: robot_0", 0.5),
+    ):
+        since = time.time()
+        vars(camera).update(fault)
+        dogs.stopped(since, cause, limit)
+        assert not peers.call("resume").success
+        vars(camera).update(frame="map", ahead=0.0, silent=False)
+        dogs.stands(time.time())
+        dogs.resume()
+        dogs.walk()
+    dogs.arrive((3.0, 1.5), (3.0, 2.5))
+    dogs.end()
+    assert all(posture(mock) == "lying" for mock in dogs.mocks)

@@ -88,7 +88,7 @@ class TeamNavigator:
         map: The ground.
         individual: Makes another policy for goals of single robots than `IndividualNavigator`.
         sinks: Called with the `Frame` of each cycle, in the planner's thread. One that raises is
-            called no more, and the status says so.
+            called no more, and the status says so, as it does what a `problem` of theirs says.
         dry_run: Do everything, but command nobody; so is a team whose file says it.
 
     Raises:
@@ -131,7 +131,7 @@ class TeamNavigator:
         self._goals: tuple[Pose, ...] = ()
         self._own_goals: list[Pose | None] = [None] * fleet.size
         self._paused = self._resuming = False
-        self._refused = self._trouble = ""
+        self._refused = self._trouble = self._unrecorded = ""
         self._last: tuple[Frame, Cycle] | None = None
         self._begin: float | None = None
         self._arrival, self._arrived = ArrivalMonitor(LIVE), False
@@ -342,7 +342,7 @@ class TeamNavigator:
         """The team as of the last cycle, and what stopped it since."""
         with self._lock:
             last, goals, own = self._last, self._goals, tuple(self._own_goals)
-            refused, trouble = self._refused, self._trouble
+            refused, trouble = self._refused, self._trouble or self._unrecorded
             coming, arrived = self._shown != self._asked, self._arrived
             mode: Mode = "formation" if self._wanted is self._formation else "individual"
         names = self.team.names
@@ -588,14 +588,17 @@ class TeamNavigator:
         )
         with self._lock:
             self._last, self._shown = (frame, cycle), done
+        unrecorded = ""
         for sink in tuple(self._sinks):
             try:
                 sink(frame)
+                unrecorded = unrecorded or str(getattr(sink, "problem", ""))
             except Exception as error:
                 self._sinks.remove(sink)
                 _LOG.exception("a sink of frames has failed")
                 with self._lock:
                     self._trouble = f"what was recorded ends here: {type(error).__name__}: {error}"
+        self._unrecorded = unrecorded and f"not recorded: {unrecorded}"
 
     def _judge_arrival(self, now: float, cycle: Cycle, status: PlannerStatus, done: int) -> None:
         """All stand at their goals, turned right, for a while: see `ArrivalMonitor`."""

@@ -109,7 +109,10 @@ class Robot:
         if report.heard and self._offset is None and self._start is not None:
             self.anchor()
         pose, stamp = self.pose()
-        if all(map(math.isfinite, pose)) and (not self._past or stamp > self._past[-1][0]):
+        newest = self._past[-1][0] if self._past else -math.inf
+        if all(map(math.isfinite, pose)) and stamp != newest:
+            if stamp < newest:  # those of before were stamped later than they were
+                self._past.clear()
             self._past.append((stamp, *pose))
             while self._past[0][0] < stamp - _TREND:
                 self._past.popleft()
