@@ -1,4 +1,4 @@
-"""`cavalcade ros2 navigate` with Go2s that are none: goals and orders in, requests of the robots out.
+"""`cavalcade ros2 navigate` with Go2s that are none: goals and orders in, requests of robots out.
 
 Robots tell which requests they heard when. Of each fault: all are told to stop, the cause is
 named, and nothing moves before somebody resumes.

@@ -200,13 +200,13 @@ def test_activation_waits_for_a_map_that_is_published_late(peers, tmp_path):
     activated = ask(3)
     peers.until(lambda: listeners() == 2, navigate)
     publish("odom")
+    peers.until(lambda: "/late_map: in frame 'odom'" in navigate.output.read_text(), navigate)
     assert not activated.done()
     publish("map")
     peers.until(activated.done, navigate)
     assert activated.result().success
     peers.send_goal((3.0, 3.0, 0.0))
     peers.until(peers.moving, navigate)
-    assert "/late_map: in frame 'odom'" in navigate.output.read_text()
     # Whoever ends it while it waits needs no patience, and nobody moves.
     navigate.send_signal(signal.SIGTERM)
     assert navigate.wait(30) == 0

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cavalcade.errors import FleetError, InputError
-from cavalcade.fleet.protocol import Fault, Observation
+from cavalcade.fleet.protocol import Observation
 from cavalcade.fleet.ros2.schedule import Schedule
 from cavalcade.fleet.unitree.link import Go2Link
 from cavalcade.fleet.unitree.records import Stage, Wish
