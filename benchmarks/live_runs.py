@@ -1,7 +1,7 @@
 """Whole runs on a ROS 2 graph: simulated robots, the navigation and an operator, a process each.
 
-    python benchmarks/live_runs.py [SCENARIO ...] [--seeds 1] [--backend ideal] [--speed 1]
-                                   [--set KEY=VALUE ...] [--out DIR]
+    python benchmarks/live_runs.py [SCENARIO ...] [--seeds 1] [--first 0] [--backend ideal]
+                                   [--speed 1] [--set KEY=VALUE ...] [--out DIR]
 
 Needs rclpy. The goals of each scenario are published by an operator that is written without
 Cavalcade (`tests/live/peers/goal.py`); the run is over when the navigation says that the team has
@@ -66,6 +66,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("scenarios", nargs="*", default=["square-clutter"])
     parser.add_argument("--seeds", type=int, default=1)
+    parser.add_argument("--first", type=int, default=0, help="the first seed")
     parser.add_argument("--backend", default="ideal")
     parser.add_argument("--speed", type=float, default=1.0)
     parser.add_argument("--set", action="append", default=[])
@@ -73,7 +74,7 @@ def main() -> int:
     said = parser.parse_args()
     good = True
     for name in said.scenarios:
-        for seed in range(said.seeds):
+        for seed in range(said.first, said.first + said.seeds):
             folder = said.out / f"{Path(name).stem}-{said.backend}-{seed:03d}"
             result = one_run(name, seed, said, folder)
             good &= bool(result.get("arrived")) and not result["contacts"] and result["checked"]

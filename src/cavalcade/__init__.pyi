@@ -16,6 +16,7 @@ from .errors import OutputError as OutputError
 from .errors import RecordingError as RecordingError
 from .errors import ScenarioError as ScenarioError
 from .execution import IndividualNavigator as IndividualNavigator
+from .execution import Steering as Steering
 from .execution import SupervisedPlanner as SupervisedPlanner
 from .execution import Supervision as Supervision
 from .execution import Supervisor as Supervisor

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,7 @@ from cavalcade.checking.physics.run import judge_motion
 from cavalcade.checking.places import check_places
 from cavalcade.checking.plans import judge_plan, read_plan
 from cavalcade.checking.report import Figures, Report, Violation, make_report
+from cavalcade.checking.scatter import measured, widened, within
 from cavalcade.checking.solids import Scene, build_scene
 from cavalcade.checking.tracks import (
     Track,
@@ -57,8 +59,9 @@ def check(directory: str | Path) -> Report:
     recording; the starts; and, where the summary claims success, arrival. Of plans also dynamics,
     forces, the ground and the footholds, see `judge_plan`.
 
-    Of live robots poses are measured: what differences of noisy poses would say of speed and
-    acceleration is not judged, and cycles may be late by half a second. A recording whose end is
+    Of live robots poses are measured: what their scatter may explain is no violation (see
+    `scatter`), what differences of noisy poses would say of speed and acceleration is not judged,
+    and cycles may be late by half a second. A recording whose end is
     missing, because its writer was stopped, is judged as far as it goes, which is a violation.
 
     Args:
@@ -104,11 +107,34 @@ def judge(scenario: Scenario, tracks: tuple[Track, ...], summary: dict[str, Any]
         leaps = scenario.world.has_heights
         models = tuple(with_own_limits(model, leaps) for model in models)
         speeding = OWN_SPEEDING
-    live = scenario.execution.backend not in SIMULATED
-    violations, figures = judge_planar(scene, tracks, models, None if live else speeding)
+    if scenario.execution.backend not in SIMULATED:
+        return _judge_live(scenario, scene, tracks, models, summary)
+    violations, figures = judge_planar(scene, tracks, models, speeding)
     if figures is not None:
-        violations += _claimed(scenario, tracks, summary, PHYSICS if live else IDEAL)
+        violations += _claimed(scenario, tracks, summary, IDEAL)
         violations += check_places(scenario, scene, bool(summary.get("success")), violations)
+    return make_report(violations, figures)
+
+
+def _judge_live(
+    scenario: Scenario,
+    scene: Scene,
+    tracks: tuple[Track, ...],
+    models: tuple[RobotModel, ...],
+    summary: dict[str, Any],
+) -> Report:
+    """As `judge`, of measured poses: as far as they are sure."""
+    if violations := disordered(tracks):
+        return make_report(violations)
+    team = tuple(measured(track) for track in tracks)
+    tracks = tuple(one.track for one in team)
+    violations, figures = judge_planar(scene, tracks, models, None)
+    if any(one.sure for one in team):
+        # The gap is that of whole footprints; what counts as contact is what surely is one.
+        violations, _ = judge_planar(scene, tracks, within(models, team), None)
+    criterion, starts = widened(PHYSICS, team), [one.start_error for one in team]
+    violations += _claimed(scenario, tracks, summary, criterion, starts)
+    violations += check_places(scenario, scene, bool(summary.get("success")), violations)
     return make_report(violations, figures)
 
 
@@ -161,10 +187,17 @@ def judge_planar(
 
 
 def _claimed(
-    scenario: Scenario, tracks: tuple[Track, ...], summary: dict[str, Any], criterion: Criterion
+    scenario: Scenario,
+    tracks: tuple[Track, ...],
+    summary: dict[str, Any],
+    criterion: Criterion,
+    unsure: Sequence[tuple[float, float]] | None = None,
 ) -> list[Violation]:
-    """Starts, samples and, where the summary claims success, what of the task was not done."""
-    violations = misplaced(tracks, scenario.starts)
+    """Starts, samples and, where the summary claims success, what of the task was not done.
+
+    Starts are `unsure` by so much for each robot, m and rad; None for not at all.
+    """
+    violations = misplaced(tracks, scenario.starts, unsure)
     live = scenario.execution.backend not in SIMULATED
     end = _number(summary, "sim_time_s")
     violations += incomplete(tracks, scenario.execution.rate, end, live)

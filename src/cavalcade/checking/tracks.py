@@ -6,7 +6,7 @@ And whether they show the whole run: time stamps, gaps, the same samples for all
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -221,11 +221,17 @@ def broken_off(tracks: tuple[Track, ...]) -> Violation:
     return Violation("samples", end, tuple(range(len(tracks))), text, end, end)
 
 
-def misplaced(tracks: tuple[Track, ...], starts: tuple[Pose, ...]) -> list[Violation]:
-    """Robots that do not begin where the scenario says."""
+def misplaced(
+    tracks: tuple[Track, ...],
+    starts: tuple[Pose, ...],
+    unsure: Sequence[tuple[float, float]] | None = None,
+) -> list[Violation]:
+    """Robots that do not begin where the scenario says, but for what is `unsure`, m and rad."""
     result = []
     for robot, (track, start) in enumerate(zip(tracks, starts, strict=True)):
-        result += off_start(robot, track.time[0], track.pose[0], start, _START)
+        away, turn = (0.0, 0.0) if unsure is None else unsure[robot]
+        most = (_START[0] + away, _START[1] + turn)
+        result += off_start(robot, track.time[0], track.pose[0], start, most)
     return result
 
 

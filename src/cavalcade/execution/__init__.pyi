@@ -5,6 +5,7 @@ from .loop import carry_out as carry_out
 from .policy import Degradable as Degradable
 from .policy import Policy as Policy
 from .policy import Reconfigurable as Reconfigurable
+from .steering import Steering as Steering
 from .supervised import SupervisedPlanner as SupervisedPlanner
 from .supervisor import Supervision as Supervision
 from .supervisor import Supervisor as Supervisor

@@ -12,13 +12,11 @@ from cavalcade.errors import ScenarioError
 from cavalcade.execution.control import ControlLoop
 from cavalcade.execution.formation_policy import formation_of
 from cavalcade.execution.policy import Reconfigurable
+from cavalcade.execution.steering import TASK_KINDS
 from cavalcade.formation import DynamicObstacle
 from cavalcade.recording.frames import ObstacleTrack
-from cavalcade.scenario import Event, Scenario, World
+from cavalcade.scenario import Event, Obstacle, ObstacleSpan, Scenario, World, obstacle_spans
 from cavalcade.world import OccupancyMap, shape_from_mapping
-
-_TASK_KINDS = ("goals", "formation", "rejoin")
-"""Events that give the team something to do."""
 
 _TEAM_KINDS = ("goals", "formation", "lose", "rejoin")
 """Events that a policy must be able to take up."""
@@ -58,6 +56,12 @@ class EventRunner:
         self._obstacles = _Obstacles(world)
         self._map_time = 0.0
 
+    def add(self, event: Event, scenario: Scenario) -> None:
+        """One more event, of a scenario that has it, too; it is due at once."""
+        self._scenario = scenario
+        self._due.insert(sum(other.at <= event.at for other in self._due), event)
+        self._obstacles.follow(obstacle_spans(scenario))
+
     def news(self) -> tuple[tuple[str, ...], tuple[OccupancyMap, ...]]:
         """What happened since it was asked last, a line each, and each new map for the recording.
 
@@ -75,7 +79,7 @@ class EventRunner:
     @property
     def task_pending(self) -> bool:
         """Whether an event is still to come that gives the team something to do."""
-        return any(event.kind in _TASK_KINDS for event in self._due)
+        return any(event.kind in TASK_KINDS for event in self._due)
 
     def change_pending(self, time: float) -> bool:
         """Whether anything at all will still happen, so that a team that is stuck may get free."""
@@ -149,16 +153,29 @@ class _Obstacles:
     """The obstacles that are not there all the time at one place."""
 
     def __init__(self, world: World) -> None:
-        self.spans = tuple(span for span in world.spans if not span.fixed)
         self.motion_changed = False
         self._world = world
         self._moving: list[Any] = []
-        self._shapes = [shape_from_mapping(span.obstacle.to_dict()) for span in self.spans]
         # The first map shows the world's own obstacles; what events bring is still to be drawn.
-        self._drawn: list[tuple[float, float] | None] = [
-            place if span.start == 0.0 else None
-            for span, place in zip(self.spans, self._places(0.0), strict=True)
+        self._drawn: list[tuple[float, float] | None] = []
+        self.spans: tuple[ObstacleSpan, ...] = ()
+        self._take(world.spans, {_name(span) for span in world.spans if span.start == 0.0})
+
+    def follow(self, spans: tuple[ObstacleSpan, ...]) -> None:
+        """Take over the spans of all obstacles, which go on from those so far."""
+        self._take(spans, {_name(span) for span in self._all if span.fixed})
+
+    def _take(self, spans: tuple[ObstacleSpan, ...], there: set[tuple[Obstacle, float]]) -> None:
+        """Those that are on the map already are drawn where they were first, or last."""
+        drawn = {_name(span): place for span, place in zip(self.spans, self._drawn, strict=True)}
+        self._all = spans
+        self.spans = tuple(span for span in spans if not span.fixed)
+        self._shapes = [shape_from_mapping(span.obstacle.to_dict()) for span in self.spans]
+        self._drawn = [
+            drawn.get(name, (0.0, 0.0) if name in there else None)
+            for name in map(_name, self.spans)
         ]
+        self.__dict__.pop("_still_map", None)
 
     def update(self, time: float) -> OccupancyMap | None:
         """The new map if it has to be drawn anew, otherwise None."""
@@ -219,5 +236,10 @@ class _Obstacles:
     @cached_property
     def _still_map(self) -> OccupancyMap:
         """Fixed ones are rasterised once; the others are added to that map as they stand."""
-        fixed = [span.obstacle.to_dict() for span in self._world.spans if span.fixed]
+        fixed = [span.obstacle.to_dict() for span in self._all if span.fixed]
         return self._world.map_with(map(shape_from_mapping, fixed))
+
+
+def _name(span: ObstacleSpan) -> tuple[Obstacle, float]:
+    """What an obstacle is known by while it moves and goes."""
+    return span.obstacle, span.start

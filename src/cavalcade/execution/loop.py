@@ -13,11 +13,13 @@ from types import FrameType
 
 import numpy as np
 
+from cavalcade.errors import InputError
 from cavalcade.execution.arrival import ArrivalMonitor, tolerance_of
 from cavalcade.execution.control import ControlLoop, Cycle
 from cavalcade.execution.events import EventRunner
 from cavalcade.execution.policy import Policy
 from cavalcade.execution.real_time import prepare_process
+from cavalcade.execution.steering import Steering
 from cavalcade.execution.supervisor import Supervision, Supervisor
 from cavalcade.fleet import Fall, FallingFleet, Fleet, LiveFleet, SampledFleet
 from cavalcade.formation import Imperfections
@@ -94,6 +96,7 @@ def carry_out(
     realtime: bool = False,
     sinks: Sequence[FrameSink] = (),
     supervision: Supervision | None = None,
+    steering: Steering | None = None,
 ) -> Execution:
     """Run until the team has arrived or there is a reason not to go on. Writes no files.
 
@@ -109,11 +112,15 @@ def carry_out(
         realtime: Keep the pace of the wall clock; otherwise as fast as possible.
         sinks: Called with the frame of each cycle.
         supervision: What is allowed to the team; None for the defaults.
+        steering: By which others pause the run and change it on its way; not with live fleets.
 
     Raises:
         ScenarioError: An event asks the policy for what it cannot do.
+        InputError: Steering live robots.
         FleetError: Robots of a live fleet were not heard.
     """
+    if steering is not None and isinstance(fleet, LiveFleet):
+        raise InputError("is for simulated robots, whose clock can be stopped", key="steering")
     supervisor = Supervisor(
         scenario.models,
         1.0 / scenario.execution.rate,
@@ -121,7 +128,7 @@ def carry_out(
         world.map,
         _imperfections(scenario),
     )
-    run = _Run(scenario, world, ControlLoop(policy, fleet, supervisor), realtime)
+    run = _Run(scenario, world, ControlLoop(policy, fleet, supervisor), realtime, steering)
     budget = budget or scenario.planner.budget
     if not isinstance(fleet, LiveFleet):
         return run.carry_out(budget, sinks)
@@ -138,16 +145,22 @@ class _Run:
     """One run of a scenario."""
 
     def __init__(
-        self, scenario: Scenario, world: World, control: ControlLoop, realtime: bool
+        self,
+        scenario: Scenario,
+        world: World,
+        control: ControlLoop,
+        realtime: bool,
+        steering: Steering | None,
     ) -> None:
         self._scenario = scenario
         self._world = world
         self._control = control
         self._realtime = realtime
+        self._steering = steering
 
     def carry_out(self, budget: Budget, sinks: Sequence[FrameSink]) -> Execution:
         """Cycle by cycle until there is a reason to end."""
-        scenario, fleet = self._scenario, self._control.fleet
+        scenario, fleet, steering = self._scenario, self._control.fleet, self._steering
         started = clock.perf_counter()
         recorder = Recorder()
         with self._control as control:
@@ -157,11 +170,16 @@ class _Run:
             planning: list[float] = []
             while True:
                 now = round(fleet.time - start, 9)
+                if steering is not None:
+                    for event in steering.turn(now, period):
+                        events.add(event, steering.scenario)
                 events.apply(now)
                 cycle = control.plan()
                 planning.append(cycle.planning)
                 status = control.policy.status
                 end = judge.end(now, cycle, status)
+                if steering is not None:
+                    end = _steered(steering, end)
                 commands = cycle.commands if end is None else np.zeros_like(cycle.commands)
                 commands = control.send(commands, cycle)
                 notes, maps = events.news()
@@ -196,6 +214,13 @@ class _Run:
             return ()
         figures = self._control.statistics.to_dict(self._control.supervisor.missed)
         return (f"pace: {json.dumps(figures)}",)
+
+
+def _steered(steering: Steering, end: _End | None) -> _End | None:
+    """Whether and why the run ends, as those say who steer it."""
+    if end is not None:
+        return None if steering.goes_on(end[0]) else end
+    return ("stopped", "finished by hand", ()) if steering.finishing else None
 
 
 def _imperfections(scenario: Scenario) -> Imperfections:

@@ -12,6 +12,7 @@ from cavalcade.coordination.result import TeamPlan
 from cavalcade.errors import InputError
 from cavalcade.execution.loop import carry_out
 from cavalcade.execution.policy import Policy
+from cavalcade.execution.steering import Steering
 from cavalcade.fleet import Fleet, LiveFleet
 from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import Trajectory
@@ -110,6 +111,7 @@ def run(
     sinks: Sequence[FrameSink] = (),
     planner: PolicyMaker | Policy | None = None,
     fleet: Callable[[ResolvedScenario], Fleet] | Fleet | None = None,
+    steering: Steering | None = None,
 ) -> JobResult:
     """Plan and carry out a scenario.
 
@@ -131,6 +133,8 @@ def run(
             makes it.
         fleet: Other robots than the scenario's, at its starts, or a function of the scenario that
             makes them.
+        steering: By which other threads pause a simulated run and change it on its way; the
+            result's scenario has what happened among its events.
 
     Raises:
         InputError: The scenario, its map or an argument cannot be used.
@@ -171,6 +175,9 @@ def run(
         if isinstance(robots, LiveFleet) and fleet is None:
             stack.callback(robots.close)
         policy = task.make_policy(robots)
+        if steering is not None:
+            stack.callback(steering.end)
+            steering.begin(resolved)
         done = carry_out(
             resolved,
             world,
@@ -179,7 +186,10 @@ def run(
             budget=task.budget,
             realtime=realtime,
             sinks=sinks if quiet else (reporter, *sinks),
+            steering=steering,
         )
+        if steering is not None:
+            task.scenario = resolved = resolve_scenario(steering.scenario)
         reporter.complete()
         summary = task.summarise(policy, done)
         result = JobResult(resolved, world, summary, done.recording, task.planned)

@@ -148,8 +148,7 @@ class NavigationNode:
     def activate(self) -> None:
         """Begin to drive."""
         fleet = self._fleet
-        if fleet is None:
-            raise FleetError("the node is not configured")
+        assert fleet is not None  # a node that is not configured has no such transition
         self.lifecycle = "activating"
         area = self._await_map()
         sinks = () if self._record is None else (self._record(area, fleet.observe().poses),)

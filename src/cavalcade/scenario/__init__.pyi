@@ -1,3 +1,4 @@
+from .adding import scenario_with_event as scenario_with_event
 from .advice import ScenarioWarning as ScenarioWarning
 from .dumping import dump_scenario as dump_scenario
 from .ground import Obstacle as Obstacle
