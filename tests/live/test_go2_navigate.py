@@ -44,10 +44,9 @@ except InputError as error:
 class Go2s:
     """Two Go2s, their navigation, and an operator."""
 
-    def __init__(self, folder: Path, mocks: list[Any], robots: list[str], more: str = "") -> None:
-        self.mocks = mocks
-        save_map(OccupancyMap.empty((6.0, 4.0), 0.1), folder / "ground.yaml")
-        self.peers = Peers(folder)
+    def __init__(self, peers: Peers, mocks: list[Any], robots: list[str], more: str = "") -> None:
+        self.peers, self.mocks = peers, mocks
+        save_map(OccupancyMap.empty((6.0, 4.0), 0.1), peers.folder / "ground.yaml")
         self.peers.team.write_text(
             "version: 1\nname: hall\nfleet: unitree\nrobots:\n"
             + "".join(
@@ -130,15 +129,21 @@ def posture(mock: Any) -> str:
 
 
 @pytest.fixture
-def domain(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, request: Any) -> None:
+def peers(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, request: pytest.FixtureRequest
+) -> Iterator[Peers]:
+    """An operator, who comes before any card does: Fast DDS remembers cards when they are gone."""
     number = 1 + hash((os.getpid(), request.node.nodeid)) % 99
     monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.setenv("ROS_LOG_DIR", str(tmp_path / "log"))
+    found = Peers(tmp_path)
+    yield found
+    found.close()
 
 
 @pytest.fixture
-def team(domain: None, mocks: Mocks, tmp_path: Path) -> Iterator[tuple[Go2s, Cards]]:
+def team(peers: Peers, mocks: Mocks) -> Iterator[tuple[Go2s, Cards]]:
     """Each behind a card of its own, with odometry that began somewhere else."""
     with Cards(2) as cards:
         dogs = [
@@ -150,11 +155,7 @@ def team(domain: None, mocks: Mocks, tmp_path: Path) -> Iterator[tuple[Go2s, Car
             f"interface: {card}, start: {list(start)}"
             for card, start in zip(cards.ours, STARTS, strict=True)
         ]
-        found = Go2s(tmp_path, dogs, robots)
-        try:
-            yield found, cards
-        finally:
-            found.peers.close()
+        yield Go2s(peers, dogs, robots), cards
 
 
 def test_goals_e_stops_and_faults_of_two_go2s_on_cards_of_their_own(
@@ -278,18 +279,15 @@ class Camera(threading.Thread):
 
 
 @pytest.fixture
-def seen(domain: None, mocks: Mocks, tmp_path: Path) -> Iterator[tuple[Go2s, Camera]]:
+def seen(peers: Peers, mocks: Mocks) -> Iterator[tuple[Go2s, Camera]]:
     """Robots in domains of their own whose odometry is of no use, and a camera."""
     made = [mocks("--drift", "0.3", "--start", *map(str, start)) for start in STARTS]
     robots = [f"domain: {number}, interface: lo, battery_min: 5" for number, _ in made]
-    found = Go2s(tmp_path, [mock for _, mock in made], robots, "lie_down: true\n")
-    camera = Camera(found.peers, found.mocks)
-    try:
-        yield found, camera
-    finally:
-        if camera.ident is not None:
-            camera.close()
-        found.peers.close()
+    found = Go2s(peers, [mock for _, mock in made], robots, "lie_down: true\n")
+    camera = Camera(peers, found.mocks)
+    yield found, camera
+    if camera.ident is not None:
+        camera.close()
 
 
 def test_go2s_located_by_others_and_a_dry_run(seen: tuple[Go2s, Camera]) -> None:
