@@ -118,6 +118,7 @@ def test_workers_that_never_start_end_the_campaign_and_no_trial(
     tiny_plan: Definition, planted: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(local, "start_worker", planted.die_at_once)
+    monkeypatch.setattr(local, "_BREAKS", 2)
     with pytest.raises(WorkersError, match="the worker processes end before they take a trial"):
         run_campaign(tiny_plan, tmp_path / "a", LocalEngine(1), work=planted.fake)
     assert (tmp_path / "a" / "trials.jsonl").read_text() == ""
