@@ -134,7 +134,7 @@ def test_what_cannot_be_written_is_two(
         (["show", "cone", "--out", "no/such/folder/cone.png"], "no/such/folder: no such folder"),
         (["import", "x"], "--out"),
         (["import", "x", "--out", "y.yaml"], "x: no such file"),
-        (["studio"], "studio arrives with"),
+        (["studio", "--port", "70000"], "--port"),
     ],
 )
 def test_bad_input_is_two_and_one_line(

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cavalcade.cli import campaigns, options, ros2
+from cavalcade.cli import campaigns, options, ros2, studio
 from cavalcade.cli.signals import terminated_as_interrupted
 from cavalcade.errors import CavalcadeError, InputError, OutputError
 
@@ -179,6 +179,7 @@ def schema(
 app.command()(campaigns.campaign)
 app.command()(campaigns.trial)
 app.add_typer(ros2.app)
+app.command()(studio.studio)
 
 
 @app.command("import")
@@ -224,16 +225,6 @@ def plan(
 
     result = plan_scenario(loaded, out, method, force=force, quiet=quiet or as_json)
     _finish(loaded.name, result, as_json, "no plan")
-
-
-@app.command(
-    context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
-    add_help_option=False,
-)
-def studio() -> None:
-    """Arrives with the studio."""
-    print("cavalcade: studio arrives with the studio", file=sys.stderr)
-    raise typer.Exit(2)
 
 
 def _finish(name: str, result: JobResult, as_json: bool, otherwise: str) -> None:
