@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import subprocess
 import sys
 import time
@@ -42,8 +43,14 @@ def _open(page: Any, folder: str) -> None:
     page.wait_for_timeout(300)
 
 
+def _field(page: Any, label: str) -> Any:
+    """The input beside a label; viser does not tie the two together."""
+    found = f"xpath=//label[normalize-space()='{label}']/ancestor::*[.//input][1]//input"
+    return page.locator(found).first
+
+
 def _type(page: Any, label: str, text: str) -> Any:
-    field = page.get_by_label(label, exact=True).first
+    field = _field(page, label)
     field.scroll_into_view_if_needed()
     field.fill(text)
     return field
@@ -60,15 +67,9 @@ def _ground(page: Any, studio: Studio, x: float, y: float) -> tuple[float, float
     client.camera.position, client.camera.look_at = (7.0, 4.99, 16.0), (7.0, 5.0, 0.0)
     page.wait_for_timeout(600)
     box = page.locator("canvas").first.bounding_box()
-    scale = box["height"] / (2.0 * 16.0 * _tangent(client.camera.fov))
+    scale = box["height"] / (2.0 * 16.0 * math.tan(client.camera.fov / 2.0))
     middle = (box["x"] + box["width"] / 2.0, box["y"] + box["height"] / 2.0)
     return middle[0] + scale * (x - 7.0), middle[1] - scale * (y - 5.0)
-
-
-def _tangent(fov: float) -> float:
-    import math
-
-    return math.tan(fov / 2.0)
 
 
 def test_from_an_empty_page_to_a_scenario_that_runs(
@@ -147,7 +148,6 @@ def test_steps_are_undone_and_done_again(studio: Studio, page: Any, until: Until
     assert not draft.state.robots
     _button(page, "Redo").click()
     _status(page, "Ready to run")
-    page.locator("canvas").first.hover()
     page.keyboard.press("Control+z")
     _status(page, "Next: add robots")
     page.keyboard.press("Control+Shift+z")
@@ -195,7 +195,7 @@ def test_wrong_uploads_are_refused_in_words(
 
 def test_a_shipped_scenario_is_changed_and_saved(studio: Studio, page: Any, until: Until) -> None:
     draft = studio.build.draft
-    page.get_by_label("Begin with").first.click()
+    _field(page, "Begin with").click()
     page.get_by_role("option", name="triangle-lab").click()
     _status(page, "Ready to run: 3 go1, triangle")
     _type(page, "Name", "mine")
