@@ -55,12 +55,12 @@ class Session:
         self.driver: int | None = None
         self.server = viser.ViserServer(host=host, port=port, label="Cavalcade", verbose=False)
         self.server.gui.configure_theme(
-            control_layout="collapsible",
             control_width="large",
             show_logo=False,
             show_share_button=False,
             dark_mode=True,
         )
+        self.server.gui.main_panel.dock_right()
         self.stage = Stage(self.server)
         self.server.on_client_connect(self._on_connect)
         self.server.on_client_disconnect(self._on_disconnect)
