@@ -13,7 +13,7 @@ from cavalcade.metrics.run_summary import placement_errors
 from cavalcade.recording import Recording
 from cavalcade.studio.results import Result
 
-_MOST_SAMPLES = 1200
+_MOST_SAMPLES = 600
 """Of a run; of more cycles every so many-th is looked at."""
 
 

@@ -56,7 +56,7 @@ class RecordingPlayer:
         )
         # Without a task nobody has a role; with one, who has none is lost.
         roles = np.asarray(status.roles)
-        lost = np.flatnonzero(roles < 0) if (roles >= 0).any() else []
+        lost = np.flatnonzero((roles < 0) & (roles >= 0).any())
         trunks, joints = None, None
         if recording.physics is not None and len(recording.physics.time):
             trunks, joints = _bodies(recording.physics, time)
@@ -68,7 +68,7 @@ class RecordingPlayer:
             trunks=trunks,
             joints=joints,
             obstacles=obstacles,
-            lost=tuple(int(robot) for robot in lost),
+            lost=tuple(lost.tolist()),
         )
 
 

@@ -147,6 +147,14 @@ def read_result(folder: Path) -> Result:
     Raises:
         InputError: It is missing or damaged, or its parts do not belong together.
     """
+    try:
+        return _result(folder)
+    except OSError as error:  # it vanishes while it is read
+        reason = error.strerror or type(error).__name__
+        raise InputError(f"cannot be read: {reason}", file=folder) from None
+
+
+def _result(folder: Path) -> Result:
     kind = kind_of(folder)
     if kind not in ("run", "plan"):
         wanted = f"expected the folder of a run, a plan or a campaign: {RECORDING}, {PLAN}"
@@ -159,7 +167,8 @@ def read_result(folder: Path) -> Result:
             warnings.simplefilter("ignore", told_before)
         scenario = resolve_scenario(load_scenario(folder / SCENARIO))
         world = start = build_world(scenario)
-        recording, player = None, None
+        recording: Recording | None = None
+        player: Player | None = None
         if kind == "run":
             warnings.simplefilter("ignore", UserWarning)  # said below
             recording = read_recording(folder)
