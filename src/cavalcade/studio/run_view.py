@@ -67,10 +67,10 @@ class RunView:
         self._over = over and may_over
         gui, handle = session.server.gui, session.handle
         gui.add_markdown(_title(results))
+        start = begin if time is None else time
         self.timeline = Timeline(
-            session, begin, end, _events(results), _robots(results), self._on_time
+            session, begin, end, start, _events(results), _robots(results), self._on_time
         )
-        self.timeline.playback.jump(begin if time is None else time)
         self.snapshot = first.player.at(self.timeline.time)
         if may_over:
             where = gui.add_dropdown(
@@ -102,7 +102,10 @@ class RunView:
             )
         self._shown = True
         self._show(self.timeline.time)
-        stage.frame_team()
+        if self._scene is None or self._over or second is None:
+            stage.frame_team()
+        else:
+            self._frame(_places(first), _places(second) + self._scene.offset)
 
     def leave(self) -> None:
         """The scene is another one's."""
@@ -135,6 +138,16 @@ class RunView:
             self._follow(self.snapshot, other)
         else:
             self._follow(self.snapshot, None)
+
+    def _frame(self, *places: np.ndarray) -> None:
+        """Look at all of these places `(K, 2)` from above, a little from behind."""
+        points = np.concatenate(places)
+        low, high = points.min(axis=0), points.max(axis=0)
+        x, y = (low + high) / 2.0
+        far = 1.3 * max(4.0, float(high[0] - low[0]), float(high[1] - low[1]))
+        camera = self._session.server.initial_camera
+        for one in (camera, *(c.camera for c in self._session.server.get_clients().values())):
+            one.position, one.look_at = (x, y - 0.6 * far, 0.75 * far), (x, y, 0.0)
 
     def _follow(self, first: Snapshot, second: Snapshot | None) -> None:
         """Move the cameras as the followed robot has moved."""
@@ -205,6 +218,13 @@ class RunView:
         self._session.download(event, f"{self._first.scenario.name}.yaml", content)
 
 
+def _places(result: Result) -> np.ndarray:
+    """`(K, 2)`: where its robots are on their way, m."""
+    player = result.player
+    times = np.linspace(player.begin, player.end, 20)
+    return np.concatenate([player.at(float(time)).poses[:, :2] for time in times])
+
+
 def _names(results: Sequence[Result]) -> list[str]:
     """What two results are called beside each other."""
     names = [result.folder.name for result in results]
@@ -237,7 +257,7 @@ def _summary(results: Sequence[Result]) -> str:
         f"| {label} | {_safe(a)} | {_safe(b)} | {difference} |"
         for label, a, b, difference in compared(one.summary, other.summary)
     ]
-    return "\n".join([f"| | {names[0]} | {names[1]} | difference |", "|:--|--:|--:|--:|", *body])
+    return "\n".join([f"| | {names[0]} | {names[1]} | Δ |", "|:--|--:|--:|--:|", *body])
 
 
 def _safe(text: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time as wall
 from collections.abc import Callable, Sequence
@@ -26,7 +27,7 @@ class Timeline:
 
     Args:
         session: The page's.
-        begin, end: s.
+        begin, end, time: First and last moment, and where to begin, s.
         events: (time in s, text) in order of time.
         robots: Names of the robots that can be followed.
         show: Called with each time that is to be shown, s, and whether that is final for now.
@@ -41,16 +42,20 @@ class Timeline:
         session: Session,
         begin: float,
         end: float,
+        time: float,
         events: Sequence[tuple[float, str]],
         robots: Sequence[str],
         show: Callable[[float, bool], None],
     ) -> None:
         self._session, self._show = session, show
         self.playback = Playback(begin, end)
+        self.playback.jump(time)
         self.followed: int | None = None
         gui, handle = session.server.gui, session.handle
+        low = math.floor(100.0 * begin) / 100.0
+        high = max(math.ceil(100.0 * end) / 100.0, low + 0.01)
         self._slider = gui.add_slider(
-            "Time (s)", begin, max(end, begin + 0.01), 0.01, begin, marks=_marks(begin, end, events)
+            "Time (s)", low, high, 0.01, round(self.time, 2), marks=_marks(low, high, events)
         )
         self._slider.on_update(handle(self._on_slider))
         self._play = gui.add_button("Play", icon="player-play", hint="Or the space bar")
@@ -172,4 +177,4 @@ def _marks(begin: float, end: float, events: Sequence[tuple[float, str]]) -> tup
     """The ends with their times, and ticks where something happened."""
     times = sorted({round(time, 2) for time, _ in events if begin < time < end})
     ticks = times[:: max(1, -(-len(times) // _MOST_MARKS))]
-    return ((begin, f"{begin:g}"), *ticks, (max(end, begin + 0.01), f"{end:.1f}"))
+    return ((begin, f"{begin:.1f}"), *ticks, (end, f"{end:.1f}"))
