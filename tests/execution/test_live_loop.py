@@ -183,13 +183,36 @@ def test_a_clock_that_stands_still_stops_the_team():
         until(lambda: not fleet.log[-1][1].any())
 
 
-def test_a_clock_that_is_set_back_stops_the_team():
+@pytest.mark.parametrize(("by", "kind"), [(-5.0, "clock-back"), (5.0, "clock-forward")])
+def test_a_clock_that_is_set_stops_the_team(by, kind):
     fleet, _, loop = team()
     with loop:
         cycle(loop)
-        fleet.frozen = fleet.time - 5.0
+        fleet.frozen = fleet.time + by
         until(lambda: loop.supervisor.stopped)
-        assert loop.supervisor.cause[0].kind == "clock-back"
+        assert loop.supervisor.cause[0].kind == kind
+
+
+def test_without_a_guard_no_team_is_driven(monkeypatch):
+    fleet, _, loop = team()
+    sound, failed = LiveRobots.time, []
+
+    def clock(robots):
+        if not failed and threading.current_thread().name == "cavalcade-guard":
+            failed.append(True)
+            raise RuntimeError("there is no clock")
+        return sound.fget(robots)
+
+    with loop:
+        assert cycle(loop).any()
+        monkeypatch.setattr(LiveRobots, "time", property(clock))
+        until(lambda: loop.supervisor.stopped)
+        cause = loop.supervisor.cause
+        assert str(cause[0]) == "guard (RuntimeError: there is no clock)"
+        for _ in range(3):
+            loop.resume()
+            assert not cycle(loop).any()
+        assert not fleet.log[-1][1].any()
 
 
 def test_the_e_stop_acts_at_once_and_between_two_cycles():

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import time as wall
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -9,6 +11,7 @@ from hypothesis import strategies as st
 
 from cavalcade.errors import InputError
 from cavalcade.execution import Supervision, Supervisor
+from cavalcade.execution import supervisor as supervising
 from cavalcade.fleet import Fault, IdealFleet, Observation
 from cavalcade.robots import robot_model
 from cavalcade.world import OccupancyMap
@@ -59,7 +62,57 @@ def test_reports_may_be_half_a_second_old_and_no_older() -> None:
     stamps = np.array([0.5, 0.0, 0.5])
     assert watch.check(seen(0.5, stamps=stamps)).ok
     report = watch.check(seen(0.55, stamps=stamps))
-    assert [(fault.robot, fault.kind) for fault in report.faults] == [(1, "stale")]
+    assert [str(fault) for fault in report.faults] == ["stale: robot 1 (0.55 s old)"]
+
+
+@pytest.fixture
+def still(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The wall's clock, which shows what it showed first."""
+    now = wall.monotonic()
+    monkeypatch.setattr(supervising, "wall", SimpleNamespace(monotonic=lambda: now))
+
+
+@pytest.mark.parametrize(
+    ("step", "kinds"),
+    [
+        (0.5, []),
+        (0.54, ["stale"] * 3),
+        (0.56, ["clock-forward"]),
+        (5.0, ["clock-forward"]),
+    ],
+)
+def test_a_clock_that_is_set_forward_is_named_and_not_every_robot(
+    still: None, step: float, kinds: list[str]
+) -> None:
+    watch = supervisor()
+    report = watch.check(seen(step, stamps=np.zeros(3)))
+    assert [fault.kind for fault in report.faults] == kinds
+    if step == 5.0:
+        assert str(report.cause[0]) == "clock-forward (by 4.95 s)"
+
+
+def test_a_robot_that_was_silent_before_the_clock_was_set_is_named_besides(still: None) -> None:
+    watch = supervisor()
+    for cycle in range(1, 11):
+        watch.check(seen(0.05 * cycle, stamps=np.array([0.05 * cycle, 0.0, 0.05 * cycle])))
+    report = watch.check(seen(1.5, stamps=np.array([0.5, -0.1, 0.5])))
+    assert {(f.robot, f.kind) for f in report.faults} == {(None, "clock-forward"), (1, "stale")}
+
+
+def test_a_clock_that_is_set_forward_while_reports_are_fresh_is_no_fault() -> None:
+    assert supervisor().check(seen(5.0)).ok
+
+
+def test_a_cycle_that_took_as_long_as_the_clock_went_on_is_no_leap(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    watch = supervisor()
+    later = wall.monotonic() + 5.0
+    monkeypatch.setattr(supervising, "wall", SimpleNamespace(monotonic=lambda: later))
+    report = watch.check(seen(5.0, stamps=np.zeros(3)))
+    assert [(fault.robot, fault.kind) for fault in report.faults] == [
+        (robot, "stale") for robot in range(3)
+    ]
 
 
 @settings(max_examples=50, deadline=None)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import gc
 import importlib.util
 import math
 import mmap
+import os
 from typing import Any
 
 import pytest
@@ -12,6 +14,7 @@ import pytest
 from cavalcade.errors import InputError, ScenarioError
 from cavalcade.fleet.unitree import Go2Fleet, Go2Link, load_sdk
 from cavalcade.fleet.unitree.records import Order, Report, SharedRecords, Slot, Stage, Wish
+from cavalcade.fleet.unitree.robot import Robot
 from cavalcade.fleet.unitree.sport import Api, meaning_of, name_of, posture_of
 from cavalcade.scenario import load_scenario
 
@@ -30,7 +33,22 @@ def test_records_hold_what_was_written_last() -> None:
     other.report.write(report)
     assert other.order.read() == ORDER
     assert records.report.read() == report
-    records.close()
+
+
+def test_robots_that_were_closed_leave_nothing_open() -> None:
+    def opened() -> int:
+        gc.collect()
+        return len(os.listdir("/proc/self/fd"))
+
+    before = opened()
+    robots = [Robot(number, Go2Link(), None, 0.0) for number in range(5)]
+    assert opened() > before
+    for robot in robots:
+        robot.close()
+        robot.close()
+        robot.look()
+    del robot, robots
+    assert opened() == before
 
 
 @pytest.mark.parametrize("broken", [0, 8, 24, 51])

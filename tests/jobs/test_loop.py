@@ -194,7 +194,7 @@ def test_a_robot_that_falls_silent_stops_the_run(go: Callable[..., Any]) -> None
     result = go(fleet=lambda scenario: Failing(scenario.models, scenario.starts))
     summary = result.summary
     assert (summary["reason"], summary["success"]) == ("stopped", False)
-    assert summary["detail"] == "watchdog: stale: robot 3"
+    assert summary["detail"] == "watchdog: stale: robot 3 (0.55 s old)"
     assert summary["involved"] == [3]
     assert summary["sim_time_s"] < 4.0
     assert any("stale: robot 3" in text for _, text in result.recording.notes)

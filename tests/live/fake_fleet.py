@@ -8,7 +8,7 @@ import time as wall
 import numpy as np
 
 from cavalcade.fleet import Observation
-from cavalcade.fleet.ros2.schedule import Schedule
+from cavalcade.fleet.schedule import Schedule
 
 
 class FakeFleet:

@@ -125,6 +125,19 @@ def test_cancelled_goal_cancels_the_team(action):
     assert action.navigator.cancelled
 
 
+def test_goal_cancelled_at_a_node_that_is_not_active_ends(action):
+    def inactive():
+        raise InputError("the node is inactive; activate it first")
+
+    handle = Handle()
+    job = begin(action, handle)
+    handle.is_cancel_requested = True
+    action._active = inactive
+    action.look(status("inactive"))
+    end(job)
+    assert handle.ended == ["aborted"]
+
+
 def test_new_goal_takes_the_place_of_the_last_one(action):
     first, second = Handle(), Handle()
     before = begin(action, first)

@@ -160,12 +160,14 @@ def shown_topics():
         "rviz_default_plugins/Map": "nav_msgs/msg/OccupancyGrid",
         "rviz_default_plugins/MarkerArray": "visualization_msgs/msg/MarkerArray",
         "rviz_default_plugins/Path": "nav_msgs/msg/Path",
+        "rviz_default_plugins/RobotModel": "std_msgs/msg/String",
     }
     rviz = yaml.safe_load((CONFIG / "team.rviz").read_text())["Visualization Manager"]
     shown, sent = set(), set()
     for display in rviz["Displays"]:
-        if "Topic" in display:
-            shown.add((display["Topic"]["Value"], kinds[display["Class"]], durability(display)))
+        if topic := display.get("Topic", display.get("Description Topic")):
+            kept = topic["Durability Policy"].upper().replace(" ", "_")
+            shown.add((topic["Value"], kinds[display["Class"]], kept))
     for tool in rviz["Tools"]:
         if "Topic" in tool:
             sent.add((tool["Topic"]["Value"], "geometry_msgs/msg/PoseStamped"))
@@ -180,10 +182,6 @@ def shown_topics():
     return shown, sent, foxglove, services
 
 
-def durability(display):
-    return display["Topic"]["Durability Policy"].upper().replace(" ", "_")
-
-
 def test_what_rviz_and_foxglove_show_is_there(peers):
     """Every topic with its type and quality, for the robots that the lesson simulates."""
     simulation = peers.run("ros2", "simulate", "square-clutter")
@@ -192,7 +190,7 @@ def test_what_rviz_and_foxglove_show_is_there(peers):
     peers.until(lambda: peers.status.get("lifecycle") == "active", node, 300.0)
     graph = peers.graph.node
     shown, sent, foxglove, services = shown_topics()
-    assert len(shown) == 6
+    assert len(shown) == 10
     assert len(sent) == 5
     for topic, kind, durability in shown:
         ends = [e for e in graph.get_publishers_info_by_topic(topic) if e.node_name != "operator"]

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 import random
+import re
 import threading
 
 import numpy as np
@@ -14,6 +17,7 @@ from cavalcade.errors import InputError
 from cavalcade.fleet import Fault
 from cavalcade.live.navigator import TeamNavigator
 from cavalcade.live.team_file import parse_team
+from cavalcade.recording.live_writer import LiveRecording
 from cavalcade.recording.status import PlannerStatus
 from cavalcade.world import Box, OccupancyMap
 
@@ -255,9 +259,53 @@ def test_sink_that_raises_is_left_out(ground):
 
     fleet = FakeFleet(STARTS)
     with TeamNavigator(team_with(), fleet, map=ground, sinks=[full]) as navigator:
-        until(lambda: "disk full" in navigator.status.message)
+        until(lambda: "disk full" in navigator.status.recording)
+        assert navigator.status.recording in navigator.status.message
         navigator.set_formation_goals([GOAL])
         until(lambda: navigator.status.arrived)
+
+
+def test_a_disk_that_is_full_is_told_while_the_team_drives(ground, tmp_path):
+    fleet = FakeFleet(STARTS)
+    models = team_with().models
+    with (
+        LiveRecording(tmp_path / "recording.mcap", models) as recording,
+        TeamNavigator(team_with(), fleet, map=ground, sinks=[recording]) as navigator,
+    ):
+        navigator.set_formation_goals([GOAL])
+        assert navigator.status.recording == ""
+        before = navigator.status.turning_point
+        recording._file.flush = full_disk
+        until(lambda: navigator.status.recording)
+        status = navigator.status
+        assert "No space left" in status.recording == status.to_dict()["recording"]
+        assert status.ok
+        assert before != status.turning_point
+        del recording._file.flush
+        until(lambda: not navigator.status.recording)
+        until(lambda: navigator.status.arrived)
+        assert navigator.status.message == ""
+
+
+def full_disk():
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def test_a_fault_that_goes_on_is_news_once_and_a_line_of_its_robot(live):
+    live.set_formation_goals([GOAL])
+    until(lambda: moving(live))
+    live.fleet.silent[0] = live.fleet.time
+    until(lambda: live.status.state == "stopped")
+    first = live.status
+    frames = len(live.frames)
+    until(lambda: len(live.frames) > frames + 3)
+    later = live.status
+    assert later.turning_point == first.turning_point
+    (cause,), (line,) = later.cause, later.robots[0].faults
+    assert re.fullmatch(r"stale: anna \(0\.\d\d s old\)", cause)
+    assert re.fullmatch(r"stale \(\d+\.\d\d s old\)", line)
+    assert line != first.robots[0].faults[0]
+    assert not later.robots[1].faults
 
 
 def test_dry_run_commands_nobody(ground):

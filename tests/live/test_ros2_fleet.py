@@ -61,10 +61,10 @@ def test_a_second_commander_is_a_fault_as_long_as_it_is_there(
     fleet = Ros2Fleet(scenario_robots(1))
     try:
         fleet.start(60.0)
-        rival = graph("operator.py", "1.0", "0.2")
+        rival = graph("driver.py", "1.0", "0.2")
         (fault,) = until(lambda: fleet.observe().faults)
         assert (fault.robot, fault.kind) == (0, "second-commander")
-        named = "/operator publishes on /robot_0/cmd_vel"
+        named = "/driver publishes on /robot_0/cmd_vel"
         until(lambda: any(named in fault.detail for fault in fleet.observe().faults))
         rival.process.terminate()
         until(lambda: not fleet.observe().faults)

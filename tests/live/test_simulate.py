@@ -1,4 +1,4 @@
-"""`cavalcade ros2 simulate` with an operator that nobody here wrote."""
+"""`cavalcade ros2 simulate` with a driver that nobody here wrote."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ def test_a_robot_goes_as_it_is_told_and_stops_when_nobody_speaks(
     graph: Callable[..., Any], until: Wait
 ) -> None:
     simulation = graph("cavalcade", "ros2", "simulate", "square-clutter")
-    operator = graph("operator.py", "2.0", "0.4")
+    driver = graph("driver.py", "2.0", "0.4")
     until(lambda: "heard no command for 0.5 s" in simulation.text)
-    heard = operator.heard
+    heard = driver.heard
     poses = [one for one in heard if one["kind"] == "pose"]
     assert {one["frame"] for one in poses} == {"map"}
     assert poses[-1]["x"] - poses[0]["x"] > 0.3
     stamps = [one["stamp"] for one in poses]
     assert stamps == sorted(stamps)
     count = len(poses)
-    until(lambda: sum(one["kind"] == "pose" for one in operator.heard) > count + 100)
-    rest = [one["x"] for one in operator.heard if one["kind"] == "pose"][-20:]
+    until(lambda: sum(one["kind"] == "pose" for one in driver.heard) > count + 100)
+    rest = [one["x"] for one in driver.heard if one["kind"] == "pose"][-20:]
     assert max(rest) - min(rest) < 1e-6
-    others = {one["kind"]: one for one in operator.heard if one["kind"] != "pose"}
+    others = {one["kind"]: one for one in driver.heard if one["kind"] != "pose"}
     assert others["scan"]["rays"] == 360
     assert others["scan"]["least"] > 0.1
     assert others["map"]["cells"] % others["map"]["width"] == 0

@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from cavalcade.cli import campaigns, options, ros2, studio
-from cavalcade.cli.signals import terminated_as_interrupted
 from cavalcade.errors import CavalcadeError, InputError, OutputError
 
 if TYPE_CHECKING:
@@ -67,6 +66,7 @@ def run(
 ) -> None:
     """Plan and carry out a scenario; leave recording, figures and replay in a folder."""
     loaded = options.load(scenario, overrides, seed, backend)
+    from cavalcade.execution.real_time import terminated_as_interrupted
     from cavalcade.jobs import run as run_scenario
 
     with terminated_as_interrupted():

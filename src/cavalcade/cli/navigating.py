@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from cavalcade.live.team_file import Team
 
 _WATCH = 0.2
-"""How often the node is looked after, s."""
+"""How often is looked whether the node is up, s."""
 
 
 def navigate(
@@ -50,7 +50,7 @@ def navigate(
     load_rclpy()
     from cavalcade.jobs import warming
     from cavalcade.jobs.reporter import Reporter
-    from cavalcade.live.navigator import kernels_of
+    from cavalcade.live.planners import kernels_of
     from cavalcade.live.ros2_node import NavigationNode
     from cavalcade.live.session import SessionFolder
     from cavalcade.live.team_file import load_team
@@ -75,8 +75,7 @@ def navigate(
                 say("/team/navigator waits to be configured and activated; Ctrl-C ends")
             else:
                 _bring_up(node, stop)
-            while not stop.wait(_WATCH):
-                pass
+            stop.wait()
     finally:
         for name, handler in before.items():
             signal.signal(name, handler)

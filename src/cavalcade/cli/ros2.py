@@ -57,9 +57,10 @@ def simulate(
 
     if loaded.execution.events:
         say("the scenario's events are left out")
+    graph = SimulationGraph(Simulation(loaded), stamped=stamped, say=say)
+    # Until here SIGTERM ends a process that may compile for long.
     stop = threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: stop.set())
-    graph = SimulationGraph(Simulation(loaded), stamped=stamped, say=say)
     try:
         names = ", ".join(robot.namespace for robot in graph.robots)
         say(f"{loaded.name}: {names}; Ctrl-C ends")

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Self
 
@@ -62,7 +63,7 @@ class ControlLoop:
         # Looked up once: it takes longer than a robot's part of a cycle.
         self._leaper = fleet if isinstance(fleet, LeapingFleet) else None
         self._paused = False
-        self._known: tuple[Array, Array] | None = None
+        self._sound = SoundReports(fleet.size)
 
     @property
     def policy(self) -> Policy:
@@ -101,9 +102,10 @@ class ControlLoop:
             if self._paused:
                 self.policy.resume()
                 self._paused = False
-            poses, stamps = self._usable(observation)
+            poses, stamps = self._sound.update(observation.poses, observation.stamps)
             start = time.perf_counter()
-            wanted = self._step(poses, observation.time, stamps)
+            with failing(self.supervisor):
+                wanted = np.array(self.policy.step(poses, observation.time, stamps), dtype=float)
             planning = time.perf_counter() - start
         elif not self._paused:
             self.policy.pause()
@@ -177,23 +179,31 @@ class ControlLoop:
         else:
             self._guard.send(zeros)
 
-    def _step(self, poses: Array, now: float, stamps: Array) -> Array:
-        try:
-            return np.array(self.policy.step(poses, now, stamps), dtype=float)
-        except BaseException as error:
-            self.supervisor.stop("planner", type(error).__name__)
-            raise
 
-    def _usable(self, observation: Observation) -> tuple[Array, Array]:
-        """Poses and stamps; where a lost robot reports nonsense, those of its last sound report."""
-        poses, stamps = observation.poses, observation.stamps
-        sound = np.isfinite(poses).all(axis=1) & np.isfinite(stamps)
-        known = self._known or (np.zeros_like(poses), np.zeros_like(stamps))
+class SoundReports:
+    """The last poses and stamps of a team that were numbers, where lost robots report others."""
+
+    def __init__(self, size: int) -> None:
+        self._known = np.zeros((size, 3)), np.zeros(size)
+
+    def update(self, poses: Array, stamps: Array) -> tuple[Array, Array]:
+        """Poses `(N, 3)` and stamps `(N,)` as planners may have them, as own arrays."""
+        good = np.isfinite(poses).all(axis=1) & np.isfinite(stamps)
         self._known = (
-            np.where(sound[:, None], poses, known[0]),
-            np.where(sound, stamps, known[1]),
+            np.where(good[:, None], poses, self._known[0]),
+            np.where(good, stamps, self._known[1]),
         )
         return self._known[0].copy(), self._known[1].copy()
+
+
+@contextmanager
+def failing(supervisor: Supervisor) -> Iterator[None]:
+    """Stop the team if the planner raises something."""
+    try:
+        yield
+    except BaseException as error:
+        supervisor.stop("planner", type(error).__name__)
+        raise
 
 
 def tell_sent(policy: Policy, wanted: Array, admitted: Array) -> None:

@@ -8,7 +8,7 @@ from threading import Event, Lock, Thread, current_thread
 
 import numpy as np
 
-from cavalcade.execution.supervisor import Supervisor
+from cavalcade.execution.supervisor import Supervisor, leap
 from cavalcade.fleet import LiveFleet
 from cavalcade.geometry import Array
 
@@ -20,8 +20,9 @@ class CommandGuard:
 
     A cycle that has delivered no command two deadlines after it began, or was to begin, stops the
     team (`deadline`), and zeros leave again and again until commands come; those are zero, too,
-    until an operator resumes. The same for a clock that goes back or stands still for longer than
-    the age limit, and for a planner's thread that ends without a word.
+    until an operator resumes. The same for a clock that is set, or stands still for longer than
+    the age limit, and for a planner's thread that ends without a word. If the guard itself fails
+    the team has stopped for good.
 
     Args:
         fleet: Where commands go.
@@ -71,6 +72,7 @@ class CommandGuard:
         except Exception as error:
             _LOG.exception("the guard of the team has failed")
             self._supervisor.stop("guard", f"{type(error).__name__}: {error}")
+            self._supervisor.close()  # nobody is driven without
         finally:
             self._send_zeros()
 
@@ -83,16 +85,22 @@ class CommandGuard:
             now, wall = self._fleet.time, time.monotonic()
             if now < last - 1e-9:
                 self._supervisor.stop("clock-back", f"by {last - now:.3g} s")
-                self._due = None
+                with self._lock:
+                    self._due = None
             still = wall - since > self._supervisor.supervision.max_age and now <= last
             if still:
                 self._supervisor.stop("clock-still", f"at {now:.3f} s")
+            due = self._due
+            late = due is not None and now > due
+            if late:
+                leapt = leap(now - last, wall - since, self._supervisor.supervision)
+                if leapt:
+                    self._supervisor.stop("clock-forward", f"by {leapt:.3g} s")
+                else:
+                    self._supervisor.stop("deadline", "no commands came in time")
             if now != last:
                 last, since = now, wall
-            due = self._due
-            if due is not None and now > due:
-                self._supervisor.stop("deadline", "no commands came in time")
-            if still or (due is not None and now > due):
+            if still or late:
                 self._send_zeros()
 
     def _send_zeros(self) -> None:

@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 import json
-import signal
-import threading
 import time as clock
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from types import FrameType
 
 import numpy as np
 
@@ -18,7 +14,7 @@ from cavalcade.execution.arrival import ArrivalMonitor, tolerance_of
 from cavalcade.execution.control import ControlLoop, Cycle
 from cavalcade.execution.events import EventRunner
 from cavalcade.execution.policy import Policy
-from cavalcade.execution.real_time import prepare_process
+from cavalcade.execution.real_time import prepare_process, terminated_as_interrupted
 from cavalcade.execution.steering import Steering
 from cavalcade.execution.supervisor import Supervision, Supervisor
 from cavalcade.fleet import Fall, FallingFleet, Fleet, LiveFleet, SampledFleet
@@ -132,7 +128,7 @@ def carry_out(
     budget = budget or scenario.planner.budget
     if not isinstance(fleet, LiveFleet):
         return run.carry_out(budget, sinks)
-    with _terminable():
+    with terminated_as_interrupted():
         try:
             prepare_process()
             fleet.start(_CONNECTING)
@@ -227,23 +223,6 @@ def _imperfections(scenario: Scenario) -> Imperfections:
     """How well simulated robots are really located and reached."""
     noise, delay = scenario.execution.noise, scenario.execution.delay
     return Imperfections(noise.position, noise.heading, min(delay.mean + 2.0 * delay.jitter, 10.0))
-
-
-@contextmanager
-def _terminable() -> Iterator[None]:
-    """SIGTERM ends what goes on as Ctrl-C does: robots are stopped first."""
-    if threading.current_thread() is not threading.main_thread():
-        yield  # signals are the main thread's
-        return
-
-    def interrupt(number: int, frame: FrameType | None) -> None:
-        raise KeyboardInterrupt
-
-    before = signal.signal(signal.SIGTERM, interrupt)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
 
 
 class _Judge:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cavalcade.errors import InputError
-from cavalcade.execution.control import fitted, tell_sent
+from cavalcade.execution.control import SoundReports, failing, fitted, tell_sent
 from cavalcade.execution.policy import Degradable, Policy
 from cavalcade.execution.supervisor import Supervision, Supervisor, SupervisorReport
 from cavalcade.fleet import Fault, Observation
@@ -87,7 +87,7 @@ class SupervisedPlanner(Policy):
         swiftest = max(model.max_speed_x for model in robots)
         self._located = _Located(len(robots), period, _FROZEN + expected.delay * swiftest)
         self._size = len(robots)
-        self._sound = np.zeros((self._size, 3)), np.zeros(self._size)
+        self._sound = SoundReports(self._size)
 
     @property
     def supervisor(self) -> Supervisor:
@@ -228,18 +228,11 @@ class SupervisedPlanner(Policy):
 
     def _wanted(self, poses: Array, now: float, stamps: Array, known: bool) -> Array:
         """The policy's commands; if it fails the team stops."""
-        good = np.isfinite(poses).all(axis=1) & np.isfinite(stamps)
-        # Where a lost robot reports nonsense, those of its last sound report.
-        poses = np.where(good[:, None], poses, self._sound[0])
-        stamps = np.where(good, stamps, self._sound[1])
-        self._sound = poses.copy(), stamps.copy()
-        try:
+        poses, stamps = self._sound.update(poses, stamps)
+        with failing(self._supervisor):
             if not known and isinstance(self._policy, FormationPlanner):
                 return np.array(self._policy.step(poses, now), dtype=float)
             return np.array(self._policy.step(poses, now, stamps), dtype=float)
-        except BaseException as error:
-            self._supervisor.stop("planner", type(error).__name__)
-            raise
 
 
 class _Located:

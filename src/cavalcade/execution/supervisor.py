@@ -7,6 +7,7 @@
 | `out-of-map`, `geofence` | a robot is where it must not be |
 | `jump` | a pose moved farther than the robot can have gone |
 | `clock-back`, `clock-still` | the clock was set back, or does not advance |
+| `clock-forward` | the clock was set forward, so that poses are older than the age limit |
 | `deadline` | a cycle took longer than two deadlines |
 | `unresponsive` | a robot does not go where it is told to, and nobody can go on without it |
 | `planner` | the policy ended with an exception |
@@ -19,6 +20,7 @@ Fleets have others of their own, such as `frame`.
 from __future__ import annotations
 
 import math
+import time as wall
 from collections.abc import Sequence
 from dataclasses import dataclass
 from threading import RLock
@@ -173,6 +175,7 @@ class Supervisor:
         self._known: list[_Report | None] = [None] * size
         self._seen = np.zeros((size, 3))
         self._time: float | None = None
+        self._wall, self._leapt = wall.monotonic(), 0.0  # of the last check; how far it leapt then
         self._repeats = 0
         self._cause: tuple[Fault, ...] = ()
         self._stop: Fault | None = None
@@ -317,7 +320,7 @@ class Supervisor:
         for robot, ((x, y, yaw), stamp) in enumerate(reports):
             report = _Report(x, y, yaw, stamp)
             fault = self._fault_of(robot, report, now)
-            if fault is not None and not self._lost[robot]:
+            if fault is not None and not self._lost[robot] and fault not in found:
                 found.append(fault)
             # A nonsense report leaves the last sound one in place, so that a robot which comes
             # back somewhere else is found to have jumped.
@@ -336,12 +339,17 @@ class Supervisor:
         return SupervisorReport(not self._cause, faults, self._cause, unresponsive)
 
     def _faults_of_clock(self, now: float) -> list[Fault]:
-        last = self._time
+        last, before = self._time, self._wall
+        self._wall, self._leapt = wall.monotonic(), 0.0
         if not math.isfinite(now):
             return [Fault(None, "nan", "the time")]
         self._time = now
         if last is None:
             return []
+        # Simulated time goes on by a period, however fast that is.
+        self._leapt = leap(
+            max(now - last - self.period, 0.0), self._wall - before, self.supervision
+        )
         self._repeats = self._repeats + 1 if abs(now - last) <= _EXACT else 0
         if now < last - _EXACT:
             # Reports of before are later than all that will come.
@@ -357,7 +365,9 @@ class Supervisor:
             return Fault(robot, "nan")
         age = now - report.stamp
         if age > self.supervision.max_age + _EXACT:
-            return Fault(robot, "stale")
+            if age - self._leapt <= self.supervision.max_age:
+                return Fault(None, "clock-forward", f"by {self._leapt:.3g} s")
+            return Fault(robot, "stale", f"{age:.2f} s old")
         if -age > self.supervision.max_age + _EXACT:
             return Fault(robot, "stale", f"stamped {-age:.3g} s later than now")
         if self.area is not None and not _on_map(report, self.area):
@@ -416,6 +426,15 @@ class Supervisor:
             turn = np.maximum(np.abs(wanted[:, 2]), allowed.max_yaw_rate)
             share = np.minimum(share, allowed.max_yaw_rate / turn)
         return wanted * share[:, None]
+
+
+def leap(step: float, passed: float, supervision: Supervision) -> float:
+    """How far a clock leapt that went on by `step` s while `passed` s went by, s; 0 if it did not.
+
+    Clocks that go twice as fast as the wall's do not leap.
+    """
+    beyond = step - 2.0 * passed
+    return beyond if beyond > supervision.max_age else 0.0
 
 
 def _on_map(report: _Report, area: OccupancyMap) -> bool:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import logging
 import math
-import queue
 import threading
 import time as wall
 from collections.abc import Callable, Sequence, Sized
 from dataclasses import replace
-from typing import Any, Literal, Protocol, Self, runtime_checkable
+from typing import Any, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,15 +19,29 @@ from cavalcade.errors import FleetError, InputError
 from cavalcade.execution import ControlLoop, Degradable, Supervisor
 from cavalcade.execution.arrival import LIVE, ArrivalMonitor
 from cavalcade.execution.control import Cycle, tell_sent
-from cavalcade.execution.formation_policy import formation_of, settings_of
-from cavalcade.execution.individual_navigator import PLANNING, IndividualNavigator
-from cavalcade.fleet import DampingFleet, Fault, LiveFleet
-from cavalcade.formation import FormationPlanner
+from cavalcade.execution.formation_policy import formation_of
+from cavalcade.fleet import DampingFleet, LiveFleet
 from cavalcade.jobs import warming
 from cavalcade.jobs.reporter import Reporter
-from cavalcade.live.status import Pose, RobotStatus, TeamStatus, pose_or_none
+from cavalcade.live.changes import Changes
+from cavalcade.live.planners import (
+    IndividualPolicy,
+    kernels_of,
+    make_individual,
+    make_team_planner,
+)
+from cavalcade.live.status import (
+    Pose,
+    RobotStatus,
+    TeamStatus,
+    line_of,
+    message_of,
+    robots_of,
+    state_of,
+)
 from cavalcade.live.team_file import Team
 from cavalcade.recording.frames import Frame, FrameSink
+from cavalcade.recording.live_writer import LiveRecording
 from cavalcade.recording.status import PlannerStatus
 from cavalcade.scenario import FormationSection
 from cavalcade.scenario.messages import scenario_error
@@ -50,25 +63,7 @@ _STANDING_UP = 15.0
 """Robots are given so long to stand up after they were damped, s."""
 
 _ENDING = 5.0
-"""The threads' ends are waited for so long, s."""
-
-
-@runtime_checkable
-class IndividualPolicy(Degradable, Protocol):
-    """A policy for robots with goals of their own, which may change at any time.
-
-    Every method may be called from any thread. While it is paused its `step` lets robots brake
-    or stand, and its status says `paused`.
-    """
-
-    def set_goal(self, robot: int, pose: Pose | None) -> None:
-        """Drive a robot to a pose, or let it stay where it is."""
-
-    def set_map(self, map: OccupancyMap) -> None:
-        """Replace the map."""
-
-    def close(self) -> None:
-        """End its threads."""
+"""The planner's end is waited for so long, s."""
 
 
 class TeamNavigator:
@@ -131,16 +126,16 @@ class TeamNavigator:
         self._goals: tuple[Pose, ...] = ()
         self._own_goals: list[Pose | None] = [None] * fleet.size
         self._paused = self._resuming = False
-        self._refused = self._trouble = ""
+        self._refused = self._trouble = self._recording = ""
         self._last: tuple[Frame, Cycle] | None = None
         self._begin: float | None = None
         self._arrival, self._arrived = ArrivalMonitor(LIVE), False
         self._figures: tuple[float, dict[str, Any]] = -math.inf, {}
-        self._asked = self._done = self._shown = 0  # changes of the task, and which are in effect
-        self._changes: queue.SimpleQueue[Callable[[], None] | None] = queue.SimpleQueue()
+        self._changes = Changes(self._failed)
+        self._shown = 0  # of the changes of the task: those that the last cycle knew
         self._end, self._first = threading.Event(), threading.Event()
-        self._threads: list[threading.Thread] = []
-        self._closed = False
+        self._thread = threading.Thread(target=self._run, name="cavalcade-planner", daemon=True)
+        self._started = self._closed = False
 
     def __enter__(self) -> Self:
         self.start()
@@ -159,16 +154,13 @@ class TeamNavigator:
             FleetError: No cycle came to an end.
         """
         with self._lock:
-            if self._threads or self._closed:
+            if self._started or self._closed:
                 raise InputError("can be started once", key="start")
-            self._threads = [
-                threading.Thread(target=self._run, name="cavalcade-planner", daemon=True),
-                threading.Thread(target=self._work, name="cavalcade-changes", daemon=True),
-            ]
+            self._started = True
         with Reporter(quiet) as reporter:
             warming.warm(kernels_of(self.team), reporter)
-        for thread in self._threads:
-            thread.start()
+        self._thread.start()
+        self._changes.start()
         if not self._first.wait(_FIRST_CYCLE):
             self.close()
             raise FleetError(self._trouble or "the first control cycle did not come to an end")
@@ -181,11 +173,10 @@ class TeamNavigator:
             self._closed = True
         self._supervisor.close()
         self._end.set()
-        self._changes.put(None)
-        for thread in self._threads:
-            if thread.ident is not None and thread is not threading.current_thread():
-                thread.join(_ENDING)
+        if self._thread.ident is not None and self._thread is not threading.current_thread():
+            self._thread.join(_ENDING)
         self._control.close()
+        self._changes.close()
         self._individual.close()
 
     @property
@@ -257,14 +248,14 @@ class TeamNavigator:
     def set_map(self, map: OccupancyMap) -> None:
         """Replace the map, while robots stand or move; what is the same already is left out."""
         instance_of(map, OccupancyMap, "map")
-        if same_map(map, self.map):
+        if _same_map(map, self.map):
             return
         with self._lock:
             self._map = map
             waiting = self._new_map is not None
             self._new_map = map
             if not waiting:  # else the job that waits will find it
-                self._later(self._use_map)
+                self._changes.put(self._use_map)
 
     def pause(self) -> None:
         """Let all robots brake and stand until `resume`; goals stay."""
@@ -312,17 +303,17 @@ class TeamNavigator:
         with self._lock:
             self._notes.append("e-stop lifted")
         if isinstance(self._fleet, DampingFleet):
-            self._later(self._stand_up)
+            self._changes.put(self._stand_up)
 
     def lose(self, name: str) -> None:
         """Go on without a robot."""
         robot = self._robot(name)
-        self._later(lambda: self._count(robot, False))
+        self._changes.put(lambda: self._count(robot, False))
 
     def rejoin(self, name: str) -> None:
         """Take a lost robot back."""
         robot = self._robot(name)
-        self._later(lambda: self._count(robot, True))
+        self._changes.put(lambda: self._count(robot, True))
 
     def refuse(self, text: str) -> None:
         """Let the status and the recording tell of an input that could not be used."""
@@ -342,40 +333,37 @@ class TeamNavigator:
         """The team as of the last cycle, and what stopped it since."""
         with self._lock:
             last, goals, own = self._last, self._goals, tuple(self._own_goals)
-            refused, trouble = self._refused, self._trouble
-            coming, arrived = self._shown != self._asked, self._arrived
+            refused, trouble, recording = self._refused, self._trouble, self._recording
+            coming, arrived = self._shown != self._changes.asked, self._arrived
             mode: Mode = "formation" if self._wanted is self._formation else "individual"
         names = self.team.names
         now, cause = self._fleet.time, self._supervisor.cause
+        for sink in tuple(self._sinks):
+            if isinstance(sink, LiveRecording):
+                recording = recording or sink.problem
+        status = TeamStatus(
+            "inactive", mode, now, tuple(map(RobotStatus, names)), message=trouble,
+            refused=refused, recording=recording, dry_run=self._supervision.dry_run,
+        )  # fmt: skip
         if last is None or self._closed:
-            robots = tuple(RobotStatus(name) for name in names)
-            return TeamStatus("inactive", mode, now, robots, message=trouble, refused=refused)
+            return status
         frame, cycle = last
         # While the cycle that lets the team go on is not over, it stands as of the last one.
         cause = cause or cycle.report.cause
-        lines = tuple(_line(fault, names) for fault in cause)
-        planner, lost = frame.status, self._supervisor.lost
-        commands = frame.commands if not cause else np.zeros_like(frame.commands)
-        robots = tuple(
-            RobotStatus(
-                name,
-                pose_or_none(frame.estimated[k]),
-                _age(now, float(cycle.observation.stamps[k])),
-                pose_or_none(commands[k]) or (0.0, 0.0, 0.0),
-                int(planner.roles[k]),
-                own[k],
-                k in lost,
-                tuple(_line(f, ()) for f in (*cycle.report.faults, *cause) if f.robot == k),
-            )
-            for k, name in enumerate(names)
+        lines = tuple(line_of(fault, names) for fault in cause)
+        planner = frame.status
+        return replace(
+            status,
+            state=state_of(planner, bool(goals or any(own)), bool(cause), coming, arrived),
+            robots=robots_of(names, frame, cycle, cause, own, self._supervisor.lost, now),
+            cause=lines,
+            message=message_of(planner, lines, trouble or recording, names),
+            goals=goals,
+            waypoint=planner.waypoint,
+            goal_moved=planner.goal_moved,
+            leader=names[planner.leader] if mode == "formation" and planner.leader >= 0 else "",
+            pace=self._pace(),
         )
-        state = _state(planner, bool(goals or any(own)), lines, coming, arrived)
-        return TeamStatus(
-            state, mode, now, robots, lines, _message(planner, lines, trouble, names), refused,
-            goals, planner.waypoint, planner.goal_moved,
-            names[planner.leader] if mode == "formation" and planner.leader >= 0 else "",
-            self._supervision.dry_run, self._pace(),
-        )  # fmt: skip
 
     def _pace(self) -> dict[str, Any]:
         """Figures of the cycles; percentiles of an hour take too long to be found each time."""
@@ -414,33 +402,15 @@ class TeamNavigator:
             raise InputError(str(said_of.get("text")), key=str(said_of.get("key"))) from None
         return section
 
-    def _later(self, change: Callable[[], None]) -> None:
-        self._changes.put(change)
-
     def _redirect(self, change: Callable[[], None], note: str) -> None:
         """Let the team get something else to do; until then it has not arrived."""
         self._refused = ""
         self._notes.append(note)
-        self._asked += 1
-        number = self._asked
+        self._changes.put_task(change)
 
-        def act() -> None:
-            change()
-            self._done = number
-
-        self._later(act)
-
-    def _work(self) -> None:
-        """The thread in which changes come about that may take longer than a cycle."""
-        while (change := self._changes.get()) is not None:
-            try:
-                change()
-            except Exception as error:
-                _LOG.exception("a change of the team's task has failed")
-                self._failed(f"{type(error).__name__}: {error}")
-
-    def _failed(self, text: str) -> None:
+    def _failed(self, error: BaseException, what: str = "") -> None:
         """Something went wrong that must not: the team stops, and the status says it."""
+        text = f"{what}{type(error).__name__}: {error}"
         self._supervisor.stop("planner", text)
         with self._lock:
             self._trouble = text
@@ -503,7 +473,7 @@ class TeamNavigator:
                     self._fleet.advance(self._period)
         except BaseException as error:
             _LOG.exception("the planner's thread has ended")
-            self._failed(f"the planner's thread has ended: {type(error).__name__}: {error}")
+            self._failed(error, "the planner's thread has ended: ")
         finally:
             self._end.set()
 
@@ -514,7 +484,7 @@ class TeamNavigator:
         except Exception as error:
             # The supervisor has stopped the team; an operator may try again.
             _LOG.exception("a control cycle has failed")
-            self._failed(f"{type(error).__name__}: {error}")
+            self._failed(error)
             self._control.send(np.zeros((self._fleet.size, 3)))
             self._end.wait(self._period)
             return
@@ -528,7 +498,7 @@ class TeamNavigator:
             tell_sent(policy, cycle.commands, commands)
         for robot in cycle.report.unresponsive:
             self._note(f"watchdog: {self.team.names[robot]} does not follow; the others go on")
-            self._later(lambda robot=robot: self._count(robot, False))  # type: ignore[misc]
+            self._changes.put(lambda robot=robot: self._count(robot, False))  # type: ignore[misc]
         sent = self._control.send(commands, cycle)
         self._tell(cycle, sent, policy.status, done)
         self._first.set()
@@ -541,7 +511,7 @@ class TeamNavigator:
         """
         control = self._control
         with self._lock:
-            done = self._done
+            done = self._changes.done
             policy, paused = self._wanted, self._paused
             resuming, self._resuming = self._resuming, False
         if policy is not control.policy:
@@ -565,7 +535,7 @@ class TeamNavigator:
             maps, self._maps = tuple(self._maps), []
             before = self._last
         if cycle.report.cause and (before is None or before[1].report.cause != cycle.report.cause):
-            lines = ", ".join(_line(fault, self.team.names) for fault in cycle.report.cause)
+            lines = ", ".join(line_of(fault, self.team.names) for fault in cycle.report.cause)
             notes = (*notes, f"watchdog: {lines}")
             _LOG.warning("stopped: %s", lines)
         self._judge_arrival(observation.time, cycle, status, done)
@@ -588,7 +558,8 @@ class TeamNavigator:
                 self._sinks.remove(sink)
                 _LOG.exception("a sink of frames has failed")
                 with self._lock:
-                    self._trouble = f"what was recorded ends here: {type(error).__name__}: {error}"
+                    text = f"what was recorded ends here: {type(error).__name__}: {error}"
+                    self._recording = text
 
     def _judge_arrival(self, now: float, cycle: Cycle, status: PlannerStatus, done: int) -> None:
         """All stand at their goals, turned right, for a while: see `ArrivalMonitor`."""
@@ -606,107 +577,13 @@ class TeamNavigator:
             self._notes.append(text)
 
 
-def kernels_of(team: Team) -> list[warming.Needs]:
-    """What has to be compiled before a team is driven."""
-    found = [warming.Needs("individual", None, live=True)]
-    if team.formation is not None:
-        found.append(warming.Needs("formation", None, team.planner.variant, moving=True))
-    return found
-
-
-def make_individual(team: Team, map: OccupancyMap) -> IndividualNavigator:
-    """The planner of a team's goals of single robots.
-
-    Raises:
-        InputError: It refuses the team's values.
-    """
-    said = team.planner
-    settings = replace(
-        PLANNING,
-        margin=PLANNING.margin if said.margin is None else said.margin,
-        constraints=said.constraints or PLANNING.constraints,
-        conflict=said.conflict or PLANNING.conflict,
-        improve=PLANNING.improve if said.improve is None else said.improve,
-        iterations=said.budget.iterations or PLANNING.iterations,
-        seconds=said.budget.seconds,
-    )
-    return IndividualNavigator(team.models, map, team.rate, settings, team.seed)
-
-
-def make_team_planner(team: Team, map: OccupancyMap) -> FormationPlanner:
-    """The planner of a team with a formation, without goals.
-
-    Raises:
-        InputError: The planner refuses the team's values, or there is no formation.
-    """
-    if team.formation is None:
-        raise InputError("missing", file=team.file, key="formation")
-    try:
-        return FormationPlanner(
-            map,
-            formation_of(team.formation, len(team.robots), team.planner),
-            robots=len(team.robots),
-            model=max(team.models, key=lambda model: model.length * model.width),
-            settings=settings_of(team.planner),
-            variant=team.planner.variant,
-            rate=team.rate,
-            seed=team.seed,
-            lookahead=team.planner.lookahead,
-            expected=team.expected,
-            live=True,
-        )
-    except InputError as error:
-        key = ".".join(part for part in ("planner", error.key) if part)
-        raise InputError(error.message, file=team.file, key=key, choices=error.choices) from None
-
-
-def same_map(one: OccupancyMap, other: OccupancyMap) -> bool:
+def _same_map(one: OccupancyMap, other: OccupancyMap) -> bool:
     """Whether two maps say the same of the same ground."""
     return (
         (one.resolution, one.origin, one.unknown) == (other.resolution, other.origin, other.unknown)
         and one.grid.shape == other.grid.shape
         and np.array_equal(one.occupied, other.occupied)
     )
-
-
-def _state(
-    planner: PlannerStatus, goals: bool, cause: tuple[str, ...], coming: bool, arrived: bool
-) -> str:
-    if cause:
-        return "stopped"
-    if planner.state in ("paused", "stale"):
-        return planner.state
-    if not goals:
-        return "idle"
-    if coming and planner.state in ("inactive", "final", "stuck", "infeasible"):
-        return "partial"  # the planner's state is of what was to be done before
-    return "arrived" if arrived else planner.state
-
-
-def _message(
-    planner: PlannerStatus, cause: tuple[str, ...], trouble: str, names: Sequence[str]
-) -> str:
-    """What happened, and what to do."""
-    if cause:
-        estop = any(line.startswith("e-stop") for line in cause)
-        lift = "call reset_stop, then resume" if estop else "call resume"
-        why = "; ".join(cause)
-        if trouble and trouble not in why:
-            why += f" ({trouble})"
-        return f"stopped: {why}. When it is over, {lift}"
-    if planner.message and planner.involved:
-        who = ", ".join(names[robot] for robot in planner.involved)
-        return f"{planner.message} ({who})"
-    return planner.message or trouble
-
-
-def _line(fault: Fault, names: Sequence[str]) -> str:
-    who = f": {names[fault.robot]}" if fault.robot is not None and names else ""
-    return f"{fault.kind}{who}" + (f" ({fault.detail})" if fault.detail else "")
-
-
-def _age(now: float, stamp: float) -> float | None:
-    return now - stamp if math.isfinite(stamp) and math.isfinite(now) else None
 
 
 def _poses_in_words(poses: Sequence[Pose]) -> str:

@@ -93,7 +93,7 @@ class NavigateAction:
         handle, ended = self._pursued, self._ended
         if handle is None or ended is None or ended.done():
             return
-        if handle.is_cancel_requested:
+        if handle.is_cancel_requested and status.state != "inactive":
             self._active().cancel()
             ended.set_result("canceled")
         elif status.goals != self._goals or status.state in ("stuck", "infeasible", "inactive"):

@@ -15,7 +15,8 @@ from cavalcade.fleet import LiveFleet
 from cavalcade.fleet.ros2 import Graph, has_message_type, message_type, qos
 from cavalcade.fleet.ros2.messages import read_map, read_pose
 from cavalcade.geometry import Array
-from cavalcade.live.navigator import TeamNavigator, kernels_of
+from cavalcade.live.navigator import TeamNavigator
+from cavalcade.live.planners import kernels_of
 from cavalcade.live.ros2_action import ACTION, NavigateAction
 from cavalcade.live.ros2_views import Ros2Views
 from cavalcade.live.status import RobotStatus, TeamStatus
@@ -137,11 +138,13 @@ class NavigationNode:
             with Reporter(quiet=True) as reporter:
                 warming.warm(kernels_of(self.team), reporter)
             fleet.start(PATIENCE)
+            with self._lock:
+                self._check_open()
+                self._fleet = fleet
+                self.lifecycle = "inactive"
         except BaseException:
             fleet.close()
             raise
-        self._fleet = fleet
-        self.lifecycle = "inactive"
         self._say(f"{self.team.name}: all of {', '.join(self.team.names)} were heard")
 
     def activate(self) -> None:
@@ -153,11 +156,16 @@ class NavigationNode:
         sinks = () if self._record is None else (self._record(area, fleet.observe().poses),)
         navigator = TeamNavigator(self.team, fleet, map=area, sinks=sinks, dry_run=self._dry_run)
         prepare_process()
-        navigator.start()
-        with self._lock:
-            self._navigator = navigator
-            self.lifecycle = "active"
-            newest = self._map
+        try:
+            navigator.start()
+            with self._lock:
+                self._check_open()
+                self._navigator = navigator
+                self.lifecycle = "active"
+                newest = self._map
+        except BaseException:
+            navigator.close()
+            raise
         if newest is not None:
             navigator.set_map(newest)
         dry = "; dry run: nobody is commanded" if navigator.status.dry_run else ""
@@ -180,6 +188,11 @@ class NavigationNode:
             self.lifecycle = "unconfigured"
         if fleet is not None:
             fleet.close()
+
+    def _check_open(self) -> None:
+        """Who was closed while robots were waited for must not drive them any more."""
+        if self._closed:
+            raise FleetError("the node was closed meanwhile")
 
     def attempt(self, act: Callable[[], None]) -> bool:
         """Carry out a transition; False where it could not be, and `problem` says why."""

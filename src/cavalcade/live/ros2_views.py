@@ -13,23 +13,13 @@ from cavalcade.fleet.ros2.messages import fill_header, fill_path, fill_pose
 from cavalcade.geometry import Array
 from cavalcade.live.status import RobotStatus, TeamStatus
 from cavalcade.live.team_file import Team
+from cavalcade.recording.colors import NO_SLOT, SLOT_COLORS
 from cavalcade.recording.frames import Frame, thinned
 
 _MARKER = "visualization_msgs/msg/Marker"
 _CUBE, _SPHERE, _LINE_STRIP, _LINE_LIST, _TEXT = 1, 2, 4, 5, 9
 _ADD, _DELETE_ALL = 0, 3
 
-# Okabe and Ito's colours, told apart by nearly everyone; the first is the leader's slot.
-_PALETTE = (
-    (0.84, 0.37, 0.00),
-    (0.00, 0.45, 0.70),
-    (0.00, 0.62, 0.45),
-    (0.80, 0.47, 0.65),
-    (0.94, 0.89, 0.26),
-    (0.34, 0.71, 0.91),
-    (0.90, 0.62, 0.00),
-)
-_GREY = (0.5, 0.5, 0.5)
 _RED = (0.8, 0.0, 0.0)
 
 OK, WARN, ERROR, STALE = b"\x00", b"\x01", b"\x02", b"\x03"
@@ -104,7 +94,7 @@ class Ros2Views:
         level, text = OK, status.message or status.state
         if status.cause:
             level = ERROR
-        elif status.state in _BAD or status.refused or status.message:
+        elif status.state in _BAD or status.refused or status.recording or status.message:
             level = WARN
         if lifecycle != "active":
             level, text = STALE, lifecycle + (f": {status.message}" if status.message else "")
@@ -125,6 +115,7 @@ class Ros2Views:
                     "mode": status.mode,
                     "cause": "; ".join(status.cause),
                     "dry run": status.dry_run,
+                    "recording": status.recording,
                     "cycles": status.pace.get("cycles", 0),
                     "missed deadlines": status.pace.get("missed", 0),
                     **pace,
@@ -158,7 +149,7 @@ class Ros2Views:
 
     def _robot_markers(self, k: int, robot: RobotStatus, frame: Frame, now: float) -> list[Any]:
         pose, model = robot.pose or (0.0, 0.0, 0.0), self._team.models[k]
-        colour = _GREY if robot.slot < 0 else _PALETTE[robot.slot % len(_PALETTE)]
+        colour = NO_SLOT if robot.slot < 0 else SLOT_COLORS[robot.slot % len(SLOT_COLORS)]
         if robot.faults or robot.lost:
             colour = _RED
         body = self._new(k, "robots", _CUBE, now)
@@ -194,7 +185,7 @@ class Ros2Views:
     def _lines(self, number: int, space: str, kind: int, points: Array, now: float) -> Any:
         marker = self._new(number, space, kind, now)
         marker.scale.x = 0.02
-        _paint(marker, _GREY, 0.7)
+        _paint(marker, NO_SLOT, 0.7)
         marker.points = [self._point(x=x, y=y, z=0.05) for x, y in points.tolist()]
         return marker
 

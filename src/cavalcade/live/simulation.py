@@ -17,6 +17,7 @@ from cavalcade.fleet.mujoco import MujocoFleet
 from cavalcade.geometry import Array
 from cavalcade.live.contacts import ContactWatch
 from cavalcade.live.laser import RAYS, REACH, scan_team
+from cavalcade.robots import body_of
 from cavalcade.scenario import Scenario, World, build_world, resolve_scenario
 
 STEP = 0.01
@@ -85,6 +86,7 @@ class Simulation:
         self._told = 0
         self._steps = 0
         self._contacts = ContactWatch(self.world, self.models)
+        self._mechanisms = [body_of(model) for model in self.models]
         self._bodies = np.array([model.body for model in self.models], dtype=float)
         self._gait = 0.0
         area = self.world.map
@@ -175,10 +177,12 @@ class Simulation:
         if isinstance(self._fleet, MujocoFleet):
             return self._fleet.simulator.qpos[:, [0, 1, 2, 4, 5, 6, 3]]
         poses = self.poses()
-        heights = np.array([0.5 * model.height for model in self.models])
-        for robot, model in enumerate(self.models):
-            if model.description is not None:
-                heights[robot] = model.description.stand_height
+        heights = np.array(
+            [
+                0.5 * model.height if body is None else body.stand_height
+                for model, body in zip(self.models, self._mechanisms, strict=True)
+            ]
+        )
         if self.world.terrain is not None:
             heights = heights + self.world.terrain.heights_at(poses[:, :2])
         half, none = 0.5 * poses[:, 2], np.zeros(self.size)
@@ -196,11 +200,11 @@ class Simulation:
         swings = _SWING * np.minimum(speeds / _FASTEST, 1.0)
         pairs = np.array([0.0, math.pi, math.pi, 0.0]) + self._gait
         found: list[tuple[Array, Array] | None] = []
-        for model, swing in zip(self.models, swings, strict=True):
-            if model.description is None:
+        for body, swing in zip(self._mechanisms, swings, strict=True):
+            if body is None:
                 found.append(None)
                 continue
-            legs = np.reshape(model.description.standing, (4, 3)).copy()
+            legs = np.reshape(body.standing, (4, 3)).copy()
             legs[:, 1] += swing * np.sin(pairs)
             legs[:, 2] -= swing * np.maximum(np.cos(pairs), 0.0)
             found.append((legs.ravel(), np.zeros(12)))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import array
-import importlib
 import math
 import threading
 import time as wall
@@ -13,24 +12,22 @@ from typing import Any
 
 import numpy as np
 
-from cavalcade.fleet.ros2 import Graph, has_message_type, qos, scenario_robots
+from cavalcade.fleet.ros2 import Graph, has_message_type, message_type, qos, scenario_robots
 from cavalcade.fleet.ros2.messages import (
     VELOCITY_TYPES,
     fill_header,
     fill_map,
+    fill_place,
     fill_pose,
-    fill_quaternion,
     fill_stamp,
+    fill_transforms,
     fill_twist,
     read_twist,
 )
-from cavalcade.geometry import Array
 from cavalcade.live.laser import RAYS, REACH
+from cavalcade.live.robot_frames import RobotFrames, Transform
 from cavalcade.live.simulation import STEP, Simulation
-from cavalcade.robots import JOINTS, LEGS, RobotModel
-
-JOINT_NAMES = [f"{leg}_{joint}_joint" for leg in LEGS for joint in JOINTS]
-"""As robots' own descriptions call them."""
+from cavalcade.robots import JOINT_NAMES
 
 REPORTS, SCANS = 0.02, 0.1
 """How often poses, odometry, transforms and joints are told, and scans, s of simulated time."""
@@ -45,23 +42,13 @@ _BEHIND = 0.1
 """Who is later than this has lost that time for good, s of the wall's time."""
 
 
-def description_of(model: RobotModel) -> str | None:
-    """The robot's URDF; None where there is none."""
-    if model.description is None:
-        return None
-    try:
-        urdf: Any = importlib.import_module("cavalcade.robots.urdf")
-    except ModuleNotFoundError:
-        return None
-    return str(urdf.urdf_of(model))
-
-
 class SimulationGraph:
     """Robots `robot_0`, `robot_1` and so on with their topics, `/clock` and `/map`.
 
     They listen to `/robot_k/cmd_vel`. Poses are PoseStamped on `/robot_k/pose` with the scenario's
     noise, delay and loss; `/robot_k/odom` has the true pose and velocity, in `map`, and so have
-    the transforms `map` -> `robot_k/base_link`. Stamps are simulated time, which begins at the
+    the transforms `map` -> `robot_k/base_link` -> `robot_k/FL_hip` and so on, which are called as
+    the links of `/robot_k/robot_description`. Stamps are simulated time, which begins at the
     wall's.
 
     Args:
@@ -113,9 +100,11 @@ class SimulationGraph:
         graph, sensor = self.graph, qos.sensor_data()
         self._clock = _Channel(graph, "rosgraph_msgs/msg/Clock", "/clock", qos.clock())
         self._poses, self._odoms, self._joints, self._scans = [], [], [], []
+        names = [robot.namespace[1:] for robot in self.robots]
+        self._frames = list(map(RobotFrames, self._simulation.models, names))
         kept: list[Any] = []
-        for number, robot in enumerate(self.robots):
-            topic, base = robot.topic, robot.base_frame
+        for number, (robot, frames) in enumerate(zip(self.robots, self._frames, strict=True)):
+            topic, base = robot.topic, frames.base
             pose = _Channel(graph, "geometry_msgs/msg/PoseStamped", topic("pose"), sensor)
             odom = _Channel(graph, "nav_msgs/msg/Odometry", topic("odom"), sensor)
             odom.message.child_frame_id = base
@@ -140,33 +129,28 @@ class SimulationGraph:
                 partial(self._hear, number),
                 qos.reliable(1),
             )
-            if text := description_of(self._simulation.models[number]):
-                said = _Channel(
-                    graph, "std_msgs/msg/String", topic("robot_description"), qos.latched()
-                )
-                said.message.data = text
-                said.publish()
-                kept.append(said)
+            said = _Channel(graph, "std_msgs/msg/String", topic("robot_description"), qos.latched())
+            said.message.data = frames.urdf
+            said.publish()
+            kept.append(said)
         area = _Channel(graph, "nav_msgs/msg/OccupancyGrid", "/map", qos.latched())
         fill_header(area.message.header, self._epoch, "map")
         fill_stamp(area.message.info.map_load_time, self._epoch)
         fill_map(area.message, self._simulation.world.map)
         area.publish()
-        self._kept = (*kept, area)  # for those who come later
-        self._tf = self._transforms()
-
-    def _transforms(self) -> _Channel | None:
-        if not has_message_type("tf2_msgs/msg/TFMessage"):
+        kept.append(area)
+        self._tf: _Channel | None = None
+        self._transform_type = message_type("geometry_msgs/msg/TransformStamped")
+        if has_message_type("tf2_msgs/msg/TFMessage"):
+            self._tf = _Channel(graph, "tf2_msgs/msg/TFMessage", "/tf", qos.reliable(100))
+            fixed = _Channel(graph, "tf2_msgs/msg/TFMessage", "/tf_static", qos.latched())
+            places = [place for frames in self._frames for place in frames.fixed]
+            fill_transforms(fixed.message, self._epoch, places, self._transform_type)
+            fixed.publish()
+            kept.append(fixed)
+        else:
             self._say("tf2_msgs is not there: no transforms on /tf")
-            return None
-        from cavalcade.fleet.ros2 import message_type
-
-        tf = _Channel(self.graph, "tf2_msgs/msg/TFMessage", "/tf", qos.reliable(100))
-        make = message_type("geometry_msgs/msg/TransformStamped")
-        tf.message.transforms = [make() for _ in self.robots]
-        for transform, robot in zip(tf.message.transforms, self.robots, strict=True):
-            transform.child_frame_id = robot.base_frame
-        return tf
+        self._kept = tuple(kept)  # for those who come later
 
     def _hear(self, robot: int, message: Any) -> None:
         twist = message.twist if hasattr(message, "twist") else message
@@ -199,11 +183,12 @@ class SimulationGraph:
         for number, channel in enumerate(self._odoms):
             message = channel.message
             fill_header(message.header, now, "map")
-            _fill_place(message.pose.pose.position, trunks[number])
-            fill_quaternion(message.pose.pose.orientation, trunks[number, 3:])
+            held = message.pose.pose
+            fill_place(held.position, held.orientation, trunks[number])
             fill_twist(message.twist.twist, velocities[number])
             channel.publish()
-        for channel, legs in zip(self._joints, simulation.joints(), strict=True):
+        joints = simulation.joints()
+        for channel, legs in zip(self._joints, joints, strict=True):
             if legs is not None:
                 fill_stamp(channel.message.header.stamp, now)
                 channel.message.position, channel.message.velocity = (
@@ -211,10 +196,11 @@ class SimulationGraph:
                 )
                 channel.publish()
         if self._tf is not None:
-            for transform, trunk in zip(self._tf.message.transforms, trunks, strict=True):
-                fill_header(transform.header, now, "map")
-                _fill_place(transform.transform.translation, trunk)
-                fill_quaternion(transform.transform.rotation, trunk[3:])
+            places: list[Transform] = []
+            for frames, trunk, legs in zip(self._frames, trunks, joints, strict=True):
+                places.append(("map", frames.base, trunk))
+                places += frames.legs(None if legs is None else legs[0])
+            fill_transforms(self._tf.message, now, places, self._transform_type)
             self._tf.publish()
 
 
@@ -222,8 +208,6 @@ class _Channel:
     """A publisher with the one message that it publishes anew."""
 
     def __init__(self, graph: Graph, kind: str, topic: str, profile: Any) -> None:
-        from cavalcade.fleet.ros2 import message_type
-
         self.message: Any = message_type(kind)()
         self._publisher = graph.publisher(kind, topic, profile)
 
@@ -264,7 +248,3 @@ class _Pace:
         elif self._slow:
             self._say(f"at the asked pace again: {factor:.2f} times real time")
         self._slow, self._mark = slow, (now, time)
-
-
-def _fill_place(place: Any, trunk: Array) -> None:
-    place.x, place.y, place.z = (float(value) for value in trunk[:3])

@@ -30,6 +30,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.geometry import Array
 from cavalcade.recording.cdr import ENCAPSULATION, Layout, planar_poses, stamps_of
+from cavalcade.recording.colors import NO_SLOT, SLOT_COLORS
 from cavalcade.recording.physics_track import yaw_of
 from cavalcade.robots import (
     JOINT_NAMES,
@@ -65,19 +66,6 @@ JOINT_COLUMNS = {"position": "joints", "velocity": "joint_rates", "effort": "tor
 POSE = Layout().header(FRAME).numbers("pose", "f8", 7)
 """geometry_msgs/PoseStamped with columns `stamp` and `pose`, position and quaternion x to w."""
 
-# Okabe and Ito's colours, told apart by nearly everyone; the first is the leader's slot.
-_PALETTE = np.array(
-    [
-        (0.84, 0.37, 0.00),
-        (0.00, 0.45, 0.70),
-        (0.00, 0.62, 0.45),
-        (0.80, 0.47, 0.65),
-        (0.94, 0.89, 0.26),
-        (0.34, 0.71, 0.91),
-        (0.90, 0.62, 0.00),
-    ]
-)
-_NO_ROLE = np.array((0.5, 0.5, 0.5))
 _CUBE, _SPHERE, _LINE_LIST = 1, 2, 5
 _ADD, _DELETE = 0, 2
 
@@ -315,7 +303,9 @@ def marker_messages(
     markers = _Markers(times, 2 * robots + 2)
     colours = np.ones((count, robots, 4))
     colours[..., :3] = np.where(
-        roles[..., None] < 0, _NO_ROLE, _PALETTE[np.maximum(roles, 0) % len(_PALETTE)]
+        roles[..., None] < 0,
+        np.array(NO_SLOT),
+        np.array(SLOT_COLORS)[np.maximum(roles, 0) % len(np.array(SLOT_COLORS))],
     )
     bodies = planar_poses(poses)
     targets = planar_poses(np.concatenate([goals, np.zeros((count, robots, 1))], axis=2))
@@ -328,7 +318,7 @@ def marker_messages(
         markers.add("goals", robot, _SPHERE, (0.12, 0.12, 0.12), targets[:, robot], colour)
     above = planar_poses(poses[np.arange(count), np.maximum(leaders, 0)])
     above[:, 2] = top + 0.15
-    red, shown = np.array((*_PALETTE[0], 1.0)), np.where(leaders >= 0, _ADD, _DELETE)
+    red, shown = np.array((*SLOT_COLORS[0], 1.0)), np.where(leaders >= 0, _ADD, _DELETE)
     markers.add("leader", 0, _SPHERE, (0.2, 0.2, 0.2), above, red, shown)
     ends = np.zeros((count, springs.shape[1] * 2, 3))
     ends[..., :2] = springs.reshape(count, -1, 2)

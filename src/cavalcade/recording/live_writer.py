@@ -104,6 +104,8 @@ class LiveRecording:
     @property
     def problem(self) -> str:
         """What is wrong with the recording now, such as a full disk; empty if nothing is."""
+        if not self._problem and self._left_out:
+            return f"{self.path}: the disk is too slow, cycles or notes are missing"
         return self._problem
 
     def __call__(self, frame: Frame) -> None:

@@ -126,6 +126,11 @@ class Session:
                 return False
         return True
 
+    def download(self, event: Any, name: str, content: bytes) -> None:
+        """Send a file to who has clicked."""
+        if event.client is not None:
+            event.client.send_file_download(name, content, save_immediately=True)
+
     def close(self) -> None:
         """Close the page."""
         self.roles.close()

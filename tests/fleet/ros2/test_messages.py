@@ -70,20 +70,15 @@ def test_a_pose_with_nan_is_nan_altogether() -> None:
     assert all(map(math.isnan, messages.read_pose(pose)))
 
 
-def test_odometry_has_its_covariance_and_its_velocity() -> None:
-    held = Fields(pose=pose_fields())
-    messages.fill_pose(held.pose, (1.0, 2.0, 0.5))
-    planar = np.array([[0.1, 0.01, 0.0], [0.01, 0.2, 0.0], [0.0, 0.0, 0.3]])
-    messages.fill_covariance(held, planar)
-    twist = Fields(linear=Fields(), angular=Fields())
-    messages.fill_twist(twist, (0.3, -0.1, 0.2))
-    header = Fields(stamp=Fields(), frame_id="")
+@pytest.mark.parametrize("beside", ["nothing", "a covariance"])
+def test_a_report_has_its_stamp_its_frame_and_its_pose(beside: str) -> None:
+    pose, header = pose_fields(), Fields(stamp=Fields(), frame_id="")
+    messages.fill_pose(pose, (1.0, 2.0, 0.5))
     messages.fill_header(header, 12.5, "/map")
-    report = messages.read_report(Fields(header=header, pose=held, twist=Fields(twist=twist)))
+    held = pose if beside == "nothing" else Fields(pose=pose, covariance=np.zeros(36))
+    report = messages.read_report(Fields(header=header, pose=held))
     assert (report.stamp, report.frame) == (12.5, "map")
     assert report.pose == pytest.approx((1.0, 2.0, 0.5))
-    assert report.covariance == pytest.approx(planar)
-    assert report.velocity == (0.3, -0.1, 0.2)
 
 
 def grid_message(area: OccupancyMap) -> Any:
@@ -123,5 +118,7 @@ def test_points_of_a_path_look_ahead() -> None:
     messages.fill_path(
         message, [(0.0, 0.0), (1.0, 0.0), (1.0, 2.0)], lambda: Fields(pose=pose_fields())
     )
-    assert messages.read_path(message)[:, 2] == pytest.approx([0.0, np.pi / 2, np.pi / 2])
-    assert messages.read_path(Fields(poses=[])).shape == (0, 3)
+    yaws = [messages.read_pose(stamped.pose)[2] for stamped in message.poses]
+    assert yaws == pytest.approx([0.0, np.pi / 2, np.pi / 2])
+    messages.fill_path(message, np.zeros((0, 2)), None)
+    assert message.poses == []

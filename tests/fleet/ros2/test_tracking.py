@@ -1,15 +1,12 @@
-"""What is made of reports, and when cycles are due; none of it needs ROS."""
+"""What is made of reports; none of it needs ROS."""
 
 from __future__ import annotations
-
-import math
 
 import pytest
 
 from cavalcade.errors import InputError
 from cavalcade.fleet.ros2.messages import PoseReport
 from cavalcade.fleet.ros2.robot import Ros2Robot
-from cavalcade.fleet.ros2.schedule import Schedule
 from cavalcade.fleet.ros2.tracking import PoseTrack
 
 
@@ -52,54 +49,8 @@ def test_a_stamp_from_the_future_does_not_silence_those_that_follow() -> None:
     assert track_of((99.0, 5.0, "map"), (9.9, 1.0, "map")).pose[0] == 1.0
 
 
-def test_velocity_is_the_trend_of_the_last_second() -> None:
-    track = PoseTrack(Ros2Robot("a"))
-    assert track.velocity() == (0.0, 0.0, 0.0)
-    for k in range(100):
-        time, turn = 0.02 * k, math.remainder(3.0 + 0.01 * k, 2.0 * math.pi)
-        noise = 0.01 * (-1) ** k
-        track.hear(PoseReport(time, "map", (0.3 * time + noise, 1.0, turn)), time)
-    assert track.velocity() == pytest.approx((0.3, 0.0, 0.5), abs=0.01)
-
-
 def test_robots_say_what_is_wrong_with_them() -> None:
     with pytest.raises(InputError, match="pose_type"):
         Ros2Robot("a", pose_type="Pose")  # type: ignore[arg-type]
     with pytest.raises(InputError, match="name"):
         Ros2Robot("/")
-
-
-class Clock:
-    """Goes on by `tick` whenever somebody looks."""
-
-    def __init__(self, tick: float) -> None:
-        self.now, self.tick = 100.0, tick
-
-    def __call__(self) -> float:
-        self.now += self.tick
-        return self.now
-
-
-def test_cycles_do_not_drift_and_missed_ones_are_skipped() -> None:
-    clock, schedule = Clock(0.001), Schedule()
-    schedule.wait(0.05, clock)
-    first = clock.now
-    for _ in range(20):
-        schedule.wait(0.05, clock)
-    assert clock.now == pytest.approx(first + 1.0, abs=0.003)
-    clock.now += 0.12
-    schedule.wait(0.05, clock)  # at once: two cycles were missed, one of them is skipped
-    assert clock.now == pytest.approx(first + 1.12, abs=0.003)
-    schedule.wait(0.05, clock)
-    assert clock.now == pytest.approx(first + 1.15, abs=0.003)
-
-
-def test_a_clock_that_stands_still_or_goes_back_is_not_waited_for_without_end() -> None:
-    still, schedule = Clock(0.0), Schedule()
-    schedule.wait(0.05, still)
-    schedule.wait(0.05, still)
-    back = Clock(0.001)
-    schedule.wait(0.05, back)
-    back.now = 10.0
-    schedule.wait(0.05, back)
-    assert back.now == pytest.approx(10.05, abs=0.003)

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from PIL import Image
@@ -51,6 +53,20 @@ def test_terrain_has_a_profile(drawn, straight_team):
         robots=[((1.0, 2.0, 0.0), (8.0, 2.0, 0.0))],
         world={"generate": {"kind": "step", "size": [9, 4], "seed": 0}},
     )
+    assert "profile.png" in {file.name for file in files}
+
+
+@pytest.mark.parametrize("late", [-0.5, 0.0, 0.499, 0.5, 0.501, 20.0])
+def test_steps_after_the_end_of_a_plan_are_drawn(make_scenario, straight_team, tmp_path, late):
+    scenario = make_scenario(
+        robots=[((1.0, 2.0, 0.0), (8.0, 2.0, 0.0))],
+        world={"generate": {"kind": "step", "size": [9, 4], "seed": 0}},
+    )
+    made = cv.plan(scenario, coordinator=straight_team(waits=(0.0,)))
+    down = made.trajectories[0].duration + late
+    step = [[down, down + 0.3, 2.0, 8.0, 2.1, 0.0]]
+    driven = replace(made.planned, footholds=(np.vstack([made.footholds[0], step]),))
+    files = make_figures(scenario, made.world, tmp_path / "figures", plan=driven)
     assert "profile.png" in {file.name for file in files}
 
 

@@ -81,6 +81,7 @@ def _beside(path: Trajectory, s: Array, feet: Array) -> Array:
     found = np.empty(len(feet))
     for m, (down, up, _, x, y, _) in enumerate(feet):
         first, last = np.searchsorted(path.time, (down - 0.5, up + 0.5))
+        first = min(first, len(s) - 1)  # robots in physics may step on after their plan's end
         piece = slice(int(first), max(int(last), int(first) + 1))
         away = np.hypot(path.position[piece, 0] - x, path.position[piece, 1] - y)
         found[m] = s[piece][int(np.argmin(away))]

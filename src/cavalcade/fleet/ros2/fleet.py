@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import atexit
-import math
 import threading
 import time as wall
 from collections.abc import Sequence
@@ -27,9 +26,9 @@ from cavalcade.fleet.ros2.messages import (
     read_report,
 )
 from cavalcade.fleet.ros2.robot import Ros2Robot
-from cavalcade.fleet.ros2.schedule import Schedule
 from cavalcade.fleet.ros2.tracking import PoseTrack
 from cavalcade.fleet.ros2.transforms import TransformPoses
+from cavalcade.fleet.schedule import Schedule
 from cavalcade.geometry import Array
 from cavalcade.values import number_array
 
@@ -63,7 +62,6 @@ class Ros2Fleet:
         name: Of the node.
         use_sim_time: Whether time is that of `/clock`; None: where somebody publishes that when
             the fleet starts.
-        graph: A node that exists already; it is not closed with the fleet.
 
     Raises:
         InputError: ROS 2 or a type of message is not there, or two robots share a topic.
@@ -75,7 +73,6 @@ class Ros2Fleet:
         *,
         name: str = "cavalcade",
         use_sim_time: bool | None = None,
-        graph: Graph | None = None,
     ) -> None:
         self.robots = tuple(robots)
         _check_distinct(self.robots)
@@ -86,8 +83,7 @@ class Ros2Fleet:
                 message_type(POSE_TYPES[robot.pose_type])
         self._lock = threading.Condition()
         self._wanted_sim_time = use_sim_time
-        self._own_graph = graph is None
-        self.graph = graph or Graph(name, use_sim_time=bool(use_sim_time))
+        self.graph = Graph(name, use_sim_time=bool(use_sim_time))
         self._schedule = Schedule()
         self._rivals: tuple[Fault, ...] = ()
         self._closed = False
@@ -150,8 +146,7 @@ class Ros2Fleet:
                     self._publish(index, np.zeros(3))
             self.graph.deliver(*publishers)
         finally:
-            if self._own_graph:
-                self.graph.close()
+            self.graph.close()
 
     def observe(self) -> Observation:
         """The newest pose of every robot, nan for one that was never heard, and its faults."""
@@ -188,19 +183,17 @@ class Ros2Fleet:
         Raises:
             InputError: `dt` is not positive and finite.
         """
-        if not (math.isfinite(dt) and dt > 0.0):
-            raise InputError("expected a positive time step", key="dt")
         self._schedule.wait(dt, lambda: self.time)
 
     def true_poses(self) -> Array:
         """`(N, 3)` the last reported poses, map frame."""
         with self._lock:
-            return np.array([track.sound_pose for track in self._tracks])
+            return np.array([track.trend.pose for track in self._tracks])
 
     def true_velocities(self) -> Array:
         """`(N, 3)` the trend of the last poses, map frame: m/s, m/s, rad/s."""
         with self._lock:
-            return np.array([track.velocity() for track in self._tracks])
+            return np.array([track.trend.velocity() for track in self._tracks])
 
     def _connect(self) -> None:
         graph = self.graph

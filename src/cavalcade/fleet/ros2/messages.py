@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import array
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -41,9 +42,6 @@ _UPRIGHT = 1e-3
 
 _NOWHERE = (math.nan, math.nan, math.nan)
 
-_PLANAR = (0, 1, 5)
-"""Rows of x, y and yaw in a covariance of six."""
-
 
 @dataclass(frozen=True)
 class PoseReport:
@@ -53,16 +51,11 @@ class PoseReport:
         stamp: When that was measured, s.
         frame: In which it is given, without a leading slash.
         pose: x, y in m, yaw in rad; nan where the message has no sound number.
-        covariance: `(3, 3)` of x, y, yaw: m², m rad, rad²; None where the message has none or
-            leaves it zero.
-        velocity: vx, vy, yaw rate in the *body* frame: m/s, m/s, rad/s; None where there is none.
     """
 
     stamp: float
     frame: str
     pose: Pose
-    covariance: Array | None = None
-    velocity: Pose | None = None
 
 
 def yaw_of_quaternion(x: float, y: float, z: float, w: float) -> float:
@@ -113,12 +106,30 @@ def fill_pose(pose: Any, planar: Array | Pose, height: float = 0.0) -> None:
     """Set a `geometry_msgs/Pose` to x, y, yaw at a height in m."""
     x, y, yaw = (float(value) for value in planar)
     pose.position.x, pose.position.y, pose.position.z = x, y, float(height)
-    fill_quaternion(pose.orientation, quaternion_of_yaw(yaw))
+    turn = pose.orientation
+    turn.x, turn.y, turn.z, turn.w = quaternion_of_yaw(yaw)
 
 
-def fill_quaternion(turn: Any, quaternion: Array | Quaternion) -> None:
-    """Set a `geometry_msgs/Quaternion`."""
-    turn.x, turn.y, turn.z, turn.w = (float(value) for value in quaternion)
+def fill_place(position: Any, turn: Any, place: Array) -> None:
+    """Set a `geometry_msgs/Point` or `Vector3` and a `Quaternion` to x, y, z and x, y, z, w."""
+    x, y, z, *quaternion = place.tolist()
+    position.x, position.y, position.z = x, y, z
+    turn.x, turn.y, turn.z, turn.w = quaternion
+
+
+def fill_transforms(
+    message: Any, seconds: float, places: Sequence[tuple[str, str, Array]], transform_type: Any
+) -> None:
+    """Set a `tf2_msgs/TFMessage` to parents, children and the places `(7,)` of these in those.
+
+    `transform_type` makes a TransformStamped; those of as many frames as before are used again.
+    """
+    if len(message.transforms) != len(places):
+        message.transforms = [transform_type() for _ in places]
+    for transform, (parent, child, place) in zip(message.transforms, places, strict=True):
+        fill_header(transform.header, seconds, parent)
+        transform.child_frame_id = child
+        fill_place(transform.transform.translation, transform.transform.rotation, place)
 
 
 def fill_header(header: Any, seconds: float, frame: str) -> None:
@@ -130,13 +141,9 @@ def fill_header(header: Any, seconds: float, frame: str) -> None:
 def read_report(message: Any) -> PoseReport:
     """Of a PoseStamped, a PoseWithCovarianceStamped or an Odometry."""
     header, held = message.header, message.pose
-    covariance = velocity = None
-    if hasattr(held, "covariance"):
-        covariance, held = _planar_covariance(held.covariance), held.pose
-    if hasattr(message, "twist"):
-        velocity = read_twist(message.twist.twist)
+    held = getattr(held, "pose", held)  # beside a covariance
     frame = header.frame_id.removeprefix("/")
-    return PoseReport(seconds_of(header.stamp), frame, read_pose(held), covariance, velocity)
+    return PoseReport(seconds_of(header.stamp), frame, read_pose(held))
 
 
 def read_transform(message: Any) -> PoseReport:
@@ -150,19 +157,6 @@ def read_transform(message: Any) -> PoseReport:
     )
 
 
-def _planar_covariance(values: Any) -> Array | None:
-    whole: Array = np.asarray(values, dtype=float).reshape(6, 6)
-    planar = whole[np.ix_(_PLANAR, _PLANAR)]
-    return planar if np.isfinite(planar).all() and planar.any() else None
-
-
-def fill_covariance(held: Any, planar: ArrayLike) -> None:
-    """Set the covariance `(3, 3)` of x, y, yaw in a message that has one of six; the rest is 0."""
-    whole = np.zeros((6, 6))
-    whole[np.ix_(_PLANAR, _PLANAR)] = planar
-    held.covariance = whole.ravel()
-
-
 def read_twist(twist: Any) -> Pose:
     """A `geometry_msgs/Twist` as vx, vy, yaw rate: m/s, m/s, rad/s."""
     return float(twist.linear.x), float(twist.linear.y), float(twist.angular.z)
@@ -172,11 +166,6 @@ def fill_twist(twist: Any, velocity: Array | Pose) -> None:
     """Set a `geometry_msgs/Twist` to vx, vy, yaw rate."""
     vx, vy, rate = (float(value) for value in velocity)
     twist.linear.x, twist.linear.y, twist.angular.z = vx, vy, rate
-
-
-def read_path(message: Any) -> Array:
-    """Poses `(K, 3)` of a `nav_msgs/Path`; may hold nan."""
-    return np.array([read_pose(stamped.pose) for stamped in message.poses]).reshape(-1, 3)
 
 
 def fill_path(message: Any, points: ArrayLike, pose_type: Any) -> None:

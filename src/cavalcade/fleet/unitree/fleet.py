@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from cavalcade.errors import FleetError, InputError
 from cavalcade.fleet.protocol import Fault, Observation
-from cavalcade.fleet.ros2.schedule import Schedule
+from cavalcade.fleet.schedule import Schedule
 from cavalcade.fleet.unitree.link import Go2Link
 from cavalcade.fleet.unitree.records import Stage, Wish
 from cavalcade.fleet.unitree.robot import Robot
@@ -234,19 +234,17 @@ class Go2Fleet:
         Raises:
             InputError: `dt` is not positive and finite.
         """
-        if not (math.isfinite(dt) and dt > 0.0):
-            raise InputError("expected a positive time step", key="dt")
         self._schedule.wait(dt, lambda: self.time)
 
     def true_poses(self) -> Array:
         """`(N, 3)` the last reported poses, map frame."""
         with self._lock:
-            return np.array([robot.last_pose for robot in self._robots])
+            return np.array([robot.trend.pose for robot in self._robots])
 
     def true_velocities(self) -> Array:
         """`(N, 3)` the trend of the last poses, map frame: m/s, m/s, rad/s."""
         with self._lock:
-            return np.array([robot.velocity() for robot in self._robots])
+            return np.array([robot.trend.velocity() for robot in self._robots])
 
     def _check_damped(self) -> None:
         """Whoever stands up is not to be pushed on against an e-stop."""

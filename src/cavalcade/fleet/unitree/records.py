@@ -9,6 +9,7 @@ from __future__ import annotations
 import mmap
 import os
 import struct
+import weakref
 import zlib
 from enum import IntEnum
 from typing import Any, Generic, NamedTuple, TypeVar, get_type_hints
@@ -135,13 +136,9 @@ class SharedRecords:
     def __init__(self, file: int | None = None) -> None:
         if file is None:
             file = os.memfd_create("cavalcade-go2")
+            weakref.finalize(self, os.close, file)  # it may be read until nobody knows it any more
             os.ftruncate(file, 2 * _RECORD)
         self.file = file
-        self._memory = mmap.mmap(file, 2 * _RECORD)
-        self.order: Slot[Order] = Slot(self._memory, 0, Order)
-        self.report: Slot[Report] = Slot(self._memory, _RECORD, Report)
-
-    def close(self) -> None:
-        """Let go of the memory; the other process keeps its own hold."""
-        self._memory.close()
-        os.close(self.file)
+        memory = mmap.mmap(file, 2 * _RECORD)
+        self.order: Slot[Order] = Slot(memory, 0, Order)
+        self.report: Slot[Report] = Slot(memory, _RECORD, Report)

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
 import os
 import subprocess
 import sys
 import tempfile
 import time
-from collections import deque
-
-import numpy as np
 
 from cavalcade.fleet.protocol import Fault
+from cavalcade.fleet.trend import Pose, PoseTrend
 from cavalcade.fleet.unitree.link import Go2Link
 from cavalcade.fleet.unitree.records import Order, Report, SharedRecords, Stage, Wish
 from cavalcade.fleet.unitree.sdk import SPORT_STATE
 from cavalcade.fleet.unitree.sport import meaning_of, name_of, posture_of
-from cavalcade.geometry import Array
 
 LINK_DOWN = 0.5
 """A robot of which nothing was heard for so long, s, is not connected."""
@@ -32,13 +28,8 @@ _RIVAL = 1.0
 _FALLEN = 1.0
 """A trunk that is rolled or pitched by more, rad, has fallen; stairs and slopes are below 0.7."""
 
-_TREND = 1.0
-"""Velocities are the trend of the poses in so many seconds."""
-
 _ENDING = 15.0
 """How long a helper may take to end: a robot that lies down takes its time, s."""
-
-Pose = tuple[float, float, float]
 
 
 class Robot:
@@ -58,7 +49,7 @@ class Robot:
         self._wishes = 0
         self._external: tuple[Pose, float] | None = None
         self._report: Report | None = None
-        self._past: deque[tuple[float, float, float, float]] = deque()
+        self.trend = PoseTrend()
 
     def launch(self, damp: bool) -> None:
         """Start the helper process; a second call does nothing."""
@@ -106,10 +97,8 @@ class Robot:
         if report.heard and self._offset is None and self._start is not None:
             self.anchor()
         pose, stamp = self.pose()
-        if all(map(math.isfinite, pose)) and (not self._past or stamp > self._past[-1][0]):
-            self._past.append((stamp, *pose))
-            while self._past[0][0] < stamp - _TREND:
-                self._past.popleft()
+        if all(map(math.isfinite, pose)):
+            self.trend.add(stamp, pose)
 
     def anchor(self) -> None:
         """The robot stands at its start now, where no offset says otherwise."""
@@ -120,7 +109,7 @@ class Robot:
         turn = yaw - report.yaw
         c, s = math.cos(turn), math.sin(turn)
         self._offset = (x - c * report.x + s * report.y, y - s * report.x - c * report.y, turn)
-        self._past.clear()
+        self.trend.clear()
 
     def hand_in(self, pose: Pose, stamp: float) -> None:
         """Take a pose of somebody who sees the robot; an older one than the last is not used."""
@@ -140,21 +129,6 @@ class Robot:
         yaw = math.remainder(turn + report.yaw, 2.0 * math.pi)
         x, y = x0 + c * report.x - s * report.y, y0 + s * report.x + c * report.y
         return (x, y, yaw), report.heard + self._epoch
-
-    def velocity(self) -> Pose:
-        """The trend of its poses, map frame: m/s, m/s, rad/s; zeros where there is none."""
-        if len(self._past) < 3:
-            return 0.0, 0.0, 0.0
-        rows: Array = np.array(self._past)
-        moments = rows[:, 0] - rows[:, 0].mean()
-        rows[:, 3] = np.unwrap(rows[:, 3])
-        vx, vy, rate = moments @ (rows[:, 1:] - rows[-1, 1:]) / float(moments @ moments)
-        return float(vx), float(vy), float(rate)
-
-    @property
-    def last_pose(self) -> Pose:
-        """The last pose that was one; zeros if there was none."""
-        return self._past[-1][1:] if self._past else (0.0, 0.0, 0.0)
 
     @property
     def stage(self) -> Stage:
@@ -239,18 +213,15 @@ class Robot:
 
     def close(self) -> None:
         """Wait until the helper has ended, and let go of all."""
-        if self._lifeline is None:
-            return
-        process, lifeline = self._process, self._lifeline
-        self._lifeline = None
-        if process is not None:
+        if self._process is not None:
             try:
-                process.wait(_ENDING)
+                self._process.wait(_ENDING)
             except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
-        with contextlib.suppress(OSError):
-            os.close(lifeline)
+                self._process.kill()
+                self._process.wait()
+        if self._lifeline is not None:
+            os.close(self._lifeline)
+            self._lifeline = None
         self._messages.close()
 
     def _gone(self) -> str:

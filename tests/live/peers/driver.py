@@ -1,4 +1,4 @@
-"""An operator written with rclpy alone: operator.py SECONDS VX. Drives robot_0, then is silent.
+"""A driver written with rclpy alone: driver.py SECONDS VX. Drives robot_0, then is silent.
 
 Says the poses and the clock of robot_0 and, once, what it knows of the map and of a scan.
 """
@@ -16,7 +16,7 @@ from sensor_msgs.msg import JointState, LaserScan
 
 seconds, speed = float(sys.argv[1]), float(sys.argv[2])
 rclpy.init()
-node = rclpy.create_node("operator")
+node = rclpy.create_node("driver")
 publisher = node.create_publisher(Twist, "/robot_0/cmd_vel", 10)
 begun: list[float] = []
 said: set[str] = set()

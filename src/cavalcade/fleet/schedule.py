@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import time as wall
 from collections.abc import Callable
+
+from cavalcade.errors import InputError
 
 _NAP = 0.002
 """Longest wait between two looks at a clock that may run at any pace, s."""
@@ -24,7 +27,13 @@ class Schedule:
         self._due: float | None = None
 
     def wait(self, period: float, clock: Callable[[], float]) -> None:
-        """Wait until the next cycle is due on the clock, s."""
+        """Wait until the next cycle is due on the clock, s.
+
+        Raises:
+            InputError: The period is not positive and finite.
+        """
+        if not (math.isfinite(period) and period > 0.0):
+            raise InputError("expected a positive time step", key="dt")
         now = clock()
         due = now + period if self._due is None else self._due + period
         if due < now:

@@ -1,0 +1,173 @@
+"""The ground of the scene: map, heights, obstacles, and where a ray from the eye meets it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from cavalcade.drawing.outlines import shape_ring
+from cavalcade.drawing.replay.ground import WALL
+from cavalcade.geometry import Array
+from cavalcade.scenario import World
+from cavalcade.studio import meshes
+from cavalcade.studio.meshes import Mesh
+from cavalcade.studio.palette import Palette
+from cavalcade.world import OccupancyMap, Shape, Terrain
+from cavalcade.world.occupancy import UNKNOWN
+
+_MOST_QUADS = 150_000
+"""More faces than these are not sent: walls of very ragged maps are drawn flat."""
+
+_MOST_NODES = 60_000
+"""Of a terrain's surface; finer ones are drawn with every so many-th node."""
+
+Pick = Callable[[Any, str, int], None]
+"""What is called for a click on something: event, kind, index."""
+
+
+class Ground:
+    """Map, terrain and obstacles of one world.
+
+    Args:
+        scene: `viser.SceneApi`.
+        palette: Its colours.
+        pick: Called for clicks on obstacles.
+    """
+
+    def __init__(self, scene: Any, palette: Palette, pick: Pick) -> None:
+        self._scene, self._palette, self._pick = scene, palette, pick
+        self._nodes: list[Any] = []
+        self._obstacles: dict[tuple[str, int], tuple[Shape, Any]] = {}
+        self._terrain: Terrain | None = None
+        self._map: OccupancyMap | None = None
+
+    @property
+    def terrain(self) -> Terrain | None:
+        """Its heights; None for level ground."""
+        return self._terrain
+
+    @property
+    def bounds(self) -> Array | None:
+        """`(2, 2)` lowest and highest x, y of the map, m; None without one."""
+        if self._map is None:
+            return None
+        width, height = self._map.size
+        corners = self._map.to_map([(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)])
+        return np.array([corners.min(axis=0), corners.max(axis=0)])
+
+    def heights_at(self, points: Array) -> Array:
+        """Heights `(N,)` of the ground at points `(N, 2)`, m."""
+        if self._terrain is None:
+            return np.zeros(len(points))
+        return self._terrain.heights_at(points)
+
+    def clear(self) -> None:
+        """Take everything away."""
+        for node in (*self._nodes, *(node for _, node in self._obstacles.values())):
+            node.remove()
+        self._nodes.clear()
+        self._obstacles.clear()
+        self._terrain = self._map = None
+
+    def recolor(self, palette: Palette) -> None:
+        """Other colours."""
+        self._palette = palette
+
+    def show(self, world: World) -> None:
+        """Show a world without its obstacle shapes."""
+        if self._map is world.base and self._terrain is world.terrain:
+            return
+        self.clear()
+        self._map, self._terrain = world.base, world.terrain
+        if world.terrain is None:
+            self._show_floor(world.base)
+        else:
+            self._show_terrain(world.terrain)
+        self._show_cells(world.base)
+
+    def show_obstacles(self, kind: str, shapes: Sequence[Shape]) -> None:
+        """Show these shapes as those of a kind; a click on one says kind and index."""
+        for index, shape in enumerate(shapes):
+            known = self._obstacles.get((kind, index))
+            if known is not None and known[0] == shape:
+                continue
+            self._obstacles[kind, index] = (shape, self._add_obstacle(kind, index, shape))
+        for key in [k for k in self._obstacles if k[0] == kind and k[1] >= len(shapes)]:
+            self._obstacles.pop(key)[1].remove()
+
+    def _add_obstacle(self, kind: str, index: int, shape: Shape) -> Any:
+        ring = shape_ring(shape, corners=32)
+        low, high = 0.0, WALL
+        if self._terrain is not None:
+            around = self.heights_at(np.concatenate([ring, ring.mean(axis=0)[None]]))
+            low, high = float(around.min()) - 0.05, float(around.max()) + WALL
+        color = self._palette.obstacle if kind == "obstacle" else self._palette.mover
+        node = self._add(f"/{kind}/{index}", meshes.prism(ring, low, high), color)
+        node.on_click(lambda event: self._pick(event, kind, index))
+        return node
+
+    def _add(self, name: str, mesh: Mesh, color: Any, **options: Any) -> Any:
+        return self._scene.add_mesh_simple(
+            name, mesh.vertices, mesh.faces, color=color, flat_shading=True, **options
+        )
+
+    def _show_floor(self, base: OccupancyMap) -> None:
+        width, height = base.size
+        ring = np.array([(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)])
+        self._nodes.append(self._placed("/ground/floor", meshes.flat(ring), self._palette.floor))
+
+    def _show_terrain(self, terrain: Terrain) -> None:
+        stride = max(1, int(np.ceil(np.sqrt(terrain.rows * terrain.cols / _MOST_NODES))))
+        rows, cols = (
+            np.unique(np.append(np.arange(0, n, stride), n - 1))
+            for n in (terrain.rows, terrain.cols)
+        )
+        x, y = (cols + 0.5) * terrain.resolution, (rows + 0.5) * terrain.resolution
+        mesh = meshes.height_grid(terrain.height[np.ix_(rows, cols)], x, y)
+        self._nodes.append(self._placed("/ground/terrain", mesh, self._palette.terrain))
+
+    def _show_cells(self, base: OccupancyMap) -> None:
+        unknown = np.asarray(base.grid) == UNKNOWN
+        walls = base.occupied & ~unknown
+        low, top = 0.0, WALL
+        if self._terrain is not None:
+            low, top = float(self._terrain.height.min()), float(self._terrain.height.max()) + WALL
+        if walls.any():
+            mesh = meshes.joined(
+                [
+                    meshes.cell_tops(walls, base.resolution, top),
+                    meshes.cell_sides(walls, base.resolution, low, top),
+                ]
+            )
+            if len(mesh.faces) > 2 * _MOST_QUADS:
+                mesh = meshes.cell_tops(walls, base.resolution, 0.004)
+            self._nodes.append(self._placed("/ground/walls", mesh, self._palette.wall))
+        if unknown.any():
+            mesh = meshes.cell_tops(unknown, base.resolution, low + 0.002)
+            self._nodes.append(self._placed("/ground/unknown", mesh, self._palette.unknown))
+
+    def _placed(self, name: str, mesh: Mesh, color: Any) -> Any:
+        """A mesh given in the map grid's own frame."""
+        assert self._map is not None
+        x, y, yaw = self._map.origin
+        turn = (float(np.cos(yaw / 2.0)), 0.0, 0.0, float(np.sin(yaw / 2.0)))
+        return self._add(name, mesh, color, wxyz=turn, position=(x, y, 0.0))
+
+    def meet(self, origin: Array, direction: Array) -> tuple[float, float] | None:
+        """Where a ray from the eye meets the ground, x and y in m; None where it does not."""
+        level = 0.0 if self._terrain is None else float(self._terrain.height.max())
+        start, way = np.asarray(origin, dtype=float), np.asarray(direction, dtype=float)
+        if way[2] >= -1e-6:
+            return None
+        reach = (level - start[2]) / way[2]
+        if self._terrain is None:
+            x, y = start[:2] + reach * way[:2]
+            return float(x), float(y)
+        lowest = float(self._terrain.height.min())
+        steps = np.linspace(max(reach, 0.0), (lowest - start[2]) / way[2], 2000)
+        points = start + steps[:, None] * way
+        below = points[:, 2] <= self.heights_at(points[:, :2]) + 1e-9
+        x, y = points[int(np.argmax(below)) if below.any() else -1][:2]
+        return float(x), float(y)

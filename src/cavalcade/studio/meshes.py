@@ -1,0 +1,129 @@
+"""Triangles for the scene: prisms, walls of map cells, heights, bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cavalcade.drawing.replay.ground import counter_clockwise, triangulate
+from cavalcade.geometry import Array
+
+Faces = NDArray[np.int64]
+
+
+class Mesh(NamedTuple):
+    """Corners `(V, 3)`, m, and triangles `(F, 3)` of their indices, outward counter-clockwise."""
+
+    vertices: Array
+    faces: Faces
+
+    def moved(self, offset: Array) -> Mesh:
+        """The same, displaced by `(3,)` m."""
+        return Mesh(self.vertices + offset, self.faces)
+
+
+def joined(parts: Iterable[Mesh]) -> Mesh:
+    """Several as one."""
+    vertices, faces, count = [np.zeros((0, 3))], [np.zeros((0, 3), np.int64)], 0
+    for part in parts:
+        vertices.append(part.vertices)
+        faces.append(part.faces + count)
+        count += len(part.vertices)
+    return Mesh(np.concatenate(vertices), np.concatenate(faces))
+
+
+def quads(corners: Array) -> Mesh:
+    """Rectangles given by corners `(K, 4, 3)`, counter-clockwise from outside."""
+    first = 4 * np.arange(len(corners))[:, None]
+    faces = (first[:, :, None] + np.array([(0, 1, 2), (0, 2, 3)])).reshape(-1, 3)
+    return Mesh(corners.reshape(-1, 3), faces)
+
+
+def prism(outline: Array, low: float, high: float) -> Mesh:
+    """The upright prism over a simple outline `(K, 2)`, without its bottom."""
+    ring = counter_clockwise(np.asarray(outline, dtype=float))
+    following = np.roll(ring, -1, axis=0)
+    bottom, top = np.full((len(ring), 1), low), np.full((len(ring), 1), high)
+    sides = np.stack(
+        [
+            np.hstack([ring, bottom]),
+            np.hstack([following, bottom]),
+            np.hstack([following, top]),
+            np.hstack([ring, top]),
+        ],
+        axis=1,
+    )
+    return joined([quads(sides), Mesh(np.hstack([ring, top]), triangulate(ring))])
+
+
+def flat(outline: Array, height: float = 0.0) -> Mesh:
+    """A simple outline `(K, 2)` filled, seen from above."""
+    ring = counter_clockwise(np.asarray(outline, dtype=float))
+    return Mesh(np.hstack([ring, np.full((len(ring), 1), height)]), triangulate(ring))
+
+
+def cell_rectangles(mask: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Rectangles `(K, 4)` first row, first column, last row + 1, last column + 1 of true cells.
+
+    They cover them exactly and do not overlap.
+    """
+    edges = np.diff(np.pad(mask.astype(np.int8), ((0, 0), (1, 1))), axis=1)
+    rows, starts = np.nonzero(edges == 1)
+    ends = np.nonzero(edges == -1)[1]
+    order = np.lexsort((rows, ends, starts))
+    rows, starts, ends = rows[order], starts[order], ends[order]
+    if not len(rows):
+        return np.zeros((0, 4), dtype=np.int64)
+    # Equal runs in rows that follow each other are one rectangle.
+    new = np.ones(len(rows), dtype=bool)
+    new[1:] = (np.diff(rows) != 1) | (np.diff(starts) != 0) | (np.diff(ends) != 0)
+    first = np.flatnonzero(new)
+    last = np.append(first[1:], len(rows)) - 1
+    return np.column_stack([rows[first], starts[first], rows[last] + 1, ends[first]])
+
+
+def cell_tops(mask: NDArray[np.bool_], cell: float, height: float) -> Mesh:
+    """The true cells of a grid from above, in the grid's own frame."""
+    r0, c0, r1, c1 = (cell * part for part in cell_rectangles(mask).T)
+    z = np.full(len(r0), height)
+    corners = [(c0, r0, z), (c1, r0, z), (c1, r1, z), (c0, r1, z)]
+    return quads(np.array(corners, dtype=float).transpose(2, 0, 1))
+
+
+def cell_sides(mask: NDArray[np.bool_], cell: float, low: float, high: float) -> Mesh:
+    """The upright faces between true and false cells of a grid, in the grid's own frame."""
+    parts = []
+    for turned in (False, True):
+        grid = mask.T if turned else mask
+        steps = np.diff(np.pad(grid.astype(np.int8), ((1, 1), (0, 0))), axis=0)
+        for sign in (1, -1):
+            along = cell_runs(steps == sign)
+            line, first, last = (cell * part for part in along.T)
+            # Towards lower rows for the first kind of step, towards higher for the second.
+            start, end = (first, last) if (sign == 1) != turned else (last, first)
+            bottom, top = np.full(len(line), low), np.full(len(line), high)
+            places = [(start, bottom), (end, bottom), (end, top), (start, top)]
+            corners = [(line, p, z) if turned else (p, line, z) for p, z in places]
+            parts.append(quads(np.array(corners, dtype=float).transpose(2, 0, 1)))
+    return joined(parts)
+
+
+def cell_runs(mask: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Runs `(K, 3)` row, first column, last column + 1 of true cells."""
+    edges = np.diff(np.pad(mask.astype(np.int8), ((0, 0), (1, 1))), axis=1)
+    rows, starts = np.nonzero(edges == 1)
+    return np.column_stack([rows, starts, np.nonzero(edges == -1)[1]])
+
+
+def height_grid(heights: Array, x: Array, y: Array) -> Mesh:
+    """A surface over places x `(C,)` and y `(R,)` of heights `(R, C)`."""
+    rows, cols = heights.shape
+    east, north = np.meshgrid(x, y)
+    vertices = np.stack([east, north, heights], axis=-1).reshape(-1, 3)
+    index = np.arange(rows * cols).reshape(rows, cols)
+    a, b, c, d = (part.ravel() for part in (index[:-1, :-1], index[:-1, 1:],
+                                            index[1:, 1:], index[1:, :-1]))  # fmt: skip
+    return Mesh(vertices, np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)]))

@@ -1,0 +1,73 @@
+"""Colours of the scene, by day and by night; those of robots are the figures'."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from cavalcade.drawing import style
+
+Color = tuple[int, int, int]
+
+
+def rgb(color: str) -> Color:
+    """`#rrggbb` as three numbers from 0 to 255."""
+    red, green, blue = bytes.fromhex(color.removeprefix("#"))
+    return red, green, blue
+
+
+@dataclass(frozen=True)
+class Palette:
+    """What has which colour."""
+
+    robots: tuple[Color, ...]
+    floor: Color
+    terrain: Color
+    wall: Color
+    unknown: Color
+    obstacle: Color
+    mover: Color
+    cell: Color
+    section: Color
+    ink: Color
+    soft: Color
+    leg: Color
+    star: Color
+    limit: Color
+
+    def robot(self, index: int) -> Color:
+        """The colour of a robot."""
+        return self.robots[index % len(self.robots)]
+
+
+LIGHT = Palette(
+    robots=tuple(rgb(color) for color in style.ROBOTS),
+    floor=(243, 244, 246),
+    terrain=(206, 200, 188),
+    wall=(148, 155, 164),
+    unknown=(217, 219, 222),
+    obstacle=(136, 146, 158),
+    mover=(168, 108, 72),
+    cell=(226, 229, 233),
+    section=(196, 201, 208),
+    ink=rgb(style.INK),
+    soft=(120, 127, 136),
+    leg=(58, 62, 68),
+    star=(245, 190, 30),
+    limit=rgb(style.LIMIT),
+)
+DARK = Palette(
+    robots=tuple(rgb(color) for color in style.ROBOTS_ON_DARK),
+    floor=(40, 44, 51),
+    terrain=(92, 88, 80),
+    wall=(96, 104, 116),
+    unknown=(58, 62, 69),
+    obstacle=(112, 122, 136),
+    mover=(178, 118, 80),
+    cell=(52, 57, 65),
+    section=(72, 78, 88),
+    ink=(236, 238, 241),
+    soft=(150, 157, 166),
+    leg=(28, 30, 34),
+    star=(255, 214, 77),
+    limit=(255, 92, 112),
+)
