@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Literal, Protocol
 
 from cavalcade.robots import RobotModel
-from cavalcade.scenario import ResolvedScenario, World
+from cavalcade.scenario import ObstacleSpan, ResolvedScenario, World
 from cavalcade.studio.snapshot import Snapshot
 
 Pose = tuple[float, float, float]
@@ -64,6 +64,10 @@ class Drive(Protocol):
         """Robots that are no part of the team."""
 
     @property
+    def spans(self) -> tuple[ObstacleSpan, ...]:
+        """Every obstacle over time."""
+
+    @property
     def changes(self) -> int:
         """Grows with all that `snapshot` may show anew."""
 
@@ -87,7 +91,7 @@ class Drive(Protocol):
         """Simulated seconds per second."""
 
     def stop(self) -> None:
-        """End; of live robots the e-stop, after which `resume` goes on."""
+        """End; what was done is kept."""
 
     def set_goals(self, goals: Sequence[Pose]) -> None:
         """Drive through these poses instead."""
@@ -99,7 +103,7 @@ class Drive(Protocol):
         """Put an obstacle down, as a file says it."""
 
     def remove(self, index: int) -> None:
-        """Take an obstacle away, one of `scenario`'s `obstacle_spans`."""
+        """Take an obstacle away, one of `spans`."""
 
     def move(self, index: int, to: tuple[float, float], speed: float) -> None:
         """Let an obstacle go there, m, at so many m/s; 0 puts it there at once."""

@@ -79,6 +79,7 @@ class SimulatedDrive:
         self._thread = threading.Thread(target=self._run, name="cavalcade-drive", daemon=True)
         self._newest: tuple[Frame, Array | None] | None = None
         self._goals: tuple[Pose, ...] = self._given.task.goals
+        self._spans = self._given, self.world.spans
         self._pace: list[tuple[float, float]] = []
         self._progress = ""
         self._over = self._stopped = False
@@ -114,7 +115,7 @@ class SimulatedDrive:
         phase = self.phase
         if self.trouble:
             return f"Ended: {self.trouble}"
-        if phase == "ended":
+        if phase == "ended" and self.summary is not None:
             return "Ended: " + _reason(self.summary["reason"], self.summary["detail"])
         if phase == "preparing":
             return self._progress or "Preparing …"
@@ -210,7 +211,12 @@ class SimulatedDrive:
     @property
     def spans(self) -> tuple[ObstacleSpan, ...]:
         """Every obstacle over time."""
-        return obstacle_spans(self.scenario)
+        known, spans = self._spans
+        scenario = self.scenario
+        if scenario is not known:
+            spans = obstacle_spans(scenario)
+            self._spans = scenario, spans
+        return spans
 
     def snapshot(self) -> Snapshot | None:
         """The newest moment; None before the first."""
