@@ -54,10 +54,9 @@ class Studio:
         with self._folder("Build"):
             self.build = BuildPanel(session)
         with self._folder("Drive"):
-            self.drive = DrivePanel(session, self.build, lambda: self.choose("Drive"))
+            self.drive = DrivePanel(session, self.build, self._study)
         with self._folder("Study"):
             self.study = StudyPanel(session)
-        self.drive.on_study = self._study
         self._panels: dict[Tab, Panel] = {
             "Build": self.build,
             "Drive": self.drive,
@@ -65,6 +64,13 @@ class Studio:
         }
         self.chosen: Tab | None = None
         self.choose("Build")
+        for label, key, act in (
+            ("Play or pause", "space", "play_or_pause"),
+            ("One step", "arrowright", "step"),
+            ("Stop", "escape", "stop"),
+        ):
+            command = gui.add_command(label, hotkey=key, description="Drive and Study")
+            command.on_trigger(session.handle(lambda _, act=act: self._press(act)))
         dark = gui.add_checkbox("Dark", session.dark, order=1000.0)
         dark.on_update(session.handle(lambda event: self._switch(event.target.value)))
 
@@ -98,7 +104,7 @@ class Studio:
         if Path(shown).is_dir():
             self._study(Path(shown))
         else:
-            self.build.load(shown)
+            self.build.draft.load(shown)
             self.choose("Build")
 
     def close(self) -> None:
@@ -115,6 +121,13 @@ class Studio:
         """Look at what a run has left."""
         self.study.open(folder)
         self.choose("Study")
+
+    def _press(self, act: str) -> None:
+        """A key: for what the tab shows; an emergency stop is one in all tabs."""
+        live = self.drive.drive is not None and self.drive.drive.live
+        panel: Any = self.drive if act == "stop" and live else self._panels[self.chosen or "Build"]
+        if hasattr(panel, act):
+            getattr(panel, act)()
 
     def _switch(self, dark: bool) -> None:
         self.session.dark = dark

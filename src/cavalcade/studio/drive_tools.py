@@ -21,13 +21,14 @@ NOTHING, WAYPOINT, BOX, CYLINDER = (
 AWAY, BACK, PUSH = "Take away", "Bring back", "Push"
 DELETE, SHAPE = "Delete", "Change the shape"
 
+_SAME = 1e-4
+"""Poses that differ by less, m and rad, are the same."""
+
 DRAG_PERIOD = 0.4
 """While a goal is dragged, the team is told this often, s."""
 
 SHAPES: tuple[str, ...] = tuple(
-    name
-    for name in get_args(FormationSection.model_fields["shape"].annotation)
-    if name != "custom"
+    name for name in get_args(FormationSection.model_fields["shape"].annotation) if name != "custom"
 )
 
 
@@ -94,12 +95,8 @@ class DriveTools:
     def enter(self) -> None:
         """The scene is ours."""
         stage, handle = self._session.stage, self._session.handle
-        stage.on_ground_click(
-            lambda event, x, y: handle(lambda _: self._clicked(x, y))(event)
-        )
-        stage.on_pick(
-            lambda event, kind, index: handle(lambda _: self._picked(kind, index))(event)
-        )
+        stage.on_ground_click(lambda event, x, y: handle(lambda _: self._clicked(x, y))(event))
+        stage.on_pick(lambda event, kind, index: handle(lambda _: self._picked(kind, index))(event))
 
     def leave(self) -> None:
         """The scene is somebody else's."""
@@ -117,7 +114,7 @@ class DriveTools:
             self._clear_goals()
             self._gizmos = [self._goal_gizmo(index, goal) for index, goal in enumerate(goals)]
         for gizmo, goal in zip(self._gizmos, goals, strict=True):
-            if gizmo.pose != goal:
+            if math.dist(gizmo.pose, goal) > _SAME:
                 gizmo.pose = goal
 
     def _goal_gizmo(self, index: int, goal: Pose) -> Any:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any
 
 from cavalcade.studio.drive import Drive
 from cavalcade.studio.session import Session
@@ -25,7 +24,7 @@ SPEEDS = (0.1, 10.0)
 
 
 class Transport:
-    """Status, buttons and pace, with their keys.
+    """Status, buttons and pace.
 
     Args:
         session: The page.
@@ -46,14 +45,6 @@ class Transport:
         self._speed.on_update(session.handle(lambda event: pace(event.target.value)))
         self._act = act
         self._shown: tuple[str, ...] = (START,)
-        for label, key, what in (
-            ("Play or pause", "space", self._play),
-            ("One step", "arrowright", lambda: act(STEP)),
-            ("Stop", "escape", lambda: act(EMERGENCY if self._live else STOP)),
-        ):
-            command = gui.add_command(label, hotkey=key, description="Drive")
-            command.on_trigger(session.handle(lambda _, what=what: what()))  # type: ignore[misc]
-        self._live = False
 
     @property
     def speed(self) -> float:
@@ -62,7 +53,6 @@ class Transport:
 
     def show(self, drive: Drive | None, missing: str = "") -> None:
         """Say how it stands; `missing` is why nothing can be started."""
-        self._live = drive is not None and drive.live and drive.phase != "ended"
         self._offer(_offers(drive))
         self._speed.visible = drive is None or not drive.live
         text = _words(drive, missing)
@@ -74,7 +64,8 @@ class Transport:
             self._shown = names
             self._buttons.options = names
 
-    def _play(self) -> None:
+    def play_or_pause(self) -> None:
+        """Go on, stand still or begin, whichever is offered."""
         for name in (PAUSE, RESUME, START):
             if name in self._shown:
                 self._act(name)

@@ -91,9 +91,7 @@ def gaps(moment: Snapshot, ground: Ground, models: Sequence[RobotModel]) -> tupl
     moving = [shape_from_mapping(obstacle.to_dict()) for obstacle in moment.obstacles]
     shapes = (*ground.shapes, *moving)
     near = min(nearest_obstacle(body, ground.map, shapes, REACH)[0] for body in bodies)
-    between = [
-        gap_between(one, other) for k, one in enumerate(bodies) for other in bodies[k + 1 :]
-    ]
+    between = [gap_between(one, other) for k, one in enumerate(bodies) for other in bodies[k + 1 :]]
     return near, min(between, default=np.nan)
 
 

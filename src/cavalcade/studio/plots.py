@@ -32,7 +32,7 @@ class Plots:
         self._limits: dict[str, float] = {}
         self._charts = []
         for title, curves in CHARTS:
-            series = [{"label": "time (s)"}]
+            series: list[dict[str, Any]] = [{"label": "time (s)"}]
             series += [
                 {"label": label, "stroke": color, "width": 1.5}
                 for (_, label), color in zip(curves, COLORS, strict=False)

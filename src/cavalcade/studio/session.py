@@ -86,7 +86,7 @@ class Session:
     def dark(self, value: bool) -> None:
         self._dark = value
         self._theme()
-        self.stage.set_dark(value)
+        self.stage.set_theme(value)
 
     def say(self, text: str, title: str = "", client: Any = None, bad: bool = False) -> None:
         """Tell one who looks, or all, something in passing."""
@@ -143,7 +143,7 @@ class Session:
 
 
 def _check_address(host: str, port: int) -> None:
-    """viser would go on to the next port that is free."""
+    """Viser would go on to the next port that is free."""
     try:
         found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
         family, kind, protocol, _, address = found[0]
@@ -152,5 +152,7 @@ def _check_address(host: str, port: int) -> None:
             probe.bind(address)
     except OSError as error:
         why = error.strerror or str(error)
-        text = f"cannot listen on {host}, port {port}: {why}; expected a free port, such as --port 0"
+        text = (
+            f"cannot listen on {host}, port {port}: {why}; expected a free port, such as --port 0"
+        )
         raise InputError(text, key="port") from None

@@ -136,7 +136,9 @@ class SimulatedDrive:
         said = {"stuck": "Stuck", "infeasible": "The goal cannot be reached"}.get(status.state, "")
         text = f"{said}: {status.message}" if said and status.message else said or status.message
         if not text and status.goal_moved > 0.0:
-            text = f"Running; the goal was moved by {status.goal_moved:.2f} m to where the shape fits"
+            text = (
+                f"Running; the goal was moved by {status.goal_moved:.2f} m to where the shape fits"
+            )
         return text
 
     @property

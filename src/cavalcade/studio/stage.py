@@ -71,9 +71,6 @@ class Stage:
             for client in self._server.get_clients().values():
                 client.camera.position, client.camera.look_at = eye, target
 
-    def set_dark(self, dark: bool) -> None:
-        """The page is dark or light."""
-
     def clear(self) -> None:
         """Show nothing."""
         with self._lock, self._server.atomic():
