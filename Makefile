@@ -1,4 +1,5 @@
 # make demo   the main job: four Go1s in a square walk through the paper's arena, in physics
+# make studio  the page in the browser, with the arena: build, drive and study teams
 # make test   the whole suite, in the same environment
 # make venv   only the environment
 # make test-fast  what a change needs at once: everything that takes no more than a moment
@@ -28,7 +29,7 @@ unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-fast test-live venv lint docs bench evidence clean
+.PHONY: help demo studio test test-fast test-live venv lint docs bench evidence clean
 
 help:
 	@sed -n 's/^# make/make/p' Makefile
@@ -56,6 +57,9 @@ venv: $(VENV)/.stamp
 
 demo: $(VENV)/.stamp-physics
 	@$(BIN)/cavalcade run square-clutter --backend mujoco --out $(RUNS)/demo --force
+
+studio: $(VENV)/.stamp-physics $(VENV)/.stamp-studio
+	@$(BIN)/cavalcade studio square-clutter --open
 
 # The tests' processes find the compiled kernels instead of each compiling its own.
 test: $(VENV)/.stamp-test

@@ -257,10 +257,13 @@ def plain(value: Any) -> Any:
 
 
 def without_nulls(data: Any) -> Any:
-    """The same without keys that say nothing; null is what a key has by default."""
-    if isinstance(data, dict):
-        return {key: without_nulls(item) for key, item in data.items() if item is not None}
-    return [without_nulls(item) for item in data] if isinstance(data, list) else data
+    """The same without keys that say nothing, and without mappings that then say nothing."""
+    if isinstance(data, list):
+        return [without_nulls(item) for item in data]
+    if not isinstance(data, dict):
+        return data
+    said = ((key, item, without_nulls(item)) for key, item in data.items() if item is not None)
+    return {key: new for key, item, new in said if new != {} or item == {}}
 
 
 def with_names(data: Mapping[str, Any], change: Callable[[str], str]) -> dict[str, Any]:
@@ -277,6 +280,18 @@ def with_names(data: Mapping[str, Any], change: Callable[[str], str]) -> dict[st
         if place.get(key) is not None:
             place[key] = change(str(place[key]))
     return changed
+
+
+def names_of(data: Mapping[str, Any]) -> list[str]:
+    """The files that a valid scenario's data name."""
+    found: list[str] = []
+
+    def note(name: str) -> str:
+        found.append(name)
+        return name
+
+    with_names(data, note)
+    return found
 
 
 def _below(file: Path, name: str) -> str:

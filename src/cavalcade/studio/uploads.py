@@ -23,7 +23,7 @@ from cavalcade.errors import InputError, MapError
 from cavalcade.files import make_folders, write_file
 from cavalcade.scenario import import_problem, parse_scenario
 from cavalcade.scenario.shipped import MAX_BYTES
-from cavalcade.studio.draft import text_of, with_names
+from cavalcade.studio.draft import names_of, text_of, with_names
 from cavalcade.world import load_barn, load_map, load_movingai, load_terrain
 from cavalcade.yaml_text import parse_yaml
 
@@ -138,7 +138,7 @@ class Uploads:
             warnings.simplefilter("ignore")
             parse_scenario(data, self.folder / trial.name)
         trial.write_text(text_of(data), "utf-8")
-        missing = self._missing(name for name in _names(data))
+        missing = self._missing(name for name in names_of(data))
         return Upload(trial, "scenario", missing and f"it needs {missing}; upload that first")
 
     def _description(
@@ -218,17 +218,6 @@ def with_folder(world: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 
     changed: dict[str, Any] = with_names({"world": world}, change)["world"]
     return changed
-
-
-def _names(data: Mapping[str, Any]) -> list[str]:
-    found: list[str] = []
-
-    def note(name: str) -> str:
-        found.append(name)
-        return name
-
-    with_names(data, note)
-    return found
 
 
 def _waiting(trial: Path) -> Upload:
