@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from cavalcade.studio import camera
 from cavalcade.studio.charts import Charts
 from cavalcade.studio.curves import curves_of
 from cavalcade.studio.exporting import picture, replay_page, scenario_text
@@ -20,6 +21,9 @@ from cavalcade.studio.timeline import Timeline
 
 _CHART_PERIOD = 0.3
 """Between two places of the charts' cursor while it plays, s."""
+
+_KEYS = ("🟦 ", "🟧 ")
+"""The colours of two runs' curves."""
 
 BESIDE, OVER = "beside", "over it"
 _DARK, _LIGHT = (26, 27, 30), (255, 255, 255)
@@ -96,6 +100,7 @@ class RunView:
         stage, first, second = self._session.stage, self._first, self._second
         stage.set_world(first.scenario, first.world)
         stage.set_team(first.scenario.models, first.scenario.starts)
+        stage.set_trajectories(*first.planned)
         if second is not None:
             self._scene = SecondScene(
                 self._session.server, first, second, over=self._over, dark=self._session.dark
@@ -105,7 +110,9 @@ class RunView:
         if self._scene is None or self._over or second is None:
             stage.frame_team()
         else:
-            self._frame(_places(first), _places(second) + self._scene.offset)
+            places = np.concatenate([_places(first), _places(second) + self._scene.offset])
+            points = np.column_stack([places, np.zeros(len(places))])
+            camera.look(self._session.server, *camera.view_of(points))
 
     def leave(self) -> None:
         """The scene is another one's."""
@@ -134,20 +141,11 @@ class RunView:
         self._session.stage.show(self.snapshot)
         if self._scene is not None and self._second is not None:
             other = self._second.player.at(time)
+            self._scene.set_dark(self._session.dark)
             self._scene.show(other)
             self._follow(self.snapshot, other)
         else:
             self._follow(self.snapshot, None)
-
-    def _frame(self, *places: np.ndarray) -> None:
-        """Look at all of these places `(K, 2)` from above, a little from behind."""
-        points = np.concatenate(places)
-        low, high = points.min(axis=0), points.max(axis=0)
-        x, y = (low + high) / 2.0
-        far = 1.3 * max(4.0, float(high[0] - low[0]), float(high[1] - low[1]))
-        camera = self._session.server.initial_camera
-        for one in (camera, *(c.camera for c in self._session.server.get_clients().values())):
-            one.position, one.look_at = (x, y - 0.6 * far, 0.75 * far), (x, y, 0.0)
 
     def _follow(self, first: Snapshot, second: Snapshot | None) -> None:
         """Move the cameras as the followed robot has moved."""
@@ -173,23 +171,23 @@ class RunView:
         second = self.timeline.followed is not None and self.timeline.followed >= count
         x, y = place + (offset if second else 0.0)
         for client in self._session.server.get_clients().values():
-            camera = client.camera
-            away = np.asarray(camera.position) - np.asarray(camera.look_at)
+            view = client.camera
+            away = np.asarray(view.position) - np.asarray(view.look_at)
             away *= min(1.0, 5.0 / max(float(np.linalg.norm(away)), 1e-6))
             with client.atomic():
-                camera.position = np.array([x, y, 0.2]) + away
-                camera.look_at = np.array([x, y, 0.2])
+                view.position = np.array([x, y, 0.2]) + away
+                view.look_at = np.array([x, y, 0.2])
 
     def _move(self, step: np.ndarray) -> None:
         if not step.any():
             return
         moved = np.array([step[0], step[1], 0.0])
         for client in self._session.server.get_clients().values():
-            camera = client.camera
-            position, look_at = np.asarray(camera.position), np.asarray(camera.look_at)
+            view = client.camera
+            position, look_at = np.asarray(view.position), np.asarray(view.look_at)
             with client.atomic():
-                camera.position = position + moved
-                camera.look_at = look_at + moved
+                view.position = position + moved
+                view.look_at = look_at + moved
 
     def _on_picture(self, event: Any) -> None:
         client = event.client
@@ -235,10 +233,10 @@ def _names(results: Sequence[Result]) -> list[str]:
 
 def _title(results: Sequence[Result]) -> str:
     lines = []
-    for result in results:
+    for key, result in zip(_KEYS if len(results) > 1 else ("",), results, strict=True):
         span = result.player.end - result.player.begin
         what = "a run" if result.recording is not None else "a plan"
-        lines.append(f"**{_safe(result.name)}**: {what} of {span:.1f} s")
+        lines.append(f"{key}**{_safe(result.name)}**: {what} of {span:.1f} s")
         lines += [f"⚠ {_safe(gap)}" for gap in result.gaps]
     return "\n\n".join(lines)
 
