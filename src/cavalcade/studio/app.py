@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, Literal, Protocol, Self
 
 from cavalcade.errors import InputError
+from cavalcade.scenario.shipped import scenario_names
 from cavalcade.studio.build_panel import BuildPanel
 from cavalcade.studio.drive_panel import DrivePanel
 from cavalcade.studio.session import HOST, PORT, Session
@@ -101,7 +102,7 @@ class Studio:
         Raises:
             InputError: It is none of these.
         """
-        if Path(shown).is_dir():
+        if str(shown) not in scenario_names() and Path(shown).is_dir():
             self._study(Path(shown))
         else:
             self.build.draft.load(shown)
