@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, Literal, Protocol, Self
 
 from cavalcade.errors import InputError
+from cavalcade.scenario.shipped import scenario_names
 from cavalcade.studio.build_panel import BuildPanel
 from cavalcade.studio.drive_panel import DrivePanel
 from cavalcade.studio.session import HOST, PORT, Session
@@ -70,7 +71,7 @@ class Studio:
             ("Stop", "escape", "stop"),
         ):
             command = gui.add_command(label, hotkey=key, description="Drive and Study")
-            command.on_trigger(session.handle(lambda _, act=act: self._press(act)))
+            command.on_trigger(lambda event, act=act: self._press(event, act))
         dark = gui.add_checkbox("Dark", session.dark, order=1000.0)
         dark.on_update(session.handle(lambda event: self._switch(event.target.value)))
 
@@ -101,7 +102,7 @@ class Studio:
         Raises:
             InputError: It is none of these.
         """
-        if Path(shown).is_dir():
+        if str(shown) not in scenario_names() and Path(shown).is_dir():
             self._study(Path(shown))
         else:
             self.build.draft.load(shown)
@@ -122,12 +123,14 @@ class Studio:
         self.study.open(folder)
         self.choose("Study")
 
-    def _press(self, act: str) -> None:
-        """A key: for what the tab shows; an emergency stop is one in all tabs."""
-        live = self.drive.drive is not None and self.drive.drive.live
-        panel: Any = self.drive if act == "stop" and live else self._panels[self.chosen or "Build"]
-        if hasattr(panel, act):
-            getattr(panel, act)()
+    def _press(self, event: Any, act: str) -> None:
+        """A key: for what the tab shows; to stop real robots is everybody's and every tab's."""
+        if act == "stop" and self.drive.is_live:
+            self.drive.emergency_stop()
+            return
+        found = getattr(self._panels[self.chosen or "Build"], act, None)
+        if found is not None:
+            self.session.handle(lambda _: found())(event)
 
     def _switch(self, dark: bool) -> None:
         self.session.dark = dark

@@ -62,7 +62,8 @@ class DrivePanel:
         self._emergency = gui.add_button(
             transport.EMERGENCY, color="red", icon="hand-stop", visible=False, order=-60.0
         )
-        self._emergency.on_click(session.handle(lambda _: self.act(transport.EMERGENCY)))
+        # Anybody may stop real robots, and nothing that goes on is waited for.
+        self._emergency.on_click(lambda _: self.emergency_stop())
         self._transport = transport.Transport(session, self.act, self._set_speed)
         self._tools = DriveTools(session, self._driven)
         with gui.add_folder("Plots", expand_by_default=False):
@@ -110,10 +111,6 @@ class DrivePanel:
             if what == transport.RESTART:
                 drive.stop()
                 self._again = True
-            elif what == transport.EMERGENCY:
-                if not isinstance(drive, LiveDrive):
-                    raise InputError("simulated robots need no emergency stop")
-                drive.emergency_stop("by hand")
             else:
                 acts = {
                     transport.PAUSE: drive.pause,
@@ -133,9 +130,19 @@ class DrivePanel:
         self.act(transport.STEP)
 
     def stop(self) -> None:
-        """End; real robots stop at once."""
-        live = self.drive is not None and self.drive.live
-        self.act(transport.EMERGENCY if live else transport.STOP)
+        """End a simulation."""
+        self.act(transport.STOP)
+
+    @property
+    def is_live(self) -> bool:
+        """Whether real robots are driven."""
+        return self.drive is not None and self.drive.live and self.drive.phase != "ended"
+
+    def emergency_stop(self, why: str = "by hand") -> None:
+        """Stop real robots at once, whoever asks for it."""
+        drive = self.drive
+        if isinstance(drive, LiveDrive) and self.is_live:
+            drive.emergency_stop(why)
 
     def _driven(self) -> Drive:
         if self.drive is None:
@@ -181,9 +188,7 @@ class DrivePanel:
 
     def _driver_left(self) -> None:
         """Real robots do not go on for somebody who is not there any more."""
-        drive = self.drive
-        if isinstance(drive, LiveDrive) and drive.phase != "ended":
-            drive.emergency_stop("the page of the one who drives was closed or cut off")
+        self.emergency_stop("the page of the one who drives was closed or cut off")
 
     # The scene.
 
@@ -261,7 +266,7 @@ class DrivePanel:
         if drive is None and self._build.draft.scenario is None:
             missing = f"Nothing to drive yet: {self._build.draft.error}"
         self._transport.show(drive, missing)
-        self._emergency.visible = bool(drive and drive.live and drive.phase != "ended")
+        self._emergency.visible = self.is_live
         self._result.show(drive)
         if self._entered:
             self._tools.show(drive)

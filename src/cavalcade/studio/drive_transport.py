@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from typing import Any
 
 from cavalcade.studio.drive import Drive
 from cavalcade.studio.session import Session
@@ -38,18 +39,32 @@ class Transport:
         gui = session.server.gui
         self._status = gui.add_markdown("")
         self._buttons = gui.add_button_group("", (START,))
-        self._buttons.on_click(session.handle(lambda event: act(event.target.value)))
+        self._buttons.on_click(self._clicked)
         self._speed = gui.add_slider(
             "Speed (×)", SPEEDS[0], SPEEDS[1], 0.1, 1.0, hint="Simulated seconds per second"
         )
-        self._speed.on_update(session.handle(lambda event: pace(event.target.value)))
-        self._act = act
+        self._speed.on_update(self._speed_changed)
+        self._session, self._act, self._pace = session, act, pace
+        self._asked = 1.0
         self._shown: tuple[str, ...] = (START,)
 
     @property
     def speed(self) -> float:
         """What the slider stands at."""
         return float(self._speed.value)
+
+    def _clicked(self, event: Any) -> None:
+        what = event.target.value  # before somebody else clicks, too
+        self._session.handle(lambda _: self._act(what))(event)
+
+    def _speed_changed(self, event: Any) -> None:
+        def take(_: Any) -> None:
+            self._asked = self.speed
+            self._pace(self._asked)
+
+        self._session.handle(take)(event)
+        if self.speed != self._asked:  # one who watches has moved it
+            self._speed.value = self._asked
 
     def show(self, drive: Drive | None, missing: str = "") -> None:
         """Say how it stands; `missing` is why nothing can be started."""

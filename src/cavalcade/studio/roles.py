@@ -108,21 +108,21 @@ class Roles:
             self._show()
 
     def _go(self, client: Any) -> None:
+        left = client.client_id
+        # Real robots do not wait for the lock.
+        for act in self.on_leave if self.driver == left else ():
+            act()
         with self._lock:
-            left = client.client_id
             self._there.pop(left, None)
             self._lines.pop(left, None)
             if self._asking in (left, None) or self.driver == left:
                 self._forget_question()
-            drove = self.driver == left
-            if drove:
+            if self.driver == left:
                 self.driver = next(iter(self._there), None)
                 if self.driver is not None:
                     text = "The one who drove has left: you drive now"
                     self._say(text, self._there[self.driver])
             self._show()
-        for act in self.on_leave if drove else ():
-            act()
 
     def _clicked(self, client: Any) -> None:
         try:

@@ -9,6 +9,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import rich
+
 from cavalcade.errors import CavalcadeError, InputError
 from cavalcade.studio.roles import Roles
 from cavalcade.studio.stage import Stage
@@ -103,9 +105,13 @@ class Session:
         """A callback of the page's: for who drives, one at a time, errors in words."""
 
         def callback(event: Any) -> None:
-            client = getattr(event, "client", None)
-            if client is not None and client.client_id != self.driver:
-                self.say("Another tab drives; ask it with the button above", client=client)
+            client = getattr(event, "client", None)  # None: it was us, or has just gone
+            who = getattr(event, "client_id", None)
+            if who is None and client is not None:
+                who = client.client_id
+            if who is not None and who != self.driver:
+                if client is not None:
+                    self.say("Another tab drives; ask it with the button above", client=client)
                 return
             self.attempt(lambda: act(event), client)
 
@@ -134,7 +140,13 @@ class Session:
     def close(self) -> None:
         """Close the page."""
         self.roles.close()
-        self.server.stop()
+        # viser says that it stops to whoever reads the terminal.
+        console = rich.get_console()
+        quiet, console.quiet = console.quiet, True
+        try:
+            self.server.stop()
+        finally:
+            console.quiet = quiet
 
     def _theme(self) -> None:
         self.server.gui.configure_theme(

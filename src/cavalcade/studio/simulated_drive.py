@@ -117,10 +117,10 @@ class SimulatedDrive:
             return f"Ended: {self.trouble}"
         if phase == "ended" and self.summary is not None:
             return "Ended: " + _reason(self.summary["reason"], self.summary["detail"])
-        if phase == "preparing":
-            return self._progress or "Preparing …"
         if self._stopped:
             return "Ending, and writing the results …"
+        if phase == "preparing":
+            return self._progress or "Preparing …"
         if phase == "waiting":
             return f"{_reason(self._steering.reason, '')}. Drag the goal to go on, or stop"
         if phase == "paused":
