@@ -9,6 +9,7 @@ from cavalcade.studio.build_panel import BuildPanel
 from cavalcade.studio.drive_panel import DrivePanel
 from cavalcade.studio.session import HOST, PORT, Session
 from cavalcade.studio.study_panel import StudyPanel
+from cavalcade.studio.view_panel import ViewPanel
 
 
 class Studio:
@@ -35,6 +36,7 @@ class Studio:
             self.drive = DrivePanel(self.session, self.build)
         with tabs.add_tab("Study"):
             self.study = StudyPanel(self.session)
+        ViewPanel(self.session)
 
     def __enter__(self) -> Self:
         return self

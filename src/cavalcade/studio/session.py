@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from cavalcade.errors import CavalcadeError, InputError
+from cavalcade.studio.lights import light
 from cavalcade.studio.stage import Stage
 
 _LOG = logging.getLogger(__name__)
@@ -61,6 +62,7 @@ class Session:
             dark_mode=True,
         )
         self.server.gui.main_panel.dock_right()
+        light(self.server)
         self.stage = Stage(self.server)
         self.server.on_client_connect(self._on_connect)
         self.server.on_client_disconnect(self._on_disconnect)
