@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import time as wall
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from cavalcade.studio import camera
-from cavalcade.studio.charts import Charts
+from cavalcade.studio.charts import FIRST, SECOND, Charts
 from cavalcade.studio.curves import curves_of
 from cavalcade.studio.exporting import picture, replay_page, scenario_text
 from cavalcade.studio.facts import compared, facts
@@ -21,9 +22,6 @@ from cavalcade.studio.timeline import Timeline
 
 _CHART_PERIOD = 0.3
 """Between two places of the charts' cursor while it plays, s."""
-
-_KEYS = ("🟦 ", "🟧 ")
-"""The colours of two runs' curves."""
 
 BESIDE, OVER = "beside", "over it"
 _DARK, _LIGHT = (26, 27, 30), (255, 255, 255)
@@ -70,7 +68,7 @@ class RunView:
         may_over = second is not None and may_lie_over(first, second)
         self._over = over and may_over
         gui, handle = session.server.gui, session.handle
-        gui.add_markdown(_title(results))
+        gui.add_html(_title(results))
         start = begin if time is None else time
         self.timeline = Timeline(
             session, begin, end, start, _events(results), _robots(results), self._on_time
@@ -232,13 +230,15 @@ def _names(results: Sequence[Result]) -> list[str]:
 
 
 def _title(results: Sequence[Result]) -> str:
+    """What is looked at, with the colours of two runs' curves, and what is missing of it."""
     lines = []
-    for key, result in zip(_KEYS if len(results) > 1 else ("",), results, strict=True):
+    for color, result in zip((FIRST, SECOND), results, strict=False):
         span = result.player.end - result.player.begin
         what = "a run" if result.recording is not None else "a plan"
-        lines.append(f"{key}**{_safe(result.name)}**: {what} of {span:.1f} s")
-        lines += [f"⚠ {_safe(gap)}" for gap in result.gaps]
-    return "\n\n".join(lines)
+        key = f'<span style="color:{color}">■</span> ' if len(results) > 1 else ""
+        lines.append(f"{key}<b>{html.escape(result.name)}</b>: {what} of {span:.1f} s")
+        lines += [f"⚠ {html.escape(gap)}" for gap in result.gaps]
+    return f'<div style="padding:.3em .75em;font-size:.875em">{"<br>".join(lines)}</div>'
 
 
 def _summary(results: Sequence[Result]) -> str:

@@ -54,7 +54,7 @@ class StudyPanel:
             self._again = gui.add_button(
                 "Run it again", icon="refresh", order=1e6 + 1, visible=False
             )
-            self._again.on_click(handle(self._on_again))
+            self._again.on_click(handle(lambda event: self._run_again(event.client)))
         self._compared = gui.add_dropdown("Compare with", (_NOTHING,), visible=False)
         self._compared.on_update(handle(self._on_compared))
         self._place = gui.add_folder(None)
@@ -69,6 +69,32 @@ class StudyPanel:
             InputError: It is none of them, or damaged.
         """
         self._open(self._read(folder_of(str(folder))))
+
+    def compare(self, folder: str | Path) -> None:
+        """Look at another run beside the one that is open.
+
+        Raises:
+            InputError: There is none to compare with, or that folder is none.
+        """
+        if self._first is None:
+            raise InputError("open a run first, then one to compare it with")
+        self._compare(read_result(folder_of(str(folder))))
+
+    def choose_trial(self, trial: str) -> None:
+        """Open a trial of the campaign, or offer to run it again if nothing was kept of it.
+
+        Raises:
+            InputError: There is no such trial.
+        """
+        rows = [] if self._trials is None else self._trials.rows
+        row = next((row for row in rows if row["trial"] == trial), None)
+        if row is None:
+            raise InputError(f"there is no trial {trial!r}")
+        self._on_trial(row, None)
+
+    def run_again(self) -> None:
+        """Run the trial again that was chosen last, in a thread of its own."""
+        self._run_again(None)
 
     def enter(self) -> None:
         """The tab has been chosen: the scene is this one's now."""
@@ -191,7 +217,7 @@ class StudyPanel:
         self._offer.content = text
         self._offer.visible = self._again.visible = trial is not None
 
-    def _on_again(self, event: Any) -> None:
+    def _run_again(self, client: Any) -> None:
         if self._trial is None or self._trials is None:
             return
         trial, campaign = self._trial, self._trials.folder
@@ -205,7 +231,7 @@ class StudyPanel:
             return read_result(out)
 
         self._offer_again(None, "")
-        self._work(f"Running {trial} again …", run, self._open, event.client)
+        self._work(f"Running {trial} again …", run, self._open, client)
 
     def _again_folder(self, trial: str) -> Path:
         campaign = self._trials.folder.name if self._trials is not None else "campaign"
