@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+import pytest
+
 from cavalcade.scenario import build_world, load_scenario, resolve_scenario
+from cavalcade.studio import camera
 from cavalcade.studio.app import Studio
 
 
@@ -34,3 +38,76 @@ def test_a_click_on_the_ground_gives_its_place(studio: Studio, open_page: Any, u
     x, y = places[-1]
     assert abs(x - look_at[0]) < 0.1
     assert abs(y - look_at[1]) < 0.1
+
+
+def _canvas_middle(page: Any) -> tuple[float, float]:
+    box = page.locator("canvas").first.bounding_box()
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def _look_at(studio: Studio, place: tuple[float, float, float]) -> None:
+    eye = np.array(place) + (0.0, -2.0, 2.5)
+    camera.look(studio.session.server, eye, np.array(place))
+
+
+def test_a_click_on_a_robot_or_an_obstacle_says_which_and_is_none_on_the_ground(
+    studio: Studio, open_page: Any, until: Any
+) -> None:
+    scenario = _show(studio, "square-clutter")
+    world = build_world(scenario)
+    stage = studio.session.stage
+    picked: list[tuple[str, int]] = []
+    ground: list[tuple[float, float]] = []
+    stage.on_pick(lambda event, kind, index: picked.append((kind, index)))
+    stage.on_ground_click(lambda event, x, y: ground.append((x, y)))
+    page = open_page()
+    x, y, _ = scenario.starts[2]
+    low_x, low_y, high_x, high_y = world.shapes[1].bounds
+    middle = ((low_x + high_x) / 2, (low_y + high_y) / 2, 0.5)
+    for place, wanted in (((x, y, 0.28), ("robot", 2)), (middle, ("obstacle", 1))):
+        _look_at(studio, place)
+        picked.clear()
+
+        def click(wanted: tuple[str, int] = wanted) -> bool:
+            page.mouse.click(*_canvas_middle(page))
+            page.wait_for_timeout(300)
+            return picked[-1:] == [wanted]
+
+        until(page, click, f"the click on {wanted}")
+        ground.clear()
+        click()
+        page.wait_for_timeout(300)
+        assert ground == []
+
+
+def test_a_goal_is_dragged_on_the_ground(studio: Studio, open_page: Any, until: Any) -> None:
+    _show(studio, "square-clutter")
+    ended: list[tuple[float, float, float]] = []
+    changed: list[tuple[float, float, float]] = []
+    gizmo = studio.session.stage.goal_gizmo(
+        "goal",
+        (3.0, 3.0, 0.0),
+        lambda event, pose: changed.append(pose),
+        lambda event, pose: ended.append(pose),
+    )
+    page = open_page()
+    eye = np.array([3.0, 2.99, 6.0])  # from straight above, north is up
+    camera.look(studio.session.server, eye, np.array([3.0, 3.0, 0.06]))
+    x, y = _canvas_middle(page)
+
+    def drag() -> bool:
+        # The square between both arrows moves it on the ground.
+        for start in ((12, -12), (24, -24), (36, -36), (60, -60)):
+            page.mouse.move(x + start[0], y + start[1])
+            page.mouse.down()
+            page.mouse.move(x + start[0] + 60, y + start[1] - 40, steps=6)
+            page.mouse.up()
+            page.wait_for_timeout(200)
+            if ended and abs(ended[-1][0] - 3.0) > 0.1 and abs(ended[-1][1] - 3.0) > 0.1:
+                return True
+        return False
+
+    until(page, drag, "the drag")
+    assert changed
+    assert gizmo.pose == pytest.approx(ended[-1])
+    assert gizmo.pose[2] == pytest.approx(0.0)

@@ -11,6 +11,7 @@ from cavalcade.studio.build_panel import BuildPanel
 from cavalcade.studio.drive_panel import DrivePanel
 from cavalcade.studio.session import HOST, PORT, Session
 from cavalcade.studio.study_panel import StudyPanel
+from cavalcade.studio.view_panel import ViewPanel
 
 Tab = Literal["Build", "Drive", "Study"]
 
@@ -74,6 +75,7 @@ class Studio:
             command.on_trigger(lambda event, act=act: self._press(event, act))
         dark = gui.add_checkbox("Dark", session.dark, order=1000.0)
         dark.on_update(session.handle(lambda event: self._switch(event.target.value)))
+        ViewPanel(session)
 
     def __enter__(self) -> Self:
         return self

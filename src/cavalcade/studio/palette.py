@@ -17,11 +17,16 @@ def rgb(color: str) -> Color:
 
 @dataclass(frozen=True)
 class Palette:
-    """What has which colour."""
+    """What has which colour.
+
+    Attributes:
+        springs: Short, as long as they should be, long.
+    """
 
     robots: tuple[Color, ...]
     floor: Color
     terrain: Color
+    barred: Color
     wall: Color
     unknown: Color
     obstacle: Color
@@ -33,6 +38,8 @@ class Palette:
     leg: Color
     star: Color
     limit: Color
+    springs: tuple[Color, Color, Color]
+    field: tuple[Color, Color]
 
     def robot(self, index: int) -> Color:
         """The colour of a robot."""
@@ -43,6 +50,7 @@ LIGHT = Palette(
     robots=tuple(rgb(color) for color in style.ROBOTS),
     floor=(243, 244, 246),
     terrain=(206, 200, 188),
+    barred=(160, 140, 124),
     wall=(148, 155, 164),
     unknown=(217, 219, 222),
     obstacle=(136, 146, 158),
@@ -54,11 +62,14 @@ LIGHT = Palette(
     leg=(58, 62, 68),
     star=(245, 190, 30),
     limit=rgb(style.LIMIT),
+    springs=((44, 110, 190), (150, 156, 164), (205, 66, 48)),
+    field=((253, 253, 246), (39, 64, 111)),
 )
 DARK = Palette(
     robots=tuple(rgb(color) for color in style.ROBOTS_ON_DARK),
     floor=(40, 44, 51),
     terrain=(92, 88, 80),
+    barred=(70, 58, 50),
     wall=(96, 104, 116),
     unknown=(58, 62, 69),
     obstacle=(112, 122, 136),
@@ -70,4 +81,6 @@ DARK = Palette(
     leg=(28, 30, 34),
     star=(255, 214, 77),
     limit=(255, 92, 112),
+    springs=((90, 165, 245), (128, 136, 147), (250, 110, 90)),
+    field=((62, 86, 120), (214, 234, 200)),
 )

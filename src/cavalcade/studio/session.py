@@ -12,6 +12,7 @@ from typing import Any
 import rich
 
 from cavalcade.errors import CavalcadeError, InputError
+from cavalcade.studio.lights import light
 from cavalcade.studio.roles import Roles
 from cavalcade.studio.stage import Stage
 
@@ -64,6 +65,7 @@ class Session:
         self.server.gui.main_panel.dock_right()
         self._dark = True
         self._theme()
+        light(self.server)
         self.stage = Stage(self.server)
         self.roles = Roles(self.server, self.lock, lambda text, who: self.say(text, client=who))
 
@@ -88,7 +90,7 @@ class Session:
     def dark(self, value: bool) -> None:
         self._dark = value
         self._theme()
-        self.stage.set_theme(value)
+        self.stage.set_dark(value)
 
     def say(self, text: str, title: str = "", client: Any = None, bad: bool = False) -> None:
         """Tell one who looks, or all, something in passing."""
