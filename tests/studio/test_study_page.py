@@ -50,9 +50,14 @@ def run(kept: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(kept, tmp_path / "results" / "told"))
 
 
+def field(page: Any, label: str) -> Any:
+    """The input beside a label."""
+    row = "ancestor::*[contains(@class, 'mantine-Flex-root')][1]"
+    return page.locator(f"xpath=//label[normalize-space()='{label}']/{row}//input").first
+
+
 def open_folder(page: Any, folder: Path | str) -> None:
-    field = page.get_by_label("Folder", exact=True)
-    field.fill(str(folder))
+    field(page, "Folder").fill(str(folder))
     page.wait_for_timeout(300)
     page.get_by_role("button", name="Open this folder").click()
 
@@ -164,7 +169,7 @@ def test_a_listed_folder_that_has_vanished_is_told(
     inside = Path(shutil.copytree(kept, studio.session.folder / "runs" / "gone"))
     to_study(page, studio, until)
     shutil.rmtree(inside)
-    page.get_by_label("Open", exact=True).click()
+    field(page, "Open").click()
     page.get_by_role("option", name="runs/gone").click()
     page.get_by_text("there is no such folder").first.wait_for()
 
@@ -186,7 +191,7 @@ def test_a_campaigns_trials(
     page.get_by_text("a campaign of 23 trials").wait_for()
     campaign = studio.study.campaign
     assert campaign is not None
-    page.get_by_label("Filter", exact=True).fill("outcome=stuck")
+    field(page, "Filter").fill("outcome=stuck")
     until(page, lambda: len(campaign.shown) == 5, "the filter")
     page.get_by_text("5 trials: 5 stuck").wait_for()
     page.get_by_role("button", name="crowd.0015").click()

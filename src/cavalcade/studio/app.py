@@ -73,9 +73,9 @@ class Studio:
         ):
             command = gui.add_command(label, hotkey=key, description="Drive and Study")
             command.on_trigger(lambda event, act=act: self._press(event, act))
-        ViewPanel(session)
         dark = gui.add_checkbox("Dark", session.dark, order=1000.0)
         dark.on_update(session.handle(lambda event: self._switch(event.target.value)))
+        ViewPanel(session)
 
     def __enter__(self) -> Self:
         return self

@@ -63,9 +63,9 @@ class Session:
         self.lock = threading.RLock()
         self.server = viser.ViserServer(host=host, port=port, label="Cavalcade", verbose=False)
         self.server.gui.main_panel.dock_right()
-        light(self.server)
         self._dark = True
         self._theme()
+        light(self.server)
         self.stage = Stage(self.server)
         self.roles = Roles(self.server, self.lock, lambda text, who: self.say(text, client=who))
 
