@@ -112,6 +112,10 @@ class RunView:
             points = np.column_stack([places, np.zeros(len(places))])
             camera.look(self._session.server, *camera.view_of(points))
 
+    def show(self) -> None:
+        """Show the moment anew."""
+        self._show(self.timeline.time)
+
     def leave(self) -> None:
         """The scene is another one's."""
         self.timeline.pause()

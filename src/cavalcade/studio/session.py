@@ -50,6 +50,7 @@ class Session:
         server: `viser.ViserServer`.
         stage: The scene.
         roles: Who drives.
+        themed: Called when the page turns dark or light.
         lock: Held by every callback; whoever changes the session from a thread takes it, too.
 
     Raises:
@@ -63,6 +64,7 @@ class Session:
         self.lock = threading.RLock()
         self.server = viser.ViserServer(host=host, port=port, label="Cavalcade", verbose=False)
         self.server.gui.main_panel.dock_right()
+        self.themed: list[Callable[[], None]] = []
         self._dark = True
         self._theme()
         light(self.server)
@@ -91,6 +93,8 @@ class Session:
         self._dark = value
         self._theme()
         self.stage.set_dark(value)
+        for act in tuple(self.themed):
+            act()
 
     def say(self, text: str, title: str = "", client: Any = None, bad: bool = False) -> None:
         """Tell one who looks, or all, something in passing."""
