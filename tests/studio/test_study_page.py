@@ -98,12 +98,14 @@ def test_keys_play_and_pause(
     view = studio.study.view
     assert view is not None
     page.get_by_text("a run of 6.0 s").wait_for()
-    page.locator("canvas").first.click()
+    box = page.locator("canvas[data-engine]").bounding_box()
+    page.mouse.click(box["x"] + 20, box["y"] + box["height"] - 20)
     page.keyboard.press("Space")
     until(page, lambda: view.snapshot.time > 0.3, "play")
-    page.get_by_role("button", name="Pause").wait_for()
+    page.get_by_role("button", name="Pause", exact=True).filter(visible=True).wait_for()
     page.keyboard.press("Space")
-    page.get_by_role("button", name="Play").wait_for()
+    play = page.get_by_role("button", name="Play", exact=True).filter(visible=True)
+    play.wait_for()
     until(page, lambda: not view.timeline.playback.playing, "the pause")
     stopped = view.timeline.time
     until(page, lambda: abs(shown_time(page) - stopped) < 0.011, "the time")
@@ -119,7 +121,7 @@ def test_the_end_stops_and_play_begins_anew(
     assert view is not None
     page.get_by_role("button", name="End", exact=True).click()
     until(page, lambda: view.timeline.time == view.timeline.playback.end, "the end")
-    page.get_by_role("button", name="Play").click()
+    page.get_by_role("button", name="Play", exact=True).filter(visible=True).click()
     until(page, lambda: 0.0 < view.timeline.time < 3.0, "the start again")
 
 
