@@ -60,10 +60,12 @@ demo: $(VENV)/.stamp-physics
 # The tests' processes find the compiled kernels instead of each compiling its own.
 test: $(VENV)/.stamp-test
 	@$(BIN)/cavalcade warm --all
-	@$(BIN)/python -m pytest --numprocesses $(WORKERS) --durations 5
+	@$(BIN)/python -m pytest --numprocesses $(WORKERS) --dist loadfile \
+		--no-loadscope-reorder --durations 5
 
 test-fast: $(VENV)/.stamp-test
-	@$(BIN)/python -m pytest --numprocesses $(WORKERS) -m "not slow"
+	@$(BIN)/python -m pytest --numprocesses $(WORKERS) --dist loadfile \
+		--no-loadscope-reorder -m "not slow"
 
 # Wheels of rclpy start every Python of their environment twice: it is one of its own, on top of
 # the other. Where there are none for the platform, the tests skip.

@@ -203,7 +203,7 @@ def test_a_campaign_and_one_of_its_trials_again(
     file = tmp_path / "tiny-plans.yaml"
     file.write_text(SUITE, encoding="utf-8")
     plans = define_campaign(file)
-    run_campaign(plans, tmp_path / "a", LocalEngine(2))
+    run_campaign(plans, tmp_path / "a", LocalEngine(1))
     run_campaign(plans, tmp_path / "b", in_this_process)
     lines = table(tmp_path / "a")
     assert lines == table(tmp_path / "b")

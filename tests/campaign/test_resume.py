@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -17,6 +18,7 @@ import pytest
 from cavalcade.campaign.definition import define_campaign
 from cavalcade.campaign.engines.protocol import Engine
 from cavalcade.campaign.runner import run_campaign
+from cavalcade.cli import main
 
 pytestmark = pytest.mark.skipif(
     not Path("/proc/self/status").exists(), reason="processes are looked up in /proc"
@@ -64,6 +66,25 @@ def start(tmp_path: Path, suite: Path) -> Callable[..., subprocess.Popen[str]]:
     return begin
 
 
+@pytest.fixture
+def go_on(
+    tmp_path: Path,
+    suite: Path,
+    in_this_process: Engine,
+    no_report: None,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> Callable[..., tuple[int, str, str]]:
+    """Does the same here, without workers, where nobody stops it; exit code, output, errors."""
+    monkeypatch.setattr("cavalcade.campaign.engines.make_engine", lambda *_: in_this_process)
+
+    def done(out: str, *more: str) -> tuple[int, str, str]:
+        code = main(["campaign", str(suite), "--out", str(tmp_path / out), *more])
+        return code, *capsys.readouterr()
+
+    return done
+
+
 def wait_for_lines(folder: Path, count: int) -> None:
     until = time.monotonic() + 60.0
     while time.monotonic() < until:
@@ -106,19 +127,13 @@ def wait_for_the_end_of(processes: Iterable[int]) -> None:
     assert not any(map(alive, processes))
 
 
-def finish(process: subprocess.Popen[str]) -> str:
-    out, err = process.communicate(timeout=120)
-    assert process.returncode == 0, err
-    return out
-
-
 def test_kill_9_of_a_worker_and_of_the_parent(
     start: Callable[..., subprocess.Popen[str]],
+    go_on: Callable[..., tuple[int, str, str]],
     suite: Path,
     tmp_path: Path,
     table: Table,
     in_this_process: Engine,
-    no_report: None,
 ) -> None:
     run_campaign(define_campaign(suite), tmp_path / "whole", in_this_process)
     expected = table(tmp_path / "whole")
@@ -136,14 +151,18 @@ def test_kill_9_of_a_worker_and_of_the_parent(
     done = len((tmp_path / "killed" / "trials.jsonl").read_text().splitlines())
     assert 6 <= done < 28
 
-    again = start("killed", "--resume", "--json", workers=1)
-    summary = json.loads(finish(again))
+    code, out, _ = go_on("killed", "--resume", "--json")
+    assert code == 0
+    summary = json.loads(out)
     assert (summary["trials"], summary["outcomes"]) == (28, {"arrived": 28})
     assert table(tmp_path / "killed") == expected
 
 
 def test_ctrl_c_ends_cleanly_and_says_how_to_go_on(
-    start: Callable[..., subprocess.Popen[str]], tmp_path: Path, table: Table
+    start: Callable[..., subprocess.Popen[str]],
+    go_on: Callable[..., tuple[int, str, str]],
+    tmp_path: Path,
+    table: Table,
 ) -> None:
     process = start("a", "--set", "execution.rate=25", workers=1)
     wait_for_lines(tmp_path / "a", 2)
@@ -161,34 +180,34 @@ def test_ctrl_c_ends_cleanly_and_says_how_to_go_on(
     done = before.count(b"\n")
     assert said[0].startswith(f"cavalcade: {done} of 28 ")
     # Without the same overrides it is another campaign.
-    other = start("a", "--resume")
-    _, err = other.communicate(timeout=60)
-    assert other.returncode == 2
+    code, _, err = go_on("a", "--resume")
+    assert code == 2
     assert "was begun with other overrides (--set): execution.rate=25" in err
-    finish(start("a", "--resume", "--set", "execution.rate=25", "--quiet", workers=1))
+    code, _, err = go_on("a", "--resume", "--set", "execution.rate=25", "--quiet")
+    assert (code, err) == (0, "")
     assert len(table(tmp_path / "a")) == 28
     assert (tmp_path / "a" / "trials.jsonl").read_bytes().startswith(before)
 
 
 def test_a_full_disk_in_the_middle(
-    start: Callable[..., subprocess.Popen[str]], tmp_path: Path, table: Table
+    go_on: Callable[..., tuple[int, str, str]], tmp_path: Path, table: Table
 ) -> None:
     """A limit on the size of files stands in for a disk that is full."""
-    program = tmp_path / "program.py"
-    limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (8000, 8000))\n"
-    program.write_text(PROGRAM.replace("if __name__", limit + "if __name__"))
-    process = start("a", workers=1)
-    _, err = process.communicate(timeout=60)
-    assert process.returncode == 2
+    assert go_on("other", "--seeds", "1")[0] == 0  # what is imported has been written by then
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (8000, before[1]))
+    try:
+        code, _, err = go_on("a")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert code == 2
     assert err.count("\n") == 1
     assert err.startswith(f"cavalcade: {tmp_path / 'a' / 'trials.jsonl'}: cannot be written: ")
     assert err.endswith("trials so far are kept, go on with --resume\n")
     text = (tmp_path / "a" / "trials.jsonl").read_text()
     assert text.endswith("}\n")
     assert 3 <= text.count("\n") < 28
-    program.write_text(PROGRAM)
-    again = start("a", "--resume", workers=1)
-    out, err = again.communicate(timeout=120)
-    assert (again.returncode, err) == (0, "")
+    code, out, err = go_on("a", "--resume")
+    assert (code, err) == (0, "")
     assert len(table(tmp_path / "a")) == 28
     assert f"{text.count(chr(10))} of them done already" in out

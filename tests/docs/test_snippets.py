@@ -14,6 +14,7 @@ import pytest
 import yaml
 
 import cavalcade as cv
+from cavalcade.campaign.report import worst
 from cavalcade.campaign.suite import parse_suite
 from cavalcade.cli import main
 from cavalcade.live.team_file import parse_team
@@ -27,6 +28,12 @@ ALONE = [
     for page in PAGES
     if page not in LESSONS + LIVE and any(one.is_run for one in blocks(page, *RUN))
 ]
+
+
+@pytest.fixture(autouse=True)
+def few_are_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two of a campaign's worst trials are repeated for its report."""
+    monkeypatch.setattr(worst, "MOST", 2)
 
 
 @pytest.fixture

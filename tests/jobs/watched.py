@@ -99,13 +99,13 @@ def own_loop() -> set[str]:
     closed = empty.with_shapes([cv.Box((4.0, 2.5), (0.2, 5.0))])
     mover = cv.DynamicObstacle(cv.Circle((3.0, 4.0), 0.2), (-0.5, -0.4))
     news: dict[int, Callable[[cv.FormationPlanner], None]] = {
-        10: lambda planner: planner.update_map(wall),
-        20: lambda planner: planner.set_dynamic_obstacles([mover]),
-        50: lambda planner: planner.set_dynamic_obstacles([]),
-        60: lambda planner: planner.lose(1),
-        80: lambda planner: planner.rejoin(1),
-        90: lambda planner: planner.set_formation(cv.Formation.column(3, 0.9)),
-        120: lambda planner: planner.update_map(closed),
+        5: lambda planner: planner.update_map(wall),
+        10: lambda planner: planner.set_dynamic_obstacles([mover]),
+        30: lambda planner: planner.set_dynamic_obstacles([]),
+        35: lambda planner: planner.lose(1),
+        50: lambda planner: planner.rejoin(1),
+        55: lambda planner: planner.set_formation(cv.Formation.column(3, 0.9)),
+        80: lambda planner: planner.update_map(closed),
     }
     seen = Seen()
     for variant in VARIANTS:
@@ -117,7 +117,7 @@ def own_loop() -> set[str]:
             starts = np.column_stack([shape.placed((1.2, 2.5, 0.0)), np.zeros(3)])
             planner.set_goal((7.5, 2.5, 0.0))
             robots = IdealFleet([planner.model] * 3, starts)
-            for cycle in range(160):
+            for cycle in range(100):
                 if cycle in news:
                     news[cycle](planner)
                 now = robots.observe()

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import gc
 import math
 import sys
 import tracemalloc
 
 import numpy as np
 import pytest
+from numba.core.compiler import Flags
+from numba.core.errors import TypingError
 
 from cavalcade.kernels import kernel, subroutine
 from cavalcade.kernels.copying import copy_rows, copy_to
+from cavalcade.kernels.linking import _Flags
 
 
 @subroutine
@@ -136,3 +140,29 @@ def test_copies() -> None:
     line = np.arange(5.0)
     copy_to(line, line[2:])
     assert line.tolist() == [2.0, 3.0, 4.0, 3.0, 4.0]
+
+
+def test_flags_are_compared_as_numba_compares_them() -> None:
+    usual = [Flags() for _ in range(3)]
+    usual[1].nrt = usual[2].nrt = True
+    usual[2].boundscheck = False  # as it is by default
+    own = [_Flags(flags) for flags in usual]
+    for a, mine in zip(usual, own, strict=True):
+        for b, other in zip(usual, own, strict=True):
+            assert (mine == other) == (mine == b) == (b == mine) == (a == b)
+        assert hash(mine) == hash(a)
+        assert mine.values() == a.values()
+        assert mine.copy() == a
+    assert own[0] != own[1] == own[2]
+
+
+def test_garbage_is_looked_for_as_before_once_a_kernel_is_there() -> None:
+    before = gc.get_threshold()
+    try:
+        for threshold in ((700, 10, 10), (0, 10, 10)):
+            gc.set_threshold(*threshold)
+            with pytest.raises(TypingError):
+                checked("no number")
+            assert gc.get_threshold() == threshold
+    finally:
+        gc.set_threshold(*before)

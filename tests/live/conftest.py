@@ -114,7 +114,7 @@ class MockGo2:
     def __init__(self, log: Path, arguments: list[str], namespace: str = "") -> None:
         within = ["ip", "netns", "exec", namespace] if namespace else []
         code = [sys.executable, "-m", "cavalcade.fleet.unitree.mock", "--log"]
-        self._log = log
+        self.log = log
         with log.open("w") as out:
             self.process = subprocess.Popen(
                 [*within, *code, *arguments], stdin=subprocess.PIPE, stdout=out, text=True
@@ -136,7 +136,7 @@ class MockGo2:
 
     @property
     def _entries(self) -> list[dict[str, Any]]:
-        lines = self._log.read_text().splitlines(keepends=True)
+        lines = self.log.read_text().splitlines(keepends=True)
         return [json.loads(line) for line in lines if line.endswith("\n")]
 
     @property

@@ -81,7 +81,10 @@ class Peers:
             )
         pose = "geometry_msgs/msg/PoseStamped"
         self._goal = graph.publisher(pose, "/team/goal_pose", qos.reliable())
-        self._robot_goal = graph.publisher(pose, "/robot_0/goal_pose", qos.reliable())
+        self._robot_goals = {
+            name: graph.publisher(pose, f"/{name}/goal_pose", qos.reliable())
+            for name in self.commands
+        }
         self._path = graph.publisher("nav_msgs/msg/Path", "/team/goals", qos.reliable())
         self._formation = graph.publisher("std_msgs/msg/String", "/team/formation", qos.reliable())
         self._map = graph.publisher("nav_msgs/msg/OccupancyGrid", "/map", qos.latched())
@@ -133,7 +136,7 @@ class Peers:
             wall.sleep(0.02)
 
     def send_goal(self, pose, frame="map", robot=None) -> None:
-        publisher = self._goal if robot is None else self._robot_goal
+        publisher = self._goal if robot is None else self._robot_goals[robot]
         message = message_type("geometry_msgs/msg/PoseStamped")()
         fill_header(message.header, self.graph.time, frame)
         fill_pose(message.pose, pose)

@@ -10,10 +10,10 @@ import sys
 import time as wall
 
 import pytest
-from navigation_peers import Peers
+from navigation_peers import TEAM, Peers
 
 from cavalcade.errors import InputError
-from cavalcade.fleet.ros2 import load_rclpy, message_type
+from cavalcade.fleet.ros2 import load_rclpy, message_type, qos
 from cavalcade.fleet.ros2.messages import fill_header, fill_map
 from cavalcade.world import Box, OccupancyMap
 
@@ -165,6 +165,59 @@ def test_lifecycle_manager_brings_the_node_up_and_down(peers):
     assert go(cleanup)
     navigate.send_signal(signal.SIGINT)
     assert navigate.wait(30) == 0
+
+
+def test_activation_waits_for_a_map_that_is_published_late(peers, tmp_path):
+    file = tmp_path / "team.yaml"
+    file.write_text(TEAM + "map: {topic: /late_map}\n")
+    kind = "nav_msgs/msg/OccupancyGrid"
+    maps = peers.graph.publisher(kind, "/late_map", qos.latched())
+    grid = message_type(kind)()
+    fill_map(grid, OccupancyMap.empty((9.0, 6.0), 0.1))
+
+    def publish(frame):
+        fill_header(grid.header, peers.graph.time, frame)
+        maps.publish(grid)
+
+    def listeners():
+        return maps.get_subscription_count()
+
+    navigate = peers.navigate("--wait", team=file)
+    peers.until(lambda: listeners() == 1, navigate)
+    state = message_type("lifecycle_msgs/srv/ChangeState")
+    change = peers.graph.node.create_client(state, "/team/navigator/change_state")
+
+    def ask(number):
+        request = state.Request()
+        request.transition.id = number
+        return change.call_async(request)
+
+    peers.until(change.service_is_ready, navigate)
+    configured = ask(1)
+    peers.until(configured.done, navigate)
+    assert configured.result().success
+    # It waits; one that cannot be used is none.
+    activated = ask(3)
+    peers.until(lambda: listeners() == 2, navigate)
+    publish("odom")
+    peers.until(lambda: "/late_map: in frame 'odom'" in navigate.output.read_text(), navigate)
+    assert not activated.done()
+    publish("map")
+    peers.until(activated.done, navigate)
+    assert activated.result().success
+    peers.send_goal((3.0, 3.0, 0.0))
+    peers.until(peers.moving, navigate)
+    # Whoever ends it while it waits needs no patience, and nobody moves.
+    navigate.send_signal(signal.SIGTERM)
+    assert navigate.wait(30) == 0
+    peers.graph.node.destroy_publisher(maps)
+    waiting = peers.run("ros2", "navigate", str(file))
+    peers.until(lambda: peers.graph.node.count_subscribers("/late_map") == 2, waiting)
+    told = wall.monotonic()
+    waiting.send_signal(signal.SIGTERM)
+    waiting.wait(30)
+    assert wall.monotonic() - told < 10.0
+    assert "Traceback" not in waiting.output.read_text()
 
 
 def test_dry_run_commands_nobody(peers):

@@ -332,6 +332,41 @@ def test_team_without_formation_drives_single_robots_together(ground):
         assert np.hypot(*(there[robot] - goal)[:2]) < 0.16
 
 
+class Sinking(FakeFleet):
+    """Robots that sink to the ground when they are damped, and stand up when they may begin."""
+
+    def __init__(self, starts) -> None:
+        super().__init__(starts)
+        self.down, self.risen, self.begin = False, 0, threading.Event()
+
+    def start(self, timeout: float) -> None:
+        assert self.begin.wait(30.0)
+        self.down = False
+        self.risen += 1
+
+    def damp(self, robot=None) -> None:
+        self.down = True
+
+
+def test_an_e_stop_that_is_pressed_before_robots_stand_up_keeps_them_down(ground):
+    fleet = Sinking(STARTS)
+    one = TeamNavigator(team_with(), fleet, map=ground, individual=lambda *_: Straight(3))
+    with one as live:
+        live.stop()
+        assert fleet.down
+        live.reset_stop()  # that they stand up is waiting now
+        live.stop()
+        fleet.begin.set()
+        until(lambda: fleet.risen == 1)
+        until(lambda: fleet.down)
+        assert not live.status.ok
+        live.reset_stop()
+        until(lambda: fleet.risen == 2)
+        since = live.frame.time
+        until(lambda: live.frame.time > since + 0.2)
+        assert not fleet.down
+
+
 def test_fleet_of_another_size_is_refused(ground):
     with pytest.raises(InputError, match="fleet of 2"):
         TeamNavigator(team_with(), FakeFleet(STARTS[:2]), map=ground)

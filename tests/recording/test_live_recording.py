@@ -130,7 +130,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[bytes, int]:
     """A finished file, and where its first chunk ends."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(live_writer, "PERIOD", 0.02)
-        path = recorded(tmp_path_factory.mktemp("live") / "r.mcap", 120, pause=0.002)
+        path = recorded(tmp_path_factory.mktemp("live") / "r.mcap", 60, pause=0.002)
     data = path.read_bytes()
     place = 8
     while data[place] != 6:
@@ -173,7 +173,7 @@ def test_files_cut_at_and_beside_every_record(finished: tuple[bytes, int], tmp_p
                 counts.append((cut, check_cut(data, cut, first, tmp_path / "cut.mcap")))
     counts.sort()
     assert [count for _, count in counts] == sorted(count for _, count in counts)
-    assert counts[-1][1] == 120
+    assert counts[-1][1] == 60
 
 
 @settings(max_examples=60, deadline=None)

@@ -6,6 +6,7 @@ import logging
 import signal
 import sys
 import threading
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -70,7 +71,8 @@ def navigate(
     before = {name: signal.signal(name, lambda *_: stop.set()) for name in ends}
     try:
         record = None if folder is None else folder.begin
-        with NavigationNode(loaded, _fleet_of, record=record, dry_run=dry_run, say=say) as node:
+        fleet_of = partial(_fleet_of, dry_run=loaded.what_is_allowed(dry_run).dry_run)
+        with NavigationNode(loaded, fleet_of, record=record, dry_run=dry_run, say=say) as node:
             if wait:
                 say("/team/navigator waits to be configured and activated; Ctrl-C ends")
             else:
@@ -111,12 +113,12 @@ def _bring_up(node: Any, stop: threading.Event) -> None:
         raise found[0]
 
 
-def _fleet_of(team: Team) -> LiveFleet:
+def _fleet_of(team: Team, dry_run: bool) -> LiveFleet:
     """What a team is reached by, not yet started."""
     if team.fleet == "unitree":
         from cavalcade.live.go2 import Go2Team
 
-        return Go2Team(team)
+        return Go2Team(team, dry_run)
     from cavalcade.fleet.ros2 import Ros2Fleet
 
     return Ros2Fleet(team.ros2_robots(), name="cavalcade_fleet", use_sim_time=team.use_sim_time)

@@ -196,6 +196,12 @@ class Supervisor:
             return self._cause
 
     @property
+    def pressed(self) -> bool:
+        """Whether the e-stop holds: `reset_stop` was not called since."""
+        with self._lock:
+            return self._stop is not None
+
+    @property
     def lost(self) -> tuple[int, ...]:
         """Robots that the others go on without."""
         with self._lock:

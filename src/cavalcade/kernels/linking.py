@@ -6,11 +6,13 @@ calls, half of that work is thrown away. Here it is left out, by numba's own ext
 library of code without machine code, a compiler class with one more pass, and a dispatcher.
 """
 
+import contextlib
 import functools
+import gc
 
 import numba
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import CompilerBase, DefaultPassBuilder
+from numba.core.compiler import CompilerBase, DefaultPassBuilder, Flags
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.compiler_machinery import LoweringPass, register_pass
 from numba.core.registry import CPUDispatcher
@@ -49,12 +51,40 @@ class _NameForCallers(LoweringPass):
         return True
 
 
+class _Flags(Flags):
+    """numba's flags, compared as numba does, without asking for each option.
+
+    numba looks its parts of numpy up by the flags of what is compiled, hundreds of times per
+    kernel; all flags have one hash there, that of the options' names.
+    """
+
+    __slots__ = ()
+    _hash = hash(Flags())
+    _defaults = {name: option.default for name, option in Flags.options.items()}  # noqa: RUF012
+
+    def __hash__(self):
+        return self._hash
+
+    def __eq__(self, other):
+        if type(other) is _Flags and self._values == other._values:
+            return True
+        return super().__eq__(other)
+
+    def values(self):
+        """All options, also those that were not set."""
+        return {**self._defaults, **self._values}
+
+
 class _KernelCompiler(CompilerBase):
     """The usual pipeline without what only C would call.
 
     Flags are set where the pipelines are defined, and not before: numba shares its compiled parts
     of numpy among functions of the same flags, of which it has taken its copy by then.
     """
+
+    def __init__(self, typingctx, targetctx, library, args, return_type, flags, locals):
+        flags = _Flags(flags)
+        super().__init__(typingctx, targetctx, library, args, return_type, flags, locals)
 
     def define_pipelines(self):
         self.state.flags.no_cfunc_wrapper = True
@@ -88,13 +118,24 @@ class _Linking(CPUDispatcher):
 
     def compile(self, sig):
         """The compiled function for a signature."""
-        with global_compiler_lock:
+        with global_compiler_lock, _rarely_collected():
             usual = jit_registry[cpu_target]
             dict.__setitem__(jit_registry, cpu_target, _as_subroutine)
             try:
                 return super().compile(sig)
             finally:
                 dict.__setitem__(jit_registry, cpu_target, usual)
+
+
+@contextlib.contextmanager
+def _rarely_collected():
+    """Python looks for garbage less often: compilers make millions of objects, and few cycles."""
+    before = gc.get_threshold()
+    gc.set_threshold(max(before[0], 50_000) if before[0] else 0, *before[1:])
+    try:
+        yield
+    finally:
+        gc.set_threshold(*before)
 
 
 def _as_subroutine(**options):

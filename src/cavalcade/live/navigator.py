@@ -83,7 +83,7 @@ class TeamNavigator:
         map: The ground.
         individual: Makes another policy for goals of single robots than `IndividualNavigator`.
         sinks: Called with the `Frame` of each cycle, in the planner's thread. One that raises is
-            called no more, and the status says so.
+            called no more, and the status says so, as it does what a recording cannot write.
         dry_run: Do everything, but command nobody; so is a team whose file says it.
 
     Raises:
@@ -299,8 +299,8 @@ class TeamNavigator:
 
     def reset_stop(self) -> None:
         """Lift the e-stop; the team stands, robots that were damped stand up, until `resume`."""
-        self._control.reset_stop()
         with self._lock:
+            self._control.reset_stop()
             self._notes.append("e-stop lifted")
         if isinstance(self._fleet, DampingFleet):
             self._changes.put(self._stand_up)
@@ -479,6 +479,7 @@ class TeamNavigator:
 
     def _cycle(self) -> None:
         done = self._take_over()
+        self._stay_damped()
         try:
             cycle = self._control.plan()
         except Exception as error:
@@ -502,6 +503,12 @@ class TeamNavigator:
         sent = self._control.send(commands, cycle)
         self._tell(cycle, sent, policy.status, done)
         self._first.set()
+
+    def _stay_damped(self) -> None:
+        """While the e-stop holds nobody stands up, also if that was asked for just before it."""
+        with self._lock:
+            if self._supervisor.pressed and isinstance(self._fleet, DampingFleet):
+                self._fleet.damp()
 
     def _take_over(self) -> int:
         """What was asked for since the last cycle and concerns the loop itself.

@@ -118,6 +118,7 @@ class NavigationNode:
             if self._closed:
                 return
             self._closed = True
+        self._map_heard.set()  # nobody waits for it any more
         try:
             self.let_go()
         finally:
@@ -231,6 +232,8 @@ class NavigationNode:
                 self._hear_map(graph, topic)
                 self._map_heard.wait(PATIENCE)
         area = self._first_map()
+        if self._closed:
+            raise FleetError("the node was closed meanwhile")
         if area is None:
             raise FleetError(
                 f"no map was heard on {topic} (nav_msgs/OccupancyGrid, transient local)"

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cavalcade.errors import FleetError, InputError
-from cavalcade.fleet.protocol import Fault, Observation
+from cavalcade.fleet.protocol import Observation
 from cavalcade.fleet.schedule import Schedule
 from cavalcade.fleet.unitree.link import Go2Link
 from cavalcade.fleet.unitree.records import Stage, Wish
@@ -51,6 +51,7 @@ class Go2Fleet:
         silence: What a helper does without a fleet: have the robot `stop`, or `damp` its motors
             besides, so that it sinks to the ground.
         lie_down: Whether robots lie down at the end; otherwise they stay standing.
+        names: What the robots are called in errors; None numbers them.
 
     Raises:
         InputError: The SDK is not there, two robots share a place, or a start is missing.
@@ -63,6 +64,7 @@ class Go2Fleet:
         starts: ArrayLike | None = None,
         silence: Silence = "stop",
         lie_down: bool = False,
+        names: Sequence[str] | None = None,
     ) -> None:
         self.links = instances_of(links, Go2Link, "links", "a list of Go2Link")
         _check_distinct(self.links)
@@ -83,8 +85,12 @@ class Go2Fleet:
         self._epoch = time.time() - time.monotonic()
         self._damp = silence == "damp"
         self._lie_down = bool(lie_down)
+        called = [f"robot {index}" for index in range(count)] if names is None else list(names)
+        if len(called) != count:
+            raise InputError(f"expected {count}, one per robot", key="names")
         self._robots = [
-            Robot(index, link, known[index], self._epoch) for index, link in enumerate(self.links)
+            Robot(index, called[index], link, known[index], self._epoch)
+            for index, link in enumerate(self.links)
         ]
         self._lock = threading.RLock()
         self._schedule = Schedule()
@@ -131,13 +137,13 @@ class Go2Fleet:
         with self._lock:
             self._look()
             unfit = [
-                Fault(robot.number, fault.kind, fault.detail)
+                f"{fault.kind}: {robot.name} ({fault.detail})"
                 for robot in self._robots
                 for fault in robot.faults()
                 if fault.kind in ("battery-low", "fallen")
             ]
         if unfit:
-            raise FleetError("robots must not stand up: " + ", ".join(map(str, unfit)))
+            raise FleetError("robots must not stand up: " + ", ".join(unfit))
         if all(robot.wished is Wish.MOVE and not robot.faults() for robot in self._robots):
             return
         with self._lock:
@@ -248,9 +254,9 @@ class Go2Fleet:
 
     def _check_damped(self) -> None:
         """Whoever stands up is not to be pushed on against an e-stop."""
-        damped = [robot.number for robot in self._robots if robot.wished is Wish.DAMP]
+        damped = [robot.name for robot in self._robots if robot.wished is Wish.DAMP]
         if damped:
-            raise FleetError(f"robot {damped[0]} was damped while the team stood up")
+            raise FleetError(f"{damped[0]} was damped while the team stood up")
 
     def _look(self) -> None:
         for robot in self._robots:
@@ -284,7 +290,7 @@ def _standing(robot: Robot) -> str:
     if robot.stage is Stage.READY:
         return ""
     why = robot.refusal() or "not yet ready to walk"
-    return f"robot {robot.number} does not stand up: {why}"
+    return f"{robot.name} does not stand up: {why}"
 
 
 def _check_distinct(links: Sequence[Go2Link]) -> None:

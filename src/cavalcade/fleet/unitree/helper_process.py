@@ -76,6 +76,7 @@ class Helper:
         self._doing: tuple[Wish, int, bool] = (Wish.WAIT, 0, False)
         self._routine: _Steps = iter(())
         self._battery_due = 0.0
+        self._ordered = False
         self.terminated = False
 
     def run(self) -> None:
@@ -120,6 +121,9 @@ class Helper:
         return wish, False
 
     def _begin(self, wish: Wish, silent: bool) -> _Steps:
+        self._ordered |= wish in (Wish.STAND, Wish.MOVE, Wish.DAMP)
+        if not self._ordered:
+            return iter(())  # whatever it does is somebody else's business
         if wish is Wish.STAND:
             return self._rise()
         if wish is Wish.MOVE:

@@ -35,8 +35,11 @@ _ENDING = 15.0
 class Robot:
     """One robot. The fleet's lock is held by whoever calls."""
 
-    def __init__(self, number: int, link: Go2Link, start: Pose | None, epoch: float) -> None:
+    def __init__(
+        self, number: int, name: str, link: Go2Link, start: Pose | None, epoch: float
+    ) -> None:
         self.number = number
+        self.name = name
         self.link = link
         self._start = start
         self._epoch = epoch  # of the fleet's clock, on the monotonic one
@@ -112,8 +115,10 @@ class Robot:
         self.trend.clear()
 
     def hand_in(self, pose: Pose, stamp: float) -> None:
-        """Take a pose of somebody who sees the robot; an older one than the last is not used."""
-        if self._external is None or stamp >= self._external[1]:
+        """Take a pose of somebody who sees the robot; one that was overtaken is not used."""
+        newest = -math.inf if self._external is None else self._external[1]
+        # One that is stamped later than now has overtaken nobody.
+        if stamp >= newest or newest > time.monotonic() + self._epoch:
             self._external = pose, stamp
 
     def pose(self) -> tuple[Pose, float]:
@@ -145,7 +150,7 @@ class Robot:
 
     def missing(self) -> str:
         """What is missing of it before it can be driven, in words; empty if nothing is."""
-        who = f"robot {self.number}"
+        who = self.name
         if gone := self._gone():
             return f"{who}: {gone}"
         report = self._report
