@@ -1,6 +1,7 @@
 from .adding import scenario_with_event as scenario_with_event
 from .advice import ScenarioWarning as ScenarioWarning
 from .dumping import dump_scenario as dump_scenario
+from .dumping import scenario_text as scenario_text
 from .ground import Obstacle as Obstacle
 from .importing import import_problem as import_problem
 from .loading import load_scenario as load_scenario
@@ -18,4 +19,6 @@ from .timeline import ObstacleSpan as ObstacleSpan
 from .timeline import obstacle_spans as obstacle_spans
 from .worlds import World as World
 from .worlds import build_world as build_world
+from .worlds import check_starts as check_starts
+from .worlds import make_world as make_world
 from .worlds import resolve_scenario as resolve_scenario

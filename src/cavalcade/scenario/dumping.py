@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -47,15 +48,20 @@ def dump_scenario(scenario: Scenario, path: str | Path) -> None:
     """
     path = path_of(path)
     instance_of(scenario, Scenario, "scenario")
+    write_file(path, scenario_text(_plain(resolve_scenario(scenario), Path(path).parent)))
+
+
+def scenario_text(data: Mapping[str, Any]) -> str:
+    """The YAML of a scenario's plain data as it stands; what is `OneLine` is on one line."""
     text: str = yaml.dump(
-        _plain(resolve_scenario(scenario), Path(path).parent),
+        dict(data),
         Dumper=_Dumper,
         sort_keys=False,
         default_flow_style=None,
         allow_unicode=True,
         width=10**9,
     )
-    write_file(path, text)
+    return text
 
 
 def _plain(scenario: Scenario, folder: Path) -> dict[str, Any]:

@@ -77,6 +77,20 @@ def build_world(scenario: Scenario) -> World:
             or a start is outside, in an obstacle, in a hole or in another robot.
     """
     scenario = resolve_scenario(scenario)
+    world = make_world(scenario)
+    check_starts(scenario, world.base, world.shapes, world.terrain)
+    return world
+
+
+def make_world(scenario: Scenario) -> World:
+    """The world alone, whoever is to stand in it.
+
+    Raises:
+        MapError: A map or terrain file cannot be used.
+        ScenarioError: A source or an obstacle cannot be made, or an event removes what is not
+            there.
+    """
+    scenario = resolve_scenario(scenario)
     world = scenario.world
     base, terrain = _ground(scenario)
     shapes = tuple(
@@ -89,7 +103,6 @@ def build_world(scenario: Scenario) -> World:
             if said is not None:
                 _shape(scenario, said, f"execution.events[{index}].{kind}")
     spans = obstacle_spans(scenario)
-    check_starts(scenario, base, shapes, terrain)
     seen = base.despeckled(scenario.planner.despeckle)
     return World(seen.with_shapes(shapes), base, shapes, spans, terrain, seen)
 
