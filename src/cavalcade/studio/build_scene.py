@@ -104,7 +104,7 @@ class ScenePart:
             self._dropped(key, there, event)
 
         stage: Any = self._bench.session.stage
-        if not hasattr(stage, "goal_gizmo"):
+        if not hasattr(stage, "goal_gizmo"):  # the stage has none yet
             return _NoGizmo(pose)
         return stage.goal_gizmo(f"{kind} {index}", pose, changed, ended)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -51,10 +52,11 @@ class PoseGizmo:
             opacity=0.9,
         )
         self.pose = pose
-        if on_change is not None:
-            self._node.on_update(lambda event: on_change(event, self.pose))
-        if on_end is not None:
-            self._node.on_drag_end(lambda event: on_end(event, self.pose))
+        self._on_change, self._on_end = on_change, on_end
+        # One after the other: a pose that comes late would be taken for the last one.
+        self._aside = ThreadPoolExecutor(1, thread_name_prefix="studio-gizmo")
+        self._newest: tuple[Any, Pose] | None = None
+        self._node.on_update(self._moved)
 
     @property
     def pose(self) -> Pose:
@@ -73,3 +75,19 @@ class PoseGizmo:
     def remove(self) -> None:
         """Take it away."""
         self._node.remove()
+        self._aside.shutdown(wait=False)
+
+    async def _moved(self, event: Any) -> None:
+        """Events come in their order here; what they lead to may take its time."""
+        if event.phase == "update" and self._on_change is not None:
+            waits, self._newest = self._newest is not None, (event, self.pose)
+            if not waits:
+                self._aside.submit(self._tell, self._on_change)
+        elif event.phase == "end" and self._on_end is not None:
+            self._aside.submit(self._on_end, event, self.pose)
+
+    def _tell(self, act: Moved) -> None:
+        """Only the newest pose counts."""
+        newest, self._newest = self._newest, None
+        if newest is not None:
+            act(*newest)
