@@ -51,10 +51,13 @@ class PoseGizmo:
             opacity=0.9,
         )
         self.pose = pose
-        if on_change is not None:
-            self._node.on_update(lambda event: on_change(event, self.pose))
-        if on_end is not None:
-            self._node.on_drag_end(lambda event: on_end(event, self.pose))
+        self._on_change, self._on_end = on_change, on_end
+        self._node.on_update(self._moved)
+
+    def _moved(self, event: Any) -> None:
+        act = self._on_end if event.phase == "end" else self._on_change
+        if act is not None:
+            act(event, self.pose)
 
     @property
     def pose(self) -> Pose:
