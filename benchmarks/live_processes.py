@@ -35,6 +35,8 @@ class Processes:
     """Starts them and ends them all; their outputs are in the folder `out`, which is made."""
 
     def __init__(self, out: Path) -> None:
+        if out.exists():
+            sys.exit(f"{out} is there already; name another folder with --out")
         out.mkdir(parents=True)
         self._out = out
         self._begun: list[Process] = []

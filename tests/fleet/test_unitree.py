@@ -41,7 +41,7 @@ def test_robots_that_were_closed_leave_nothing_open() -> None:
         return len(os.listdir("/proc/self/fd"))
 
     before = opened()
-    robots = [Robot(number, Go2Link(), None, 0.0) for number in range(5)]
+    robots = [Robot(number, f"robot_{number}", Go2Link(), None, 0.0) for number in range(5)]
     assert opened() > before
     for robot in robots:
         robot.close()

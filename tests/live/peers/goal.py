@@ -56,7 +56,7 @@ def main():
 
     ready = until(
         lambda status: (
-            status["state"] == "idle"
+            status["state"] in ("idle", "arrived")
             and all(p.get_subscription_count() for p in publishers.values())
         ),
         300.0,
