@@ -9,6 +9,7 @@ import numpy as np
 
 from cavalcade.geometry import Array
 from cavalcade.studio.meshes import Mesh
+from cavalcade.studio.palette import linear
 
 _UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 
@@ -56,7 +57,7 @@ class Batch:
             return
         self._node.batched_positions = places
         self._node.batched_wxyzs = turns
-        self._node.batched_colors = np.asarray(colors, dtype=np.uint8)
+        self._node.batched_colors = linear(colors)
         if scales is not None:
             self._node.batched_scales = np.asarray(scales, dtype=np.float32)
 
@@ -91,7 +92,7 @@ class Batch:
             batched_wxyzs=turns,
             batched_positions=places,
             batched_scales=scales,
-            batched_colors=np.asarray(colors, dtype=np.uint8),
+            batched_colors=linear(colors),
             lod="off",
             **self._options,
         )

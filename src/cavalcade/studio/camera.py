@@ -17,7 +17,8 @@ _ASPECT = 1.15
 _RISE = np.radians(52.0)
 """How steeply one looks down."""
 
-_SPARE = 1.15
+_SPARE = 1.12
+_ROUNDS = 8
 _NEAREST, _FARTHEST = 4.0, 2000.0
 """Of the camera from what it looks at, m."""
 
@@ -29,18 +30,23 @@ def view_of(points: Array, towards: float = np.pi / 2.0) -> tuple[Array, Array]:
         points: m.
         towards: Heading in which one looks, rad; north is up then.
     """
-    low, high = points.min(axis=0), points.max(axis=0)
-    target = (low + high) / 2.0
     flat = np.array([np.cos(towards), np.sin(towards), 0.0])
     away = np.sin(_RISE) * np.array([0.0, 0.0, 1.0]) - np.cos(_RISE) * flat
     right = np.array([flat[1], -flat[0], 0.0])
     up = np.cross(right, -away)
-    arm = points - target
     tall = np.tan(_FIELD / 2.0)
-    # A point is seen if its sideways and upward shares of its depth are small enough.
-    depth = arm @ away
-    needed = [np.abs(arm @ right) / (tall * _ASPECT) + depth, np.abs(arm @ up) / tall + depth]
-    distance = float(np.clip(_SPARE * np.max(needed), _NEAREST, _FARTHEST))
+    target = (points.min(axis=0) + points.max(axis=0)) / 2.0
+    distance = _NEAREST
+    for _ in range(_ROUNDS):
+        arm = points - target
+        # A point is seen if its sideways and upward shares of its depth are small enough.
+        needed = [np.abs(arm @ right) / (tall * _ASPECT), np.abs(arm @ up) / tall]
+        distance = float(np.clip(_SPARE * np.max(needed + arm @ away), _NEAREST, _FARTHEST))
+        depth = distance - arm @ away
+        # What is near takes more of the picture than what is far: bring its middle to the middle.
+        for side in (right, up):
+            share = (arm @ side) / depth
+            target = target + 0.5 * distance * (share.min() + share.max()) * side
     return target + distance * away, target
 
 

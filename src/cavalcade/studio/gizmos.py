@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -52,12 +53,10 @@ class PoseGizmo:
         )
         self.pose = pose
         self._on_change, self._on_end = on_change, on_end
+        # One after the other: a pose that comes late would be taken for the last one.
+        self._aside = ThreadPoolExecutor(1, thread_name_prefix="studio-gizmo")
+        self._newest: tuple[Any, Pose] | None = None
         self._node.on_update(self._moved)
-
-    def _moved(self, event: Any) -> None:
-        act = self._on_end if event.phase == "end" else self._on_change
-        if act is not None:
-            act(event, self.pose)
 
     @property
     def pose(self) -> Pose:
@@ -76,3 +75,19 @@ class PoseGizmo:
     def remove(self) -> None:
         """Take it away."""
         self._node.remove()
+        self._aside.shutdown(wait=False)
+
+    async def _moved(self, event: Any) -> None:
+        """Events come in their order here; what they lead to may take its time."""
+        if event.phase == "update" and self._on_change is not None:
+            waits, self._newest = self._newest is not None, (event, self.pose)
+            if not waits:
+                self._aside.submit(self._tell, self._on_change)
+        elif event.phase == "end" and self._on_end is not None:
+            self._aside.submit(self._on_end, event, self.pose)
+
+    def _tell(self, act: Moved) -> None:
+        """Only the newest pose counts."""
+        newest, self._newest = self._newest, None
+        if newest is not None:
+            act(*newest)

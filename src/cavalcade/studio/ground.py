@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -82,7 +82,7 @@ class Ground:
         self._clickable = clickable
         for (kind, index), (_, node) in self._obstacles.items():
             if clickable:
-                node.on_click(self._clicks.on_thing(kind, lambda _, index=index: index))
+                node.on_click(self._clicks.on_thing(kind, self._only(index)))
             else:
                 node.remove_click_callback("all")
 
@@ -130,8 +130,12 @@ class Ground:
         color = self._palette.obstacle if kind == "obstacle" else self._palette.mover
         node = self._add(f"/{kind}/{index}", meshes.prism(ring, low, high), color)
         if self._clickable:
-            node.on_click(self._clicks.on_thing(kind, lambda _: index))
+            node.on_click(self._clicks.on_thing(kind, self._only(index)))
         return node
+
+    @staticmethod
+    def _only(index: int) -> Callable[[int], int]:
+        return lambda _: index
 
     def _add(self, name: str, mesh: Mesh, color: Any, **options: Any) -> Any:
         return self._scene.add_mesh_simple(

@@ -16,7 +16,7 @@ from cavalcade.robots import RobotModel
 from cavalcade.studio import meshes, rotations
 from cavalcade.studio.batch import Batch
 from cavalcade.studio.meshes import Mesh
-from cavalcade.studio.palette import Palette
+from cavalcade.studio.palette import Palette, linear
 from cavalcade.studio.snapshot import Snapshot
 
 _FOOTPRINT, _RING, _SLOT, _PATH, _MARK = 0.010, 0.014, 0.018, 0.024, 0.030
@@ -272,7 +272,7 @@ class Overlays:
             return
         # Made anew: the page takes new points and their colours at once.
         self._nodes["paths"] = self._scene.add_line_segments(
-            "/paths", lines, np.concatenate(colors).astype(np.uint8), thickness=_LINE
+            "/paths", lines, linear(np.concatenate(colors)), thickness=_LINE
         )
 
     def _remove(self, name: str) -> None:

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from cavalcade.drawing import style
+from cavalcade.geometry import Array
 
 Color = tuple[int, int, int]
 
@@ -13,6 +17,16 @@ def rgb(color: str) -> Color:
     """`#rrggbb` as three numbers from 0 to 255."""
     red, green, blue = bytes.fromhex(color.removeprefix("#"))
     return red, green, blue
+
+
+def linear(colors: Array) -> NDArray[np.uint8]:
+    """Colours `(..., 3)` from 0 to 255 in the scale of light, which instances and lines take.
+
+    Meshes by themselves take the usual scale, that of the eye.
+    """
+    share = np.asarray(colors, dtype=float) / 255.0
+    light = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
+    return np.rint(255.0 * light).astype(np.uint8)
 
 
 @dataclass(frozen=True)
@@ -33,6 +47,7 @@ class Palette:
     mover: Color
     cell: Color
     section: Color
+    figures: Color
     ink: Color
     soft: Color
     leg: Color
@@ -57,6 +72,7 @@ LIGHT = Palette(
     mover=(168, 108, 72),
     cell=(226, 229, 233),
     section=(196, 201, 208),
+    figures=(120, 127, 136),
     ink=rgb(style.INK),
     soft=(120, 127, 136),
     leg=(58, 62, 68),
@@ -76,6 +92,7 @@ DARK = Palette(
     mover=(178, 118, 80),
     cell=(52, 57, 65),
     section=(72, 78, 88),
+    figures=(140, 147, 158),
     ink=(236, 238, 241),
     soft=(150, 157, 166),
     leg=(28, 30, 34),

@@ -13,7 +13,7 @@ from cavalcade.geometry import Array
 from cavalcade.geometry.trajectory import FLIGHT, Trajectory
 from cavalcade.studio import meshes
 from cavalcade.studio.batch import Batch
-from cavalcade.studio.palette import Palette
+from cavalcade.studio.palette import Palette, linear
 
 TRAJECTORIES, FOOTHOLDS = "trajectories", "footholds"
 
@@ -88,7 +88,7 @@ class Planned:
             self.hide(TRAJECTORIES)
             return
         self._lines = self._scene.add_line_segments(
-            "/trajectories", lines, np.concatenate(colors).astype(np.uint8), thickness=0.03
+            "/trajectories", lines, linear(np.concatenate(colors)), thickness=0.03
         )
 
     def _show_footholds(self) -> None:

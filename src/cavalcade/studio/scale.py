@@ -6,9 +6,11 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cavalcade.geometry import Array
-from cavalcade.studio.palette import Palette
+from cavalcade.studio.figures import written
+from cavalcade.studio.palette import Color, Palette, linear
 
 _HEIGHT = 0.004
 """Over the ground, m."""
@@ -26,7 +28,7 @@ def spacing(extent: float) -> int:
     return 10 ** int(np.ceil(np.log10(extent / _MOST_LINES)))
 
 
-def grid_lines(corners: Array, step: float) -> tuple[Array, Array]:
+def grid_lines(corners: Array, step: float) -> tuple[Array, NDArray[np.bool_]]:
     """Lines at multiples of `step` in a convex outline `(4, 2)` of the map frame.
 
     Returns:
@@ -77,16 +79,10 @@ class Scale:
             ("strong", strong, palette.section),
         ):
             if chosen.any():
-                self._nodes.append(
-                    self._scene.add_line_segments(
-                        f"/scale/{name}",
-                        _draped(lines[chosen], heights),
-                        np.array(color, dtype=np.uint8),
-                        thickness=1.2,
-                        thickness_units="screen",
-                    )
-                )
-        self._label(lines[strong], step, heights)
+                self._add(name, _draped(lines[chosen], heights), color, 1.2)
+        figures = _figures(lines[strong], step)
+        if len(figures):
+            self._add("figures", _draped(figures, heights), palette.figures, 1.6)
 
     def clear(self) -> None:
         """Take it away."""
@@ -94,22 +90,28 @@ class Scale:
             node.remove()
         self._nodes.clear()
 
-    def _label(self, lines: Array, step: float, heights: Callable[[Array], Array] | None) -> None:
-        for number, ends in enumerate(lines):
-            upright = ends[0, 0] == ends[1, 0]
-            value = ends[0, 0] if upright else ends[0, 1]
-            place = ends[0] - ((0.0, 0.35 * step) if upright else (0.35 * step, 0.0))
-            level = 0.0 if heights is None else float(heights(ends[:1])[0])
-            self._nodes.append(
-                self._scene.add_label(
-                    f"/scale/label/{number}",
-                    f"{value:g} m",
-                    position=(float(place[0]), float(place[1]), level),
-                    font_screen_scale=0.7,
-                    depth_test=True,
-                    anchor="top-center" if upright else "center-right",
-                )
+    def _add(self, name: str, segments: Array, color: Color, thickness: float) -> None:
+        self._nodes.append(
+            self._scene.add_line_segments(
+                f"/scale/{name}",
+                segments,
+                linear(np.tile(np.array(color, dtype=float), (len(segments), 2, 1))),
+                thickness=thickness,
+                thickness_units="screen",
             )
+        )
+
+
+def _figures(lines: Array, step: float) -> Array:
+    """Segments `(K, 2, 2)` of how many metres each line stands for, before its beginning."""
+    size = 0.4 * step
+    found = [np.zeros((0, 2, 2))]
+    for first, last in lines:
+        upright = first[0] == last[0]
+        text = f"{first[0] if upright else first[1]:.0f} m"
+        gap = (0.0, -0.5 * size) if upright else (-0.5 * size, 0.5 * size)
+        found.append(written(text, first + gap, size, 0.5 if upright else 1.0))
+    return np.concatenate(found)
 
 
 def _draped(lines: Array, heights: Callable[[Array], Array] | None) -> Array:

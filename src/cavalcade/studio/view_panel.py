@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 from cavalcade.studio.session import Session
 
 _WORDS = {
@@ -24,11 +27,13 @@ class ViewPanel:
 
     def __init__(self, session: Session) -> None:
         gui, stage, handle = session.server.gui, session.stage, session.handle
+        self._stage = stage
         with gui.add_folder("View", expand_by_default=False, order=900.0):
             whole = gui.add_button("Whole team", icon="focus-centered")
             whole.on_click(handle(lambda _: stage.frame_team()))
             for name, visible in stage.layers.items():
                 box = gui.add_checkbox(_WORDS.get(name, name), visible)
-                box.on_update(
-                    handle(lambda event, name=name: stage.set_layer(name, event.target.value))
-                )
+                box.on_update(handle(self._switch(name)))
+
+    def _switch(self, name: str) -> Callable[[Any], None]:
+        return lambda event: self._stage.set_layer(name, event.target.value)
