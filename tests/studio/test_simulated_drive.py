@@ -195,7 +195,7 @@ def test_wrong_things_are_refused_in_words(drive_of: Any) -> None:
         (lambda: drive.set_goals([]), "at least 1"),
         (lambda: drive.set_goals([(np.nan, 0.0, 0.0)]), "number"),
         (lambda: drive.set_formation({"shape": "sqare"}), "did you mean square"),
-        (lambda: drive.set_formation({"shape": "line", "spacing": 0.0}), "spacing"),
+        (lambda: drive.set_formation({"shape": "line", "spacing": 0.0}), "greater than 0"),
         (lambda: drive.add({"box": {"center": [1.5, 3.0], "size": [1, 1]}}), "robot 0 stands"),
         (lambda: drive.add({"box": {"center": [1.5, 5.0], "size": [0, 1]}}), "size"),
         (lambda: drive.add({}), "exactly one"),

@@ -13,7 +13,7 @@ from typing import Any, Literal
 import numpy as np
 
 from cavalcade.campaign.definition import FILE as CAMPAIGN
-from cavalcade.campaign.table import TABLE
+from cavalcade.campaign.table import LINES, TABLE
 from cavalcade.drawing.replay.track import merged_contacts
 from cavalcade.errors import InputError, RecordingError
 from cavalcade.geometry import Array
@@ -103,7 +103,7 @@ def kind_of(folder: Path) -> Kind | None:
         return "run"
     if PLAN in names:
         return "plan"
-    return "campaign" if names & {CAMPAIGN, TABLE} else None
+    return "campaign" if names & {CAMPAIGN, LINES, TABLE} else None
 
 
 def results_in(places: Iterable[Path]) -> list[Path]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import logging
 import socket
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -62,7 +63,8 @@ class Session:
         _check_address(host, port)
         self.folder = folder
         self.lock = threading.RLock()
-        self.server = viser.ViserServer(host=host, port=port, label="Cavalcade", verbose=False)
+        with _silent():
+            self.server = viser.ViserServer(host=host, port=port, label="Cavalcade", verbose=False)
         self.server.gui.main_panel.dock_right()
         self.themed: list[Callable[[], None]] = []
         self._dark = True
@@ -146,18 +148,24 @@ class Session:
     def close(self) -> None:
         """Close the page."""
         self.roles.close()
-        # viser says that it stops to whoever reads the terminal.
-        console = rich.get_console()
-        quiet, console.quiet = console.quiet, True
-        try:
+        with _silent():
             self.server.stop()
-        finally:
-            console.quiet = quiet
 
     def _theme(self) -> None:
         self.server.gui.configure_theme(
             control_width="large", show_logo=False, show_share_button=False, dark_mode=self._dark
         )
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """While viser would say in the terminal what is for us to say."""
+    console = rich.get_console()
+    quiet, console.quiet = console.quiet, True
+    try:
+        yield
+    finally:
+        console.quiet = quiet
 
 
 def _check_address(host: str, port: int) -> None:
