@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from cavalcade.robots import MODELS, PARTS
+from cavalcade.robots import MODELS, PARTS, body_of
 
 DESCRIBED = {name: model.description for name, model in MODELS.items() if model.description}
 
@@ -46,6 +46,24 @@ def test_feet_are_where_the_joints_bring_them(robot):
         for leg in range(4):
             wanted = foot_in_trunk(robot, leg, joints[i, j, 3 * leg : 3 * leg + 3])
             np.testing.assert_allclose(places[i, j, leg], wanted, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["go1", "go2", "spirit"])
+def test_joints_bring_feet_where_they_are_to_be(name):
+    body = body_of(MODELS[name])
+    joints = body.standing + np.random.default_rng(2).uniform(-0.4, 0.4, (3, 5, 12))
+    np.testing.assert_allclose(body.joints_at(body.foot_places(joints)), joints, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["go1", "go2", "spirit"])
+def test_legs_point_at_what_they_do_not_reach(name):
+    body = body_of(MODELS[name])
+    feet = body.foot_places(body.standing)
+    far = feet - (0.0, 0.0, 1.0)
+    found = body.foot_places(body.joints_at(far))
+    assert np.isfinite(found).all()
+    assert (found[:, 2] < feet[:, 2]).all()
+    np.testing.assert_allclose(found[:, :2], feet[:, :2], atol=1e-3)
 
 
 def test_the_mass_is_that_of_all_links(robot):

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+import pytest
+
 from cavalcade.scenario import build_world, load_scenario, resolve_scenario
+from cavalcade.studio import camera
 from cavalcade.studio.app import Studio
 
 
@@ -23,7 +27,9 @@ def test_a_click_on_the_ground_gives_its_place(studio: Studio, open_page: Any, u
     studio.session.stage.on_ground_click(lambda event, x, y: places.append((x, y)))
     page = open_page()
     box = page.locator("canvas").first.bounding_box()
-    look_at = studio.session.server.initial_camera.look_at
+    first = studio.session.server.initial_camera
+    ahead = first.look_at - first.position
+    wanted = first.position - first.position[2] / ahead[2] * ahead
 
     def click() -> bool:
         page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
@@ -31,6 +37,44 @@ def test_a_click_on_the_ground_gives_its_place(studio: Studio, open_page: Any, u
         return bool(places)
 
     until(page, click, "the click")
-    x, y = places[-1]
-    assert abs(x - look_at[0]) < 0.1
-    assert abs(y - look_at[1]) < 0.1
+    assert places[-1] == pytest.approx(wanted[:2], abs=0.05)
+
+
+def _canvas_middle(page: Any) -> tuple[float, float]:
+    box = page.locator("canvas").first.bounding_box()
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def _look_at(studio: Studio, place: tuple[float, float, float]) -> None:
+    eye = np.array(place) + (0.0, -2.0, 2.5)
+    camera.look(studio.session.server, eye, np.array(place))
+
+
+def test_a_click_on_a_robot_or_an_obstacle_says_which_and_is_none_on_the_ground(
+    studio: Studio, open_page: Any, until: Any
+) -> None:
+    scenario = _show(studio, "square-clutter")
+    world = build_world(scenario)
+    stage = studio.session.stage
+    picked: list[tuple[str, int]] = []
+    ground: list[tuple[float, float]] = []
+    stage.on_pick(lambda event, kind, index: picked.append((kind, index)))
+    stage.on_ground_click(lambda event, x, y: ground.append((x, y)))
+    page = open_page()
+    x, y, _ = scenario.starts[2]
+    low_x, low_y, high_x, high_y = world.shapes[1].bounds
+    middle = ((low_x + high_x) / 2, (low_y + high_y) / 2, 0.5)
+    for place, wanted in (((x, y, 0.28), ("robot", 2)), (middle, ("obstacle", 1))):
+        _look_at(studio, place)
+        picked.clear()
+
+        def click(wanted: tuple[str, int] = wanted) -> bool:
+            page.mouse.click(*_canvas_middle(page))
+            page.wait_for_timeout(300)
+            return picked[-1:] == [wanted]
+
+        until(page, click, f"the click on {wanted}")
+        ground.clear()
+        click()
+        page.wait_for_timeout(300)
+        assert ground == []

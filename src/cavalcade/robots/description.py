@@ -256,6 +256,32 @@ class QuadrupedDescription:
             place = offset + np.stack(about_y if joint else about_x, axis=-1)
         return np.asarray(place)
 
+    def joints_at(self, feet: Array) -> Array:
+        """Angles `(..., 12)`, rad, with the feet's centres at `(..., 4, 3)`, trunk frame, m.
+
+        The way back from `foot_places`. Knees bend as in `standing`. A leg that does not reach
+        points there as long as it can be; ranges of joints are not looked at.
+        """
+        hip, thigh, calf, foot = np.moveaxis(self.joint_offsets, 1, 0)
+        side = thigh[:, 1] + calf[:, 1] + foot[:, 1]
+        x, y, z = np.moveaxis(np.asarray(feet, dtype=float) - hip, -1, 0)
+        # The hip turns the leg's plane; `down` is the foot's height in it.
+        down = -np.sqrt(np.maximum(y * y + z * z - side * side, 1e-12))
+        turn = np.arctan2(z, y) - np.arctan2(down, side)
+        x, down = x - thigh[:, 0], down - thigh[:, 2]
+        upper, lower = np.hypot(calf[:, 0], calf[:, 2]), np.hypot(foot[:, 0], foot[:, 2])
+        reach = np.clip(np.hypot(x, down), np.abs(upper - lower) + 1e-6, upper + lower - 1e-6)
+        bend = np.arccos((reach**2 - upper**2 - lower**2) / (2.0 * upper * lower))
+        bend = np.where(np.array([leg.joints[2].lower >= 0.0 for leg in self.legs]), bend, -bend)
+        lean = np.arctan2(-x, -down) - np.arctan2(
+            lower * np.sin(bend), upper + lower * np.cos(bend)
+        )
+        # How far the bones hang from straight down when all angles are zero.
+        first, second = np.arctan2(-calf[:, 0], -calf[:, 2]), np.arctan2(-foot[:, 0], -foot[:, 2])
+        turn = (turn + np.pi) % (2.0 * np.pi) - np.pi
+        angles = np.stack([turn, lean - first, bend + first - second], axis=-1)
+        return angles.reshape(*angles.shape[:-2], 12)
+
     def link_poses(self, joints: Array) -> Array:
         """Each joint's link in the link before it, `(..., 12, 7)`, at `(..., 12)` rad.
 

@@ -10,8 +10,10 @@ import numpy as np
 from cavalcade.drawing.outlines import shape_ring
 from cavalcade.drawing.replay.ground import WALL
 from cavalcade.geometry import Array
+from cavalcade.locomotion.footholds import LEAST_TRAVERSABILITY
 from cavalcade.scenario import World
 from cavalcade.studio import meshes
+from cavalcade.studio.clicks import Clicks
 from cavalcade.studio.meshes import Mesh
 from cavalcade.studio.palette import Palette
 from cavalcade.world import OccupancyMap, Shape, Terrain
@@ -23,9 +25,6 @@ _MOST_QUADS = 150_000
 _MOST_NODES = 60_000
 """Of a terrain's surface; finer ones are drawn with every so many-th node."""
 
-Pick = Callable[[Any, str, int], None]
-"""What is called for a click on something: event, kind, index."""
-
 
 class Ground:
     """Map, terrain and obstacles of one world.
@@ -33,11 +32,12 @@ class Ground:
     Args:
         scene: `viser.SceneApi`.
         palette: Its colours.
-        pick: Called for clicks on obstacles.
     """
 
-    def __init__(self, scene: Any, palette: Palette, pick: Pick) -> None:
-        self._scene, self._palette, self._pick = scene, palette, pick
+    def __init__(self, scene: Any, palette: Palette) -> None:
+        self._scene, self._palette = scene, palette
+        self._clicks = Clicks(scene, self.meet)
+        self._clickable = False
         self._nodes: list[Any] = []
         self._obstacles: dict[tuple[str, int], tuple[Shape, Any]] = {}
         self._terrain: Terrain | None = None
@@ -49,12 +49,19 @@ class Ground:
         return self._terrain
 
     @property
-    def bounds(self) -> Array | None:
-        """`(2, 2)` lowest and highest x, y of the map, m; None without one."""
+    def corners(self) -> Array | None:
+        """`(4, 2)` corners of the map, map frame, m; None without one."""
         if self._map is None:
             return None
         width, height = self._map.size
-        corners = self._map.to_map([(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)])
+        return self._map.to_map([(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)])
+
+    @property
+    def bounds(self) -> Array | None:
+        """`(2, 2)` lowest and highest x, y of the map, m; None without one."""
+        corners = self.corners
+        if corners is None:
+            return None
         return np.array([corners.min(axis=0), corners.max(axis=0)])
 
     def heights_at(self, points: Array) -> Array:
@@ -62,6 +69,22 @@ class Ground:
         if self._terrain is None:
             return np.zeros(len(points))
         return self._terrain.heights_at(points)
+
+    @property
+    def clicks(self) -> Clicks:
+        """Where clicks into the scene go."""
+        return self._clicks
+
+    def set_clickable(self, clickable: bool) -> None:
+        """Whether clicks on obstacles are told."""
+        if clickable == self._clickable:
+            return
+        self._clickable = clickable
+        for (kind, index), (_, node) in self._obstacles.items():
+            if clickable:
+                node.on_click(self._clicks.on_thing(kind, self._only(index)))
+            else:
+                node.remove_click_callback("all")
 
     def clear(self) -> None:
         """Take everything away."""
@@ -75,10 +98,10 @@ class Ground:
         """Other colours."""
         self._palette = palette
 
-    def show(self, world: World) -> None:
-        """Show a world without its obstacle shapes."""
-        if self._map is world.base and self._terrain is world.terrain:
-            return
+    def show(self, world: World) -> bool:
+        """Show a world without its obstacle shapes; whether it was another one before."""
+        if self._map == world.base and self._terrain == world.terrain:
+            return False
         self.clear()
         self._map, self._terrain = world.base, world.terrain
         if world.terrain is None:
@@ -86,6 +109,7 @@ class Ground:
         else:
             self._show_terrain(world.terrain)
         self._show_cells(world.base)
+        return True
 
     def show_obstacles(self, kind: str, shapes: Sequence[Shape]) -> None:
         """Show these shapes as those of a kind; a click on one says kind and index."""
@@ -105,8 +129,13 @@ class Ground:
             low, high = float(around.min()) - 0.05, float(around.max()) + WALL
         color = self._palette.obstacle if kind == "obstacle" else self._palette.mover
         node = self._add(f"/{kind}/{index}", meshes.prism(ring, low, high), color)
-        node.on_click(lambda event: self._pick(event, kind, index))
+        if self._clickable:
+            node.on_click(self._clicks.on_thing(kind, self._only(index)))
         return node
+
+    @staticmethod
+    def _only(index: int) -> Callable[[int], int]:
+        return lambda _: index
 
     def _add(self, name: str, mesh: Mesh, color: Any, **options: Any) -> Any:
         return self._scene.add_mesh_simple(
@@ -126,7 +155,16 @@ class Ground:
         )
         x, y = (cols + 0.5) * terrain.resolution, (rows + 0.5) * terrain.resolution
         mesh = meshes.height_grid(terrain.height[np.ix_(rows, cols)], x, y)
-        self._nodes.append(self._placed("/ground/terrain", mesh, self._palette.terrain))
+        # Ground that feet do not use has a colour of its own.
+        barred = terrain.traversability[np.ix_(rows, cols)].ravel() < LEAST_TRAVERSABILITY
+        apart = barred[mesh.faces].any(axis=1)
+        for name, chosen, color in (
+            ("terrain", ~apart, self._palette.terrain),
+            ("barred", apart, self._palette.barred),
+        ):
+            if chosen.any():
+                part = Mesh(mesh.vertices, mesh.faces[chosen])
+                self._nodes.append(self._placed(f"/ground/{name}", part, color))
 
     def _show_cells(self, base: OccupancyMap) -> None:
         unknown = np.asarray(base.grid) == UNKNOWN

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cavalcade.drawing.replay.ground import counter_clockwise, triangulate
 from cavalcade.geometry import Array
+from cavalcade.robots import BodyShape
 
 Faces = NDArray[np.int64]
 
@@ -127,3 +128,78 @@ def height_grid(heights: Array, x: Array, y: Array) -> Mesh:
     a, b, c, d = (part.ravel() for part in (index[:-1, :-1], index[:-1, 1:],
                                             index[1:, 1:], index[1:, :-1]))  # fmt: skip
     return Mesh(vertices, np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)]))
+
+
+def box(half: Array | tuple[float, float, float]) -> Mesh:
+    """A box around the origin with these half lengths."""
+    x, y, z = half
+    ring = np.array([(-x, -y), (x, -y), (x, y), (-x, y)])
+    bottom = np.array([[(-x, y, -z), (x, y, -z), (x, -y, -z), (-x, -y, -z)]])
+    return joined([prism(ring, -z, z), quads(bottom)])
+
+
+def turned_profile(profile: Array, corners: int) -> Mesh:
+    """What arises when a line `(K, 2)` of radii and heights, upwards, turns about z.
+
+    Edges of the line between equal points stay sharp.
+    """
+    angles = np.linspace(0.0, 2.0 * np.pi, corners, endpoint=False)
+    radius, height = profile.T
+    x = radius[:, None] * np.cos(angles)
+    y = radius[:, None] * np.sin(angles)
+    z = np.broadcast_to(height[:, None], x.shape)
+    vertices = np.stack([x, y, z], axis=-1).reshape(-1, 3)
+    index = np.arange(len(vertices)).reshape(x.shape)
+    a, b = index[:-1], np.roll(index[:-1], -1, axis=1)
+    d, c = index[1:], np.roll(index[1:], -1, axis=1)
+    faces = [np.stack([a, b, c], -1), np.stack([a, c, d], -1)]
+    return Mesh(vertices, np.concatenate([part.reshape(-1, 3) for part in faces]))
+
+
+def cylinder(radius: float, half: float, corners: int = 12) -> Mesh:
+    """A cylinder around the origin along z."""
+    line = [(0, -half), (radius, -half), (radius, -half), (radius, half), (radius, half), (0, half)]
+    return turned_profile(np.array(line, dtype=float), corners)
+
+
+def capsule(radius: float, half: float, corners: int = 8) -> Mesh:
+    """A capsule around the origin along z; `half` is its length without the caps, a sphere's 0."""
+    rise = np.linspace(-np.pi / 2.0, 0.0, 4)
+    low = np.column_stack([np.cos(rise), np.sin(rise)]) * radius - (0.0, half)
+    return turned_profile(np.concatenate([low, (low * (1.0, -1.0))[::-1]]), corners)
+
+
+def frame(outer: Array, inner: Array, height: float = 0.0) -> Mesh:
+    """The ground between two outlines `(K, 2)` of as many points, seen from above."""
+    around, within = np.roll(outer, -1, axis=0), np.roll(inner, -1, axis=0)
+    corners = np.stack([outer, around, within, inner], axis=1)
+    return quads(np.concatenate([corners, np.full((len(outer), 4, 1), height)], axis=-1))
+
+
+def ring(radius: float, width: float, corners: int = 40) -> Mesh:
+    """A circle of that outer radius, drawn so wide."""
+    angles = np.linspace(0.0, 2.0 * np.pi, corners, endpoint=False)
+    circle = np.column_stack([np.cos(angles), np.sin(angles)])
+    return frame(radius * circle, (radius - width) * circle)
+
+
+def star(radius: float, height: float, points: int = 5) -> Mesh:
+    """A flat star with its points around z, on the ground."""
+    angles = np.pi * np.arange(2 * points) / points
+    reach = np.where(np.arange(2 * points) % 2, 0.42 * radius, radius)
+    return prism(np.column_stack([reach * np.cos(angles), reach * np.sin(angles)]), 0.0, height)
+
+
+def body_shape(shape: BodyShape) -> Mesh:
+    """A primitive of a robot, in its link's frame."""
+    first, second, _ = shape.size
+    match shape.kind:
+        case "box":
+            mesh = box(shape.size)
+        case "sphere":
+            mesh = capsule(first, 0.0)
+        case "capsule":
+            mesh = capsule(first, second)
+        case "cylinder":
+            mesh = cylinder(first, second)
+    return Mesh(mesh.vertices @ shape.turn.T + shape.position, mesh.faces)

@@ -1,0 +1,100 @@
+"""Many of one mesh in the scene, moved together: two messages, however many there are."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+import numpy as np
+
+from cavalcade.geometry import Array
+from cavalcade.studio.meshes import Mesh
+from cavalcade.studio.palette import linear
+
+_UPRIGHT = (1.0, 0.0, 0.0, 0.0)
+
+
+class Batch:
+    """Instances of one mesh; what has not changed is not sent again.
+
+    Args:
+        scene: `viser.SceneApi`.
+        name: Of its node.
+        mesh: What each of them looks like, in its own frame.
+        on_click: What is called for a click while it is `clickable`.
+        options: As `SceneApi.add_batched_meshes_simple` takes them.
+    """
+
+    def __init__(
+        self,
+        scene: Any,
+        name: str,
+        mesh: Mesh,
+        on_click: Callable[[Any], Awaitable[None]] | None = None,
+        **options: Any,
+    ) -> None:
+        self._scene, self._name, self._mesh = scene, name, mesh
+        self._on_click, self._options = on_click, options
+        self._node: Any = None
+        self._count = 0
+        self._clickable = False
+
+    def show(
+        self, places: Array, turns: Array | None, colors: Array, scales: Array | None = None
+    ) -> None:
+        """Have K of them at `places` `(K, 3)`, turned by `turns` `(K, 4)`.
+
+        Colours are `(K, 3)` from 0 to 255, scales `(K,)` or `(K, 3)`.
+        """
+        count = len(places)
+        if count == 0:
+            self.remove()
+            return
+        if turns is None:
+            turns = np.tile(_UPRIGHT, (count, 1))
+        if self._node is None or count != self._count:
+            self._add(places, turns, colors, scales)
+            return
+        self._node.batched_positions = places
+        self._node.batched_wxyzs = turns
+        self._node.batched_colors = linear(colors)
+        if scales is not None:
+            self._node.batched_scales = np.asarray(scales, dtype=np.float32)
+
+    def remove(self) -> None:
+        """Have none."""
+        if self._node is not None:
+            self._node.remove()
+            self._node = None
+
+    @property
+    def clickable(self) -> bool:
+        """Whether clicks are told; the page shows that by an outline under the pointer."""
+        return self._clickable
+
+    @clickable.setter
+    def clickable(self, value: bool) -> None:
+        if value == self._clickable or self._on_click is None:
+            return
+        self._clickable = value
+        if self._node is not None and value:
+            self._node.on_click(self._on_click)
+        elif self._node is not None:
+            self._node.remove_click_callback("all")
+
+    def _add(self, places: Array, turns: Array, colors: Array, scales: Array | None) -> None:
+        self.remove()
+        self._count = len(places)
+        self._node = self._scene.add_batched_meshes_simple(
+            self._name,
+            self._mesh.vertices,
+            self._mesh.faces,
+            batched_wxyzs=turns,
+            batched_positions=places,
+            batched_scales=scales,
+            batched_colors=linear(colors),
+            lod="off",
+            **self._options,
+        )
+        if self._clickable:
+            self._node.on_click(self._on_click)
