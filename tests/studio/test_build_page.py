@@ -24,7 +24,6 @@ Until = Callable[..., None]
 @pytest.fixture
 def page(studio: Studio, open_page: Callable[..., Any]) -> Any:
     """The page with the tab Build chosen."""
-    studio.build.enter()
     opened = open_page(1280, 900)
     opened.get_by_text("Next: add robots").wait_for()
     return opened
@@ -120,6 +119,26 @@ def test_obstacles_and_goals_are_drawn_by_clicks(studio: Studio, page: Any, unti
     assert len(draft.data["robots"]) == 4
 
 
+def test_a_robot_is_selected_by_a_click_and_deleted(
+    studio: Studio, page: Any, until: Until
+) -> None:
+    draft = studio.build.draft
+    _button(page, QUICK).click()
+    _status(page, "Ready to run")
+    place = _ground(page, studio, *draft.state.robots[1][1][:2])
+
+    def click() -> bool:
+        page.mouse.click(*place)
+        page.wait_for_timeout(300)
+        return bool(_button(page, "Delete robot 1").count())
+
+    until(page, click, "the selection")
+    assert _field(page, "Selected").input_value() == "robot 1"
+    _button(page, "Delete robot 1").click()
+    _status(page, "Ready to run: 3 go1, triangle")
+    assert len(draft.state.robots) == 3
+
+
 def test_wrong_values_are_refused_in_words_and_the_field_shows_what_holds(
     studio: Studio, page: Any, until: Until
 ) -> None:
@@ -136,7 +155,7 @@ def test_wrong_values_are_refused_in_words_and_the_field_shows_what_holds(
     field = _type(page, "lookahead (s)", "3.5")
     until(page, lambda: draft.data.get("planner", {}).get("lookahead") == 3.5, "the value")
     _status(page, "Ready to run")
-    assert page.get_by_text("Not taken").count() == 0
+    until(page, lambda: page.get_by_text("Not taken").count() == 0, "the end of the words")
 
 
 def test_steps_are_undone_and_done_again(studio: Studio, page: Any, until: Until) -> None:
