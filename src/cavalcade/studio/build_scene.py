@@ -66,9 +66,8 @@ class ScenePart:
             return
         bench, state, stage = self._bench, self._bench.draft.state, self._bench.session.stage
         shown = self._shown
-        if shown is None or shown.world is not state.world:
-            stage.set_world(state.shown, state.world)
-        if shown is None or shown.robots != state.robots:
+        if shown is not state:
+            stage.set_world(state.without_stand_ins, state.world)
             stage.set_team([model for model, _ in state.robots], [pose for _, pose in state.robots])
         self._shown = state
         if shown is not None and shown.world.base != state.world.base:
