@@ -111,12 +111,14 @@ def study(on: Photographer) -> None:
 
 
 def compare(on: Photographer) -> None:
-    """The planner and the published one, on one timeline."""
+    """The planner and the published one, on one timeline, with their differences."""
     on.studio.open(_run(on.work, "cavalcade", "square-clutter"))
     overrides = ("planner.variant=published",)
     other = _run(on.work, "published", "square-clutter", overrides)
     on.studio.study.compare(other)
     _at(on, 0.42)
+    on.show("cycle, 99 %")
+    on.wait(lambda: True, 0.5)
 
 
 def campaign(on: Photographer) -> None:
@@ -183,8 +185,7 @@ def main(out: Path, names: list[str]) -> None:
                     on.wait(lambda: True, 2.5)
                     file = out / f"{name}-{theme}.png"
                     on.page.screenshot(path=file)
-                    # A palette takes a third of the place, and nobody sees the difference.
-                    Image.open(file).convert("RGB").quantize(256).save(file, optimize=True)
+                    Image.open(file).convert("RGB").save(file, optimize=True)
                     print(file, flush=True)
             finally:
                 on.close()

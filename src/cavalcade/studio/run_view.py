@@ -79,12 +79,12 @@ class RunView:
                 "Second run", (BESIDE, OVER), initial_value=OVER if self._over else BESIDE
             )
             where.on_update(handle(lambda event: lay(event.target.value == OVER)))
-        with gui.add_folder("Summary", expand_by_default=True):
-            gui.add_markdown(_summary(results))
         with gui.add_folder("Over time"):
             names = _names(results)
             runs = [(name, curves_of(result)) for name, result in zip(names, results, strict=True)]
             self._charts = Charts(session, runs, self.timeline.time)
+        with gui.add_folder("Summary"):
+            gui.add_markdown(_summary(results))
         with gui.add_folder("Take along"):
             picture_button = gui.add_button("Picture (PNG)", icon="camera")
             picture_button.on_click(handle(self._on_picture))
