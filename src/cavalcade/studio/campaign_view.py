@@ -91,4 +91,4 @@ def _label(row: Row, by: str) -> str:
 
 
 def _color(row: Row) -> str:
-    return "teal" if row.get("success") else "red"
+    return "gray" if row.get("success") else "red"
