@@ -78,36 +78,3 @@ def test_a_click_on_a_robot_or_an_obstacle_says_which_and_is_none_on_the_ground(
         click()
         page.wait_for_timeout(300)
         assert ground == []
-
-
-def test_a_goal_is_dragged_on_the_ground(studio: Studio, open_page: Any, until: Any) -> None:
-    _show(studio, "square-clutter")
-    ended: list[tuple[float, float, float]] = []
-    changed: list[tuple[float, float, float]] = []
-    gizmo = studio.session.stage.goal_gizmo(
-        "goal",
-        (3.0, 3.0, 0.0),
-        lambda event, pose: changed.append(pose),
-        lambda event, pose: ended.append(pose),
-    )
-    page = open_page()
-    eye = np.array([3.0, 2.99, 6.0])  # from straight above, north is up
-    camera.look(studio.session.server, eye, np.array([3.0, 3.0, 0.06]))
-    x, y = _canvas_middle(page)
-
-    def drag() -> bool:
-        # The square between both arrows moves it on the ground.
-        for start in ((12, -12), (24, -24), (36, -36), (60, -60)):
-            page.mouse.move(x + start[0], y + start[1])
-            page.mouse.down()
-            page.mouse.move(x + start[0] + 60, y + start[1] - 40, steps=6)
-            page.mouse.up()
-            page.wait_for_timeout(200)
-            if ended and abs(ended[-1][0] - 3.0) > 0.1 and abs(ended[-1][1] - 3.0) > 0.1:
-                return True
-        return False
-
-    until(page, drag, "the drag")
-    assert changed
-    assert gizmo.pose == pytest.approx(ended[-1])
-    assert gizmo.pose[2] == pytest.approx(0.0)

@@ -103,7 +103,10 @@ class ScenePart:
         def ended(event: Any, there: Pose) -> None:
             self._dropped(key, there, event)
 
-        return self._bench.session.stage.goal_gizmo(f"{kind} {index}", pose, changed, ended)
+        stage: Any = self._bench.session.stage
+        if not hasattr(stage, "goal_gizmo"):  # the stage has none yet
+            return _NoGizmo(pose)
+        return stage.goal_gizmo(f"{kind} {index}", pose, changed, ended)
 
     def _preview(self, key: Selection, there: Pose) -> None:
         """Say on the way whether a robot could stand there."""
@@ -229,3 +232,11 @@ def _middle(points: Sequence[Pose]) -> tuple[float, float]:
         sum(x for x, _, _ in points) / len(points),
         sum(y for _, y, _ in points) / len(points),
     )
+
+
+class _NoGizmo:
+    def __init__(self, pose: Pose) -> None:
+        self.pose = pose
+
+    def remove(self) -> None:
+        pass

@@ -70,7 +70,7 @@ class _Chart:
             tuple(series),
             title=name,
             scales={"x": {"time": False}, "y": {"range": (0.0, self._top)}},
-            legend={"show": len(curves) > 1},
+            legend={"show": False},
             height=_HEIGHT,
         )
 

@@ -13,7 +13,7 @@ def clearance_of(scenario: ResolvedScenario | None) -> float:
 
     With the safety filter its gap between centres; else the inflation radius.
     """
-    if scenario is None or scenario.task.kind != "formation":
+    if scenario is None or scenario.task.formation is None:
         return 0.0
     if not variant_named(scenario.planner.variant).filter:
         return settings_of(scenario.planner).r_max

@@ -295,7 +295,7 @@ def names_of(data: Mapping[str, Any]) -> list[str]:
 
 
 def _below(file: Path, name: str) -> str:
-    return str(file.resolve().parent / name)
+    return os.path.normpath(file.resolve().parent / name)
 
 
 def _check(data: dict[str, Any], before: Checked | None) -> Checked:

@@ -37,7 +37,7 @@ def field_picture(
     It is what the leader plans on: the planner's own maps with all `obstacles`. None where there
     is no such field: without a formation, or no arrival times without a `goal` `(3,)`.
     """
-    if scenario.task.kind != "formation" or (layer == ARRIVAL and goal is None):
+    if scenario.task.formation is None or (layer == ARRIVAL and goal is None):
         return None
     grid = world.map_with(obstacles)
     width = max(scenario.models, key=lambda model: model.length * model.width).width

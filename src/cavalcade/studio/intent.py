@@ -21,11 +21,11 @@ def first_intent(scenario: ResolvedScenario) -> PlannerStatus | None:
         "paths": (np.zeros((0, 2)),) * count,
         "eta": np.full(count, np.inf),
     }
-    if scenario.task.kind == "individual":
+    if scenario.goals:
         targets = np.array(scenario.goals, dtype=float).reshape(-1, 3)
         return PlannerStatus(roles=np.arange(count), targets=targets, **common)
-    if scenario.task.kind == "formation" and scenario.task.goals:
-        formation = formation_of(scenario.task.the_formation, count, scenario.planner)
+    if scenario.task.formation is not None and scenario.task.goals:
+        formation = formation_of(scenario.task.formation, count, scenario.planner)
         goal = np.array(scenario.task.goals[0], dtype=float)
         nobody = np.full(count, -1, dtype=np.int64)
         return PlannerStatus(roles=nobody, slots=formation.slots, goal=goal, **common)

@@ -10,10 +10,14 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
+
 from cavalcade.campaign.definition import FILE as CAMPAIGN
-from cavalcade.campaign.table import TABLE
+from cavalcade.campaign.table import LINES, TABLE
 from cavalcade.drawing.replay.track import merged_contacts
 from cavalcade.errors import InputError, RecordingError
+from cavalcade.geometry import Array
+from cavalcade.geometry.trajectory import Trajectory
 from cavalcade.jobs.output_folder import PLAN, RECORDING, SCENARIO, SUMMARY
 from cavalcade.metrics.clearance import fixed_shapes
 from cavalcade.recording import Recording, read_plan, read_recording
@@ -27,6 +31,8 @@ from cavalcade.scenario import (
 )
 from cavalcade.studio.player import PlanPlayer, Player, RecordingPlayer
 from cavalcade.world import MapWarning
+
+Planned = tuple[tuple[Trajectory | None, ...], tuple[Array, ...]]
 
 Kind = Literal["run", "plan", "campaign"]
 
@@ -48,6 +54,7 @@ class Result:
         summary: The content of `summary.json`; empty where there is none.
         player: Its moments.
         recording: None for a plan that nobody has carried out.
+        planned: Trajectories and footholds, one of each per robot; empty without a plan.
         gaps: What is missing of it, a line each.
     """
 
@@ -58,12 +65,15 @@ class Result:
     summary: Mapping[str, Any]
     player: Player
     recording: Recording | None = None
+    planned: Planned = ((), ())
     gaps: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
         """What it is called: the folder's name, and the scenario's where that says more."""
         folder, scenario = self.folder.name, str(self.scenario.name)
+        if folder == "run":
+            folder = f"{self.folder.parent.name}/run"
         return folder if folder == scenario else f"{folder} ({scenario})"
 
     @cached_property
@@ -93,7 +103,7 @@ def kind_of(folder: Path) -> Kind | None:
         return "run"
     if PLAN in names:
         return "plan"
-    return "campaign" if names & {CAMPAIGN, TABLE} else None
+    return "campaign" if names & {CAMPAIGN, LINES, TABLE} else None
 
 
 def results_in(places: Iterable[Path]) -> list[Path]:
@@ -180,17 +190,24 @@ def _result(folder: Path) -> Result:
                 gaps.append(f"The recording breaks off at {last:.2f} s; its end is missing.")
             player = RecordingPlayer(recording)
             world = _lasting(world, recording)
+    planned: Planned = ((), ())
     if player is None:
-        trajectories, _ = read_plan(folder)
+        trajectories, footholds = read_plan(folder)
         _check_robots(max(trajectories, default=-1) + 1, scenario, folder / PLAN, fewer=True)
         player = PlanPlayer(trajectories, scenario.models, scenario.starts)
+        robots = range(len(scenario.models))
+        planned = (
+            tuple(trajectories.get(k) for k in robots),
+            tuple(footholds.get(k, np.zeros((0, 6))) for k in robots),
+        )
         missing = [str(k) for k in range(len(scenario.models)) if k not in trajectories]
         if missing:
             gaps.append(f"There is no trajectory of robot {', '.join(missing)}.")
     summary, gap = _summary(folder / SUMMARY)
     if gap:
         gaps.append(gap)
-    return Result(folder, scenario, world, start, summary, player, recording, tuple(gaps))
+    parts = (summary, player, recording, planned, tuple(gaps))
+    return Result(folder, scenario, world, start, *parts)
 
 
 def _lasting(world: World, recording: Recording) -> World:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import html
 import time as wall
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
-from cavalcade.studio.charts import Charts
+from cavalcade.studio import camera
+from cavalcade.studio.charts import FIRST, SECOND, Charts
 from cavalcade.studio.curves import curves_of
 from cavalcade.studio.exporting import picture, replay_page, scenario_text
 from cavalcade.studio.facts import compared, facts
@@ -66,7 +68,7 @@ class RunView:
         may_over = second is not None and may_lie_over(first, second)
         self._over = over and may_over
         gui, handle = session.server.gui, session.handle
-        gui.add_markdown(_title(results))
+        gui.add_html(_title(results))
         start = begin if time is None else time
         self.timeline = Timeline(
             session, begin, end, start, _events(results), _robots(results), self._on_time
@@ -96,6 +98,7 @@ class RunView:
         stage, first, second = self._session.stage, self._first, self._second
         stage.set_world(first.scenario, first.world)
         stage.set_team(first.scenario.models, first.scenario.starts)
+        stage.set_trajectories(*first.planned)
         if second is not None:
             self._scene = SecondScene(
                 self._session.server, first, second, over=self._over, dark=self._session.dark
@@ -105,7 +108,13 @@ class RunView:
         if self._scene is None or self._over or second is None:
             stage.frame_team()
         else:
-            self._frame(_places(first), _places(second) + self._scene.offset)
+            places = np.concatenate([_places(first), _places(second) + self._scene.offset])
+            points = np.column_stack([places, np.zeros(len(places))])
+            camera.look(self._session.server, *camera.view_of(points))
+
+    def show(self) -> None:
+        """Show the moment anew."""
+        self._show(self.timeline.time)
 
     def leave(self) -> None:
         """The scene is another one's."""
@@ -134,20 +143,11 @@ class RunView:
         self._session.stage.show(self.snapshot)
         if self._scene is not None and self._second is not None:
             other = self._second.player.at(time)
+            self._scene.set_dark(self._session.dark)
             self._scene.show(other)
             self._follow(self.snapshot, other)
         else:
             self._follow(self.snapshot, None)
-
-    def _frame(self, *places: np.ndarray) -> None:
-        """Look at all of these places `(K, 2)` from above, a little from behind."""
-        points = np.concatenate(places)
-        low, high = points.min(axis=0), points.max(axis=0)
-        x, y = (low + high) / 2.0
-        far = 1.3 * max(4.0, float(high[0] - low[0]), float(high[1] - low[1]))
-        camera = self._session.server.initial_camera
-        for one in (camera, *(c.camera for c in self._session.server.get_clients().values())):
-            one.position, one.look_at = (x, y - 0.6 * far, 0.75 * far), (x, y, 0.0)
 
     def _follow(self, first: Snapshot, second: Snapshot | None) -> None:
         """Move the cameras as the followed robot has moved."""
@@ -173,23 +173,23 @@ class RunView:
         second = self.timeline.followed is not None and self.timeline.followed >= count
         x, y = place + (offset if second else 0.0)
         for client in self._session.server.get_clients().values():
-            camera = client.camera
-            away = np.asarray(camera.position) - np.asarray(camera.look_at)
+            view = client.camera
+            away = np.asarray(view.position) - np.asarray(view.look_at)
             away *= min(1.0, 5.0 / max(float(np.linalg.norm(away)), 1e-6))
             with client.atomic():
-                camera.position = np.array([x, y, 0.2]) + away
-                camera.look_at = np.array([x, y, 0.2])
+                view.position = np.array([x, y, 0.2]) + away
+                view.look_at = np.array([x, y, 0.2])
 
     def _move(self, step: np.ndarray) -> None:
         if not step.any():
             return
         moved = np.array([step[0], step[1], 0.0])
         for client in self._session.server.get_clients().values():
-            camera = client.camera
-            position, look_at = np.asarray(camera.position), np.asarray(camera.look_at)
+            view = client.camera
+            position, look_at = np.asarray(view.position), np.asarray(view.look_at)
             with client.atomic():
-                camera.position = position + moved
-                camera.look_at = look_at + moved
+                view.position = position + moved
+                view.look_at = look_at + moved
 
     def _on_picture(self, event: Any) -> None:
         client = event.client
@@ -234,13 +234,15 @@ def _names(results: Sequence[Result]) -> list[str]:
 
 
 def _title(results: Sequence[Result]) -> str:
+    """What is looked at, with the colours of two runs' curves, and what is missing of it."""
     lines = []
-    for result in results:
+    for color, result in zip((FIRST, SECOND), results, strict=False):
         span = result.player.end - result.player.begin
         what = "a run" if result.recording is not None else "a plan"
-        lines.append(f"**{_safe(result.name)}**: {what} of {span:.1f} s")
-        lines += [f"⚠ {_safe(gap)}" for gap in result.gaps]
-    return "\n\n".join(lines)
+        key = f'<span style="color:{color}">■</span> ' if len(results) > 1 else ""
+        lines.append(f"{key}<b>{html.escape(result.name)}</b>: {what} of {span:.1f} s")
+        lines += [f"⚠ {html.escape(gap)}" for gap in result.gaps]
+    return f'<div style="padding:.3em .75em;font-size:.875em">{"<br>".join(lines)}</div>'
 
 
 def _summary(results: Sequence[Result]) -> str:

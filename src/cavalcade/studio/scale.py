@@ -104,7 +104,7 @@ class Scale:
 
 def _figures(lines: Array, step: float) -> Array:
     """Segments `(K, 2, 2)` of how many metres each line stands for, before its beginning."""
-    size = 0.4 * step
+    size = 0.26 * step
     found = [np.zeros((0, 2, 2))]
     for first, last in lines:
         upright = first[0] == last[0]

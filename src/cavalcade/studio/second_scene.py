@@ -35,11 +35,14 @@ class SecondScene:
         self.offset = (0.0, 0.0) if over else _beside(first, second)
         self._node = server.scene.add_frame(_ROOT, show_axes=False, position=(*self.offset, 0.0))
         self._stage = Stage(_Below(server, _ROOT, _VEIL if over else None))
-        self._over = over
         self._stage.set_dark(dark)
-        if not over:
+        if over:
+            for layer in self._stage.layers:  # those of the first run are enough
+                self._stage.set_layer(layer, False)
+        else:
             self._stage.set_world(second.scenario, second.world)
         self._stage.set_team(second.scenario.models, second.scenario.starts)
+        self._stage.set_trajectories(*second.planned)
 
     def show(self, snapshot: Snapshot) -> None:
         """Show a moment."""

@@ -51,6 +51,7 @@ class Session:
         server: `viser.ViserServer`.
         stage: The scene.
         roles: Who drives.
+        themed: Called when the page turns dark or light.
         lock: Held by every callback; whoever changes the session from a thread takes it, too.
 
     Raises:
@@ -65,6 +66,7 @@ class Session:
         with _silent():
             self.server = viser.ViserServer(host=host, port=port, label="Cavalcade", verbose=False)
         self.server.gui.main_panel.dock_right()
+        self.themed: list[Callable[[], None]] = []
         self._dark = True
         self._theme()
         light(self.server)
@@ -93,6 +95,8 @@ class Session:
         self._dark = value
         self._theme()
         self.stage.set_dark(value)
+        for act in tuple(self.themed):
+            act()
 
     def say(self, text: str, title: str = "", client: Any = None, bad: bool = False) -> None:
         """Tell one who looks, or all, something in passing."""

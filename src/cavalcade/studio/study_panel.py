@@ -38,6 +38,7 @@ class StudyPanel:
         self._over = False
         self._entered = self._closed = False
         self._asked = 0
+        self._doing: list[str] = []
         self._trials: TrialList | None = None
         self._trial: str | None = None
         self._found: dict[str, Path] = {}
@@ -54,13 +55,14 @@ class StudyPanel:
             self._again = gui.add_button(
                 "Run it again", icon="refresh", order=1e6 + 1, visible=False
             )
-            self._again.on_click(handle(self._on_again))
+            self._again.on_click(handle(lambda event: self._run_again(event.client)))
         self._compared = gui.add_dropdown("Compare with", (_NOTHING,), visible=False)
         self._compared.on_update(handle(self._on_compared))
         self._place = gui.add_folder(None)
         self._campaign_part: Any = None
         self._part: Any = None
         self._list()
+        session.themed.append(self._on_theme)
 
     def open(self, folder: str | Path) -> None:
         """Look at what a run, a plan or a campaign has left.
@@ -69,6 +71,32 @@ class StudyPanel:
             InputError: It is none of them, or damaged.
         """
         self._open(self._read(folder_of(str(folder))))
+
+    def compare(self, folder: str | Path) -> None:
+        """Look at another run beside the one that is open.
+
+        Raises:
+            InputError: There is none to compare with, or that folder is none.
+        """
+        if self._first is None:
+            raise InputError("open a run first, then one to compare it with")
+        self._compare(read_result(folder_of(str(folder))))
+
+    def choose_trial(self, trial: str) -> None:
+        """Open a trial of the campaign, or offer to run it again if nothing was kept of it.
+
+        Raises:
+            InputError: There is no such trial.
+        """
+        rows = [] if self._trials is None else self._trials.rows
+        row = next((row for row in rows if row["trial"] == trial), None)
+        if row is None:
+            raise InputError(f"there is no trial {trial!r}")
+        self._on_trial(row, None)
+
+    def run_again(self) -> None:
+        """Run the trial again that was chosen last, in a thread of its own."""
+        self._run_again(None)
 
     def enter(self) -> None:
         """The tab has been chosen: the scene is this one's now."""
@@ -105,6 +133,10 @@ class StudyPanel:
         if self.view is not None:
             self.view.timeline.pause()
 
+    def _on_theme(self) -> None:
+        if self.view is not None:
+            self.view.show()
+
     def _list(self) -> None:
         """Offer the results that there are now."""
         places = [self._session.folder, RUNS]
@@ -128,7 +160,7 @@ class StudyPanel:
     def _ask(self, text: str, client: Any) -> None:
         """Open what somebody has named."""
         folder = folder_of(text)
-        self._work(f"Opening {folder.name} …", lambda: self._read(folder), self._open, client)
+        self._load(f"Opening {folder.name} …", lambda: self._read(folder), self._open, client)
 
     def _on_compared(self, event: Any) -> None:
         if event.client is None:
@@ -139,7 +171,7 @@ class StudyPanel:
             self._show(self._time())
         else:
             words = f"Opening {folder.name} …"
-            self._work(words, lambda: read_result(folder), self._compare, event.client)
+            self._load(words, lambda: read_result(folder), self._compare, event.client)
 
     def _compare(self, second: Result) -> None:
         self._second = second
@@ -191,7 +223,7 @@ class StudyPanel:
         self._offer.content = text
         self._offer.visible = self._again.visible = trial is not None
 
-    def _on_again(self, event: Any) -> None:
+    def _run_again(self, client: Any) -> None:
         if self._trial is None or self._trials is None:
             return
         trial, campaign = self._trial, self._trials.folder
@@ -205,7 +237,7 @@ class StudyPanel:
             return read_result(out)
 
         self._offer_again(None, "")
-        self._work(f"Running {trial} again …", run, self._open, event.client)
+        self._load(f"Running {trial} again …", run, self._open, client)
 
     def _again_folder(self, trial: str) -> Path:
         campaign = self._trials.folder.name if self._trials is not None else "campaign"
@@ -239,30 +271,47 @@ class StudyPanel:
         if self._entered:
             self.view.enter()
 
+    def _load(
+        self, words: str, act: Callable[[], Any], then: Callable[[Any], None], client: Any
+    ) -> None:
+        """Open something; who opens another thing before it is there gets only that."""
+        self._asked += 1
+        number = self._asked
+
+        def newest(found: Any) -> None:
+            if number == self._asked:
+                then(found)
+
+        self._work(words, act, newest, client)
+
     def _work(
         self, words: str, act: Callable[[], Any], then: Callable[[Any], None], client: Any
     ) -> None:
-        """Do what takes long in a thread of its own; who asks for something else gets only that."""
-        self._asked += 1
-        number = self._asked
-        self._busy.content, self._busy.visible = words, True
+        """Do what takes long in a thread of its own; the page says so meanwhile."""
+        self._doing.append(words)
+        self._say_doing()
 
         def done(outcome: Callable[[], None]) -> None:
             with self._session.lock:
-                if self._closed or number != self._asked:
-                    return
-                self._busy.visible = False
-                self._session.attempt(outcome, client)
+                if not self._closed:
+                    self._doing.remove(words)
+                    self._say_doing()
+                    self._session.attempt(outcome, client)
 
         def work() -> None:
             try:
                 found = act()
             except Exception as error:
-                done(lambda error=error: _raise(error))  # type: ignore[misc]
+                reason = error
+                done(lambda: _raise(reason))
             else:
                 done(lambda: then(found))
 
         threading.Thread(target=work, name="study-work", daemon=True).start()
+
+    def _say_doing(self) -> None:
+        self._busy.content = "\n\n".join(self._doing)
+        self._busy.visible = bool(self._doing)
 
 
 def _raise(error: Exception) -> None:

@@ -6,6 +6,7 @@ import math
 import threading
 import time as wall
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 from cavalcade.studio.playback import SPEEDS, Playback
@@ -156,8 +157,9 @@ class Timeline:
                 before = wall.monotonic()
                 continue
             now = wall.monotonic()
-            self._session.attempt(lambda elapsed=now - before: self._tick(elapsed))  # type: ignore[misc]
-            before = now
+            elapsed, before = now - before, now
+            if not self._session.attempt(partial(self._tick, elapsed)):
+                self.playback.playing = False  # once said is enough
             self._ended.wait(max(0.0, _PERIOD - (wall.monotonic() - now)))
 
     def _tick(self, elapsed: float) -> None:

@@ -48,9 +48,8 @@ class TrialList:
         self.folder = folder
         kinds, self.rows = read_table(folder)
         used = {name for row in self.rows for name, value in row.items() if value is not None}
-        self.columns = tuple(
-            name for name, kind in kinds.items() if name in used and not kind.endswith("[]")
-        )
+        plain = [name for name, kind in kinds.items() if not kind.endswith("[]")]
+        self.columns = tuple(name for name in plain if name in used or not self.rows)
 
     def chosen(self, wanted: str = "", by: str = "trial", falling: bool = False) -> list[Row]:
         """The trials that fulfil all conditions, in the order of a column; nulls come last.

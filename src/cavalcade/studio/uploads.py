@@ -21,7 +21,7 @@ import yaml
 
 from cavalcade.errors import InputError, MapError
 from cavalcade.files import make_folders, write_file
-from cavalcade.scenario import import_problem, parse_scenario
+from cavalcade.scenario import dump_scenario, import_problem, parse_scenario
 from cavalcade.scenario.shipped import MAX_BYTES
 from cavalcade.studio.draft import names_of, text_of, with_names
 from cavalcade.world import load_barn, load_map, load_movingai, load_terrain
@@ -122,8 +122,7 @@ class Uploads:
             return self._scenario(trial, data)
         if {"environment", "robots"} <= set(data):
             trial.write_bytes(content)
-            imported = import_problem(trial).model_dump(mode="json", exclude_none=True)
-            trial.write_text(text_of(imported), "utf-8")
+            dump_scenario(import_problem(trial), trial)
             return Upload(trial, "scenario")
         if "image" in data:
             return self._description(trial, data, "map", ("image",))
@@ -202,11 +201,11 @@ def clean_name(name: str) -> str:
     """The name of a file without folders and of plain letters: safe on every system."""
     last = PureWindowsPath(name.replace("\0", "")).name  # of both kinds of slash
     letters = unicodedata.normalize("NFKD", last).encode("ascii", "ignore").decode()
-    stem, dot, suffix = re.sub(r"[^A-Za-z0-9._-]+", "_", letters).lstrip("._-").rpartition(".")
+    stem, dot, suffix = re.sub(r"[^A-Za-z0-9._-]+", "_", letters).rpartition(".")
     if not dot:
         stem, suffix = suffix, ""
     suffix = suffix[:10]
-    stem = stem[: _NAME_LENGTH - len(suffix)].rstrip("._-") or "upload"
+    stem = stem.lstrip("._-")[: _NAME_LENGTH - len(suffix)].rstrip("._-") or "upload"
     return f"{stem}.{suffix}" if suffix else stem
 
 
