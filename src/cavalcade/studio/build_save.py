@@ -27,7 +27,7 @@ class SavePart:
         )
         fields.button(download, self._download)
         save = gui.add_button(
-            "Save in the studio's folder", icon="device-floppy", hint=str(self.folder)
+            "Save in the studio's folder", icon="device-floppy", color="gray", hint=str(self.folder)
         )
         fields.button(save, lambda event: self._save(event.client))
 
