@@ -256,10 +256,12 @@ def _summary(results: Sequence[Result]) -> str:
     one, other = results
     names = [_safe(name) for name in _names(results)]
     body = [
-        f"| {label} | {_safe(a)} | {_safe(b)} | {difference} |"
+        f"| {label} | {_safe(a)} |\N{NO-BREAK SPACE} {_safe(b)} |\N{NO-BREAK SPACE} {difference} |"
         for label, a, b, difference in compared(one.summary, other.summary)
     ]
-    return "\n".join([f"| | {names[0]} | {names[1]} | Δ |", "|:--|--:|--:|--:|", *body])
+    return "\n".join(
+        [f"| | {names[0]} |\N{NO-BREAK SPACE} {names[1]} | Δ |", "|:--|--:|--:|--:|", *body]
+    )
 
 
 def _safe(text: str) -> str:
