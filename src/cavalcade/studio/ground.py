@@ -191,7 +191,7 @@ class Ground:
         assert self._map is not None
         x, y, yaw = self._map.origin
         turn = (float(np.cos(yaw / 2.0)), 0.0, 0.0, float(np.sin(yaw / 2.0)))
-        return self._add(name, mesh, color, wxyz=turn, position=(x, y, 0.0))
+        return self._add(name, mesh, color, cast_shadow=False, wxyz=turn, position=(x, y, 0.0))
 
     def meet(self, origin: Array, direction: Array) -> tuple[float, float] | None:
         """Where a ray from the eye meets the ground, x and y in m; None where it does not."""
