@@ -1,7 +1,9 @@
 # make demo   the main job: four Go1s in a square walk through the paper's arena, in physics
+# make studio  the page in the browser, with the arena: build, drive and study teams
 # make test   the whole suite, in the same environment
 # make venv   only the environment
 # make test-fast  what a change needs at once: everything that takes no more than a moment
+# make chromium  the browser in which the studio is tested, where root or sudo may install it
 # make test-live  the tests that need ROS 2 or the SDK of Unitree, in an environment of their own
 # make lint   ruff, mypy, the layers and the structure
 # make docs  the documentation as a site, in site/
@@ -28,7 +30,7 @@ unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-fast test-live venv lint docs bench evidence clean
+.PHONY: help demo studio chromium test test-fast test-live venv lint docs bench evidence clean
 
 help:
 	@sed -n 's/^# make/make/p' Makefile
@@ -57,11 +59,26 @@ venv: $(VENV)/.stamp
 demo: $(VENV)/.stamp-physics
 	@$(BIN)/cavalcade run square-clutter --backend mujoco --out $(RUNS)/demo --force
 
+studio: $(VENV)/.stamp-physics $(VENV)/.stamp-studio
+	@$(BIN)/cavalcade studio square-clutter --open
+
 # The tests' processes find the compiled kernels instead of each compiling its own.
 test: $(VENV)/.stamp-test
 	@$(BIN)/cavalcade warm --all
 	@$(BIN)/python -m pytest --numprocesses $(WORKERS) --dist loadfile \
 		--no-loadscope-reorder --durations 5
+
+# Tests of the studio look at it in a real browser; where none can be had, they skip.
+chromium:
+	@for name in chromium chromium-browser google-chrome; do \
+		! command -v $$name || exit 0; done; \
+	as=; test "$$(id -u)" = 0 || as="sudo -n"; \
+	if command -v apt-get > /dev/null && $$as true 2> /dev/null; then \
+		echo "Installing Chromium ..."; \
+		$$as apt-get update --quiet=2 && $$as env DEBIAN_FRONTEND=noninteractive \
+			apt-get install --quiet=2 --yes --no-install-recommends chromium > /dev/null; \
+	fi; \
+	command -v chromium || echo "No Chromium: install it, or the studio's tests are skipped"
 
 test-fast: $(VENV)/.stamp-test
 	@$(BIN)/python -m pytest --numprocesses $(WORKERS) --dist loadfile \

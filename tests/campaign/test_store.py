@@ -12,7 +12,8 @@ from typing import Any
 import pytest
 
 from cavalcade.campaign.definition import Definition, define_campaign
-from cavalcade.campaign.store import CORRUPT, LINES, Store
+from cavalcade.campaign.store import CORRUPT, Store
+from cavalcade.campaign.table import LINES
 from cavalcade.campaign.trial import failure_line
 from cavalcade.errors import OutputError, RecordingError
 

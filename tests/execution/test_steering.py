@@ -13,7 +13,7 @@ from cavalcade.errors import InputError, ScenarioError
 from cavalcade.execution import Steering
 from cavalcade.scenario import dump_scenario, load_scenario, parse_scenario
 
-TIMES = {"wall_time_s", "planning_time_s", "cycle_ms"}
+TIMES = {"wall_time_s", "planning_time_s", "cycle_ms", "real_time_factor"}
 
 WORDS = {
     "version": 1,
@@ -100,6 +100,32 @@ def test_events_of_the_file_and_of_the_hand_happen_in_order(tmp_path):
     assert times == sorted(times)
     assert len(times) == len(PLAY) + 1
     same(result, cv.run(tmp_path / "played" / "scenario.yaml"))
+
+
+BLOCK = {"circle": {"center": [5.0, 5.5], "radius": 0.4}}
+WALKED = {
+    # On the way, then in the way of a robot; a push; one that was there from the start moves.
+    0.5: {"add": ROCK},
+    1.0: {"push": {"robot": 0, "impulse": [0.0, 12.0]}},
+    1.5: {"goals": [[3.2, 3.5, 0.0]]},
+    2.0: {"add": {"box": {"center": [2.9, 4.6], "size": [0.2, 1.0]}}},
+    2.5: {"move": {**BLOCK, "to": [5.0, 7.0], "speed": 1.0}},
+    3.0: {"remove": ROCK},
+    3.5: {"lose": 1},
+    4.5: {"rejoin": 1},
+}
+
+
+def test_what_walked_is_walked_again_from_its_file(tmp_path):
+    pytest.importorskip("mujoco")
+    words = {**WORDS, "execution": {"timeout": 8, "backend": "mujoco"}}
+    result = played(words, WALKED, tmp_path / "played")
+    again = cv.run(tmp_path / "played" / "scenario.yaml")
+    same(result, again)
+    one, other = result.recording.physics, again.recording.physics
+    for name in ("base", "joints", "torques", "foot_forces"):
+        assert np.array_equal(getattr(one, name), getattr(other, name))
+    assert one.contacts == other.contacts
 
 
 def test_a_run_that_nobody_touches_is_like_any_other():

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cavalcade.campaign.definition import read_definition
-from cavalcade.campaign.store import LINES
+from cavalcade.campaign.table import LINES
 from cavalcade.campaign.trial import Line, without_times
 from cavalcade.campaign.trial_runner import run_trial_into
 from cavalcade.errors import InputError, OutputError

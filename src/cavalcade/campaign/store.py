@@ -10,11 +10,12 @@ from pathlib import Path
 from typing import Any, Self
 
 from cavalcade.campaign.definition import FILE, Definition, difference, read_definition_file
+from cavalcade.campaign.table import LINES
 from cavalcade.campaign.trial import Line, failure_line
 from cavalcade.errors import OutputError
 from cavalcade.files import make_folders, remove_folders, write_file
 
-LINES, CORRUPT, LOCK = "trials.jsonl", "trials.corrupt.jsonl", ".campaign.lock"
+CORRUPT, LOCK = "trials.corrupt.jsonl", ".campaign.lock"
 _OF_THE_DEFINITION = ("trial", "suite", "scenario", "variant", "disturbance", "seed")
 
 

@@ -16,10 +16,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from cavalcade.errors import OutputError
+from cavalcade.errors import OutputError, RecordingError
 from cavalcade.metrics.summary import summary_columns
 
-TABLE = "trials.parquet"
+TABLE, LINES = "trials.parquet", "trials.jsonl"
 
 _FRONT = {
     "trial": "VARCHAR",
@@ -116,6 +116,55 @@ def write_table(folder: str | Path, lines: Sequence[Mapping[str, Any]]) -> Path:
         said = str(error).splitlines() or [type(error).__name__]
         raise OutputError(f"cannot write {path}: {said[0]}") from error
     return path
+
+
+def read_table(folder: str | Path) -> tuple[dict[str, str], list[dict[str, Any]]]:
+    """Columns with their types and rows of a campaign's folder, also of one that still goes on.
+
+    They are those of `trials.jsonl`, as far as its lines are whole; without it, of
+    `trials.parquet`.
+
+    Raises:
+        RecordingError: There is neither, or it cannot be read.
+    """
+    lines, table = Path(folder) / LINES, Path(folder) / TABLE
+    try:
+        if lines.is_file():
+            with lines.open(encoding="utf-8", errors="replace") as stream:
+                return columns_and_rows([line for text in stream if (line := _line(text))])
+        if table.is_file():
+            return _stored(table)
+    except OSError as error:
+        raise RecordingError(f"cannot be read: {error.strerror}", file=folder) from None
+    raise RecordingError(f"has neither {LINES} nor {TABLE}", file=folder)
+
+
+def _line(text: str) -> dict[str, Any] | None:
+    """The line of a trial; None for one that is torn or something else."""
+    try:
+        line = json.loads(text)
+    except (ValueError, RecursionError):
+        return None
+    return line if isinstance(line, dict) and isinstance(line.get("trial"), str) else None
+
+
+def _stored(table: Path) -> tuple[dict[str, str], list[dict[str, Any]]]:
+    """`read_table` of `trials.parquet`."""
+    import duckdb
+
+    try:
+        with duckdb.connect(config={"threads": 1}) as connection:
+            connection.execute(
+                f"SELECT * FROM read_parquet({_quoted(str(table))}, hive_partitioning=false)"
+            )
+            columns = {one[0]: str(one[1]) for one in connection.description or ()}
+            rows = [dict(zip(columns, row, strict=True)) for row in connection.fetchall()]
+    except duckdb.Error as error:
+        said = str(error).splitlines() or [type(error).__name__]
+        raise RecordingError(said[0], file=table) from None
+    if "trial" not in columns:
+        raise RecordingError("not a table of trials: it has no column `trial`", file=table)
+    return columns, rows
 
 
 def _copy(source: Path, target: Path, columns: Mapping[str, str], filled: bool) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -50,6 +51,7 @@ class EventRunner:
         self._scenario = scenario
         self._control = control
         self._notes: list[str] = []
+        self._world = world
         self._maps = [world.map]
         self._due = list(scenario.execution.events)
         self._goal_count = len(scenario.task.goals)
@@ -60,7 +62,11 @@ class EventRunner:
         """One more event, of a scenario that has it, too; it is due at once."""
         self._scenario = scenario
         self._due.insert(sum(other.at <= event.at for other in self._due), event)
-        self._obstacles.follow(obstacle_spans(scenario))
+        spans = obstacle_spans(scenario)
+        if spans != self._world.spans:
+            self._obstacles.follow(spans)
+            self._world = replace(self._world, spans=spans)
+            self._tell_fleet("set_world", self._world)
 
     def news(self) -> tuple[tuple[str, ...], tuple[OccupancyMap, ...]]:
         """What happened since it was asked last, a line each, and each new map for the recording.

@@ -11,6 +11,7 @@ import time as wall
 from typing import Any, Literal
 
 from cavalcade.errors import InputError, ScenarioError
+from cavalcade.fleet import Fleet
 from cavalcade.scenario import Event, Scenario, scenario_with_event
 from cavalcade.values import number_in, whole_number
 
@@ -38,6 +39,7 @@ class Steering:
     def __init__(self, speed: float | None = 1.0, paused: bool = False) -> None:
         self._lock = threading.Condition()
         self._scenario: Scenario | None = None
+        self._fleet: Fleet | None = None
         self._submitted: list[dict[str, Any]] = []
         self._time = 0.0
         self._steps = 0
@@ -94,6 +96,12 @@ class Steering:
                 raise InputError("the run has not begun")
             return self._scenario
 
+    @property
+    def fleet(self) -> Fleet | None:
+        """The robots, for sinks of the run to look at; None before it begins."""
+        with self._lock:
+            return self._fleet
+
     def pause(self) -> None:
         """Stop the clock before the next cycle."""
         with self._lock:
@@ -141,12 +149,12 @@ class Steering:
 
     # From the loop.
 
-    def begin(self, scenario: Scenario) -> None:
-        """The run of this scenario begins."""
+    def begin(self, scenario: Scenario, fleet: Fleet) -> None:
+        """The run of this scenario with these robots begins."""
         with self._lock:
             if self._phase != "new":
                 raise InputError("a Steering is for one run", key="steering")
-            self._scenario, self._phase = scenario, "running"
+            self._scenario, self._fleet, self._phase = scenario, fleet, "running"
 
     def turn(self, time: float, period: float) -> tuple[Event, ...]:
         """Wait until the cycle at `time` s is to be carried out, and what is to happen in it."""

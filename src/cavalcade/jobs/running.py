@@ -177,7 +177,7 @@ def run(
         policy = task.make_policy(robots)
         if steering is not None:
             stack.callback(steering.end)
-            steering.begin(resolved)
+            steering.begin(resolved, robots)
         done = carry_out(
             resolved,
             world,

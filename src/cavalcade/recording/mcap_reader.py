@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import json
 import warnings
-from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -19,6 +18,7 @@ from cavalcade.mcap_framing import readable
 from cavalcade.recording import _messages
 from cavalcade.recording.cdr import Layout, nanoseconds_of
 from cavalcade.recording.frames import ObstacleTrack, Recording
+from cavalcade.recording.mcap_messages import Messages, read_messages
 from cavalcade.recording.mcap_writer import FILE
 from cavalcade.recording.physics_track import ContactEvent, FallEvent, PhysicsTrack
 from cavalcade.recording.status import decoded
@@ -28,8 +28,8 @@ from cavalcade.values import path_of
 _BULKY = ("/map", "/tf", "/tf_static", "/markers")
 """What is only for other programs."""
 
-_Found = dict[str, list[tuple[int, bytes]]]
-"""By topic the times in ns and the bytes of its messages, in order of time."""
+_Found = dict[str, Messages]
+"""By topic what its messages hold."""
 
 
 def read_recording(path: str | Path) -> Recording:
@@ -75,34 +75,23 @@ def _cut_to_whole_cycles(found: _Found) -> None:
     for group in (cycles, samples):
         count = min((len(found.get(topic, ())) for topic in group), default=0)
         for topic in group:
-            found[topic] = found.get(topic, [])[:count]
+            found.setdefault(topic, Messages()).cut(count)
 
 
 def _messages_of(whole: Path, file: Path) -> _Found:
     """The messages of `whole`, which has what is whole of `file`."""
-    from rosbags.rosbag2 import Reader
-
-    found: _Found = defaultdict(list)
     try:
-        with Reader(whole) as reader:
-            robots = sum(c.topic.endswith("/pose") for c in reader.connections)
-            bodies = sum(c.topic.endswith("/body") for c in reader.connections)
-            known = _messages.topics_of(robots, bodies, 0)
-            wanted = [
-                c
-                for c in reader.connections
-                if known.get(c.topic) == c.msgtype and c.topic not in _BULKY
-            ]
-            if wanted:
-                for connection, time, data in reader.messages(wanted):
-                    found[connection.topic].append((time, data))
-    except Exception as error:  # rosbags meets damaged files with errors of many kinds
-        raise RecordingError(f"cannot be read: {error}", file=file) from None
-    return dict(found)
+        found = read_messages(whole, _BULKY)
+    except RecordingError as error:
+        raise error.at(file=file) from None
+    robots = sum(topic.endswith("/pose") for topic, _ in found)
+    bodies = sum(topic.endswith("/body") for topic, _ in found)
+    known = _messages.topics_of(robots, bodies, 0)
+    return {topic: one for (topic, kind), one in found.items() if one and known.get(topic) == kind}
 
 
 def _recording(found: _Found) -> Recording:
-    time = _times(found.get(_messages.STATUS_TOPIC, ()))
+    time = _times(found.get(_messages.STATUS_TOPIC, Messages()))
     robots = sum(topic.endswith("/pose") for topic in found)
     shape = (len(time), robots, 3)
     poses, estimated, commands = np.zeros(shape), np.zeros(shape), np.zeros(shape)
@@ -133,12 +122,12 @@ def _said(found: _Found, robots: int) -> Iterator[tuple[str, tuple[Array, ...]]]
     written = [
         (time, robot, data)
         for robot in range(robots)
-        for time, data in found.get(f"/robot_{robot}/path", ())
+        for time, data in _pairs(found, f"/robot_{robot}/path")
     ]
     written.sort(key=lambda one: one[0], reverse=True)
     paths: dict[int, Array] = {}
     current: tuple[Array, ...] = ()
-    for time, data in found.get(_messages.STATUS_TOPIC, ()):
+    for time, data in _pairs(found, _messages.STATUS_TOPIC):
         while written and written[-1][0] <= time:
             _, robot, path = written.pop()
             paths[robot] = _messages.points_of(path)
@@ -195,15 +184,20 @@ def _obstacle(said: dict[str, Any]) -> ObstacleTrack:
     )
 
 
-def _times(messages: Sequence[tuple[int, bytes]]) -> NDArray[np.int64]:
-    return np.array([time for time, _ in messages], dtype=np.int64)
+def _times(messages: Messages) -> NDArray[np.int64]:
+    return np.array(messages.times, dtype=np.int64)
+
+
+def _pairs(found: _Found, topic: str) -> Iterator[tuple[int, bytes]]:
+    messages = found.get(topic, Messages())
+    return zip(messages.times, messages.data, strict=True)
 
 
 def _columns(
     found: _Found, topic: str, layout: Layout, time: NDArray[np.int64]
 ) -> dict[str, NDArray[Any]]:
     """The columns of a topic that has a message for each of these times in ns."""
-    read = layout.unpack([data for _, data in found[topic]])
+    read = layout.unpack(found[topic].data)
     if not np.array_equal(nanoseconds_of(read["stamp"]), time):
         raise ValueError(f"{topic} has other times than it should")
     return read
@@ -211,4 +205,4 @@ def _columns(
 
 def _contents(found: _Found, topic: str) -> list[Any]:
     """What the messages of a topic say in JSON."""
-    return [json.loads(_messages.string_of(data)) for _, data in found.get(topic, ())]
+    return [json.loads(_messages.string_of(data)) for _, data in _pairs(found, topic)]

@@ -1,15 +1,20 @@
-"""The page's server, and who of those who look at it may change something."""
+"""The page's server, and what all of its parts share."""
 
 from __future__ import annotations
 
 import logging
+import socket
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import rich
+
 from cavalcade.errors import CavalcadeError, InputError
 from cavalcade.studio.lights import light
+from cavalcade.studio.roles import Roles
 from cavalcade.studio.stage import Stage
 
 _LOG = logging.getLogger(__name__)
@@ -45,32 +50,53 @@ class Session:
     Attributes:
         server: `viser.ViserServer`.
         stage: The scene.
+        roles: Who drives.
+        themed: Called when the page turns dark or light.
         lock: Held by every callback; whoever changes the session from a thread takes it, too.
-        driver: Identity of the client who drives; None while nobody is there.
+
+    Raises:
+        InputError: viser is not installed, or nobody may listen there.
     """
 
     def __init__(self, host: str = HOST, port: int = PORT, *, folder: Path) -> None:
         viser = load_viser()
+        _check_address(host, port)
         self.folder = folder
         self.lock = threading.RLock()
-        self.driver: int | None = None
-        self.server = viser.ViserServer(host=host, port=port, label="Cavalcade", verbose=False)
-        self.server.gui.configure_theme(
-            control_width="large",
-            show_logo=False,
-            show_share_button=False,
-            dark_mode=True,
-        )
+        with _silent():
+            self.server = viser.ViserServer(host=host, port=port, label="Cavalcade", verbose=False)
         self.server.gui.main_panel.dock_right()
+        self.themed: list[Callable[[], None]] = []
+        self._dark = True
+        self._theme()
         light(self.server)
         self.stage = Stage(self.server)
-        self.server.on_client_connect(self._on_connect)
-        self.server.on_client_disconnect(self._on_disconnect)
+        self.roles = Roles(self.server, self.lock, lambda text, who: self.say(text, client=who))
+
+    @property
+    def driver(self) -> int | None:
+        """Identity of the client who drives; None while nobody is there."""
+        return self.roles.driver
 
     @property
     def address(self) -> str:
-        """Where the page is."""
-        return f"http://{self.server.get_host()}:{self.server.get_port()}"
+        """Where the page is, as a browser on this machine finds it."""
+        host = self.server.get_host()
+        shown = "localhost" if host in ("0.0.0.0", "::", "") else host
+        return f"http://{shown}:{self.server.get_port()}"
+
+    @property
+    def dark(self) -> bool:
+        """Whether the page is dark; settable."""
+        return self._dark
+
+    @dark.setter
+    def dark(self, value: bool) -> None:
+        self._dark = value
+        self._theme()
+        self.stage.set_dark(value)
+        for act in tuple(self.themed):
+            act()
 
     def say(self, text: str, title: str = "", client: Any = None, bad: bool = False) -> None:
         """Tell one who looks, or all, something in passing."""
@@ -87,9 +113,13 @@ class Session:
         """A callback of the page's: for who drives, one at a time, errors in words."""
 
         def callback(event: Any) -> None:
-            client = getattr(event, "client", None)
-            if client is not None and client.client_id != self.driver:
-                self.say("another tab drives; ask it with the button above", client=client)
+            client = getattr(event, "client", None)  # None: it was us, or has just gone
+            who = getattr(event, "client_id", None)
+            if who is None and client is not None:
+                who = client.client_id
+            if who is not None and who != self.driver:
+                if client is not None:
+                    self.say("Another tab drives; ask it with the button above", client=client)
                 return
             self.attempt(lambda: act(event), client)
 
@@ -110,17 +140,45 @@ class Session:
                 return False
         return True
 
+    def download(self, event: Any, name: str, content: bytes) -> None:
+        """Send a file to who has clicked."""
+        if event.client is not None:
+            event.client.send_file_download(name, content, save_immediately=True)
+
     def close(self) -> None:
         """Close the page."""
-        self.server.stop()
+        self.roles.close()
+        with _silent():
+            self.server.stop()
 
-    def _on_connect(self, client: Any) -> None:
-        with self.lock:
-            if self.driver is None:
-                self.driver = client.client_id
+    def _theme(self) -> None:
+        self.server.gui.configure_theme(
+            control_width="large", show_logo=False, show_share_button=False, dark_mode=self._dark
+        )
 
-    def _on_disconnect(self, client: Any) -> None:
-        with self.lock:
-            if self.driver == client.client_id:
-                left = [one for one in self.server.get_clients() if one != client.client_id]
-                self.driver = left[0] if left else None
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """While viser would say in the terminal what is for us to say."""
+    console = rich.get_console()
+    quiet, console.quiet = console.quiet, True
+    try:
+        yield
+    finally:
+        console.quiet = quiet
+
+
+def _check_address(host: str, port: int) -> None:
+    """Viser would go on to the next port that is free."""
+    try:
+        found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
+        family, kind, protocol, _, address = found[0]
+        with socket.socket(family, kind, protocol) as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            probe.bind(address)
+    except OSError as error:
+        why = error.strerror or str(error)
+        text = (
+            f"cannot listen on {host}, port {port}: {why}; expected a free port, such as --port 0"
+        )
+        raise InputError(text, key="port") from None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,11 +12,11 @@ from cavalcade.errors import InputError
 from cavalcade.fleet import CommandDelay, FallingFleet, Fleet, LocalisationNoise
 from cavalcade.fleet.mujoco import PhysicsGround, PhysicsSettings
 from cavalcade.fleet.mujoco.fleet import MujocoFleet
-from cavalcade.fleet.mujoco.ground import blocks_of_shape
+from cavalcade.fleet.mujoco.ground import blocks_of_shape, movable_spans
 from cavalcade.fleet.mujoco.sensing import SensingErrors
 from cavalcade.robots import robot_model
-from cavalcade.scenario import Obstacle, ObstacleSpan
-from cavalcade.world import Circle
+from cavalcade.scenario import Obstacle, ObstacleSpan, World
+from cavalcade.world import Circle, OccupancyMap
 
 pytest.importorskip("mujoco")
 
@@ -268,6 +269,36 @@ def test_obstacles_come_move_and_go() -> None:
     drive(fleet, (0.0, 0.0, 0.0), 1.0)
     assert all(contact.time <= 4.02 for contact in fleet.track().contacts)
     assert last <= fleet.track().contacts[-1].time
+
+
+def test_obstacles_put_down_on_the_way_are_as_if_known_from_the_start() -> None:
+    """A box in the way comes at 1 s; one that was there from the start goes away at 2 s."""
+    there = Obstacle.model_validate({"circle": {"center": [3.0, 3.0], "radius": 0.3}})
+    box = Obstacle.model_validate({"box": {"center": [1.6, 1.0], "size": [0.2, 1.5]}})
+    area = OccupancyMap.empty((6.0, 4.0), 0.1)
+    first = World(area, area, (), (ObstacleSpan(there),))
+    second = replace(first, spans=(ObstacleSpan(there), ObstacleSpan(box, 1.0, time=(1.0,))))
+    third = replace(first, spans=(ObstacleSpan(there, 0.0, 2.0), second.spans[1]))
+    starts = (0.6, 1.0, 0.0), (0.6, 2.5, 0.0)
+
+    def of(world: World) -> MujocoFleet:
+        ground, spans = PhysicsGround.of_world(world), movable_spans(world)
+        return fleet_of(*starts, ground=ground, obstacles=spans)
+
+    told, known = of(first), of(third)
+    for fleet in (told, known):
+        drive(fleet, FORWARDS, 1.0)
+        if fleet is told:
+            fleet.set_world(second)
+        fleet.push(1, (0.0, 60.0, 0.0), 0.2)
+        drive(fleet, FORWARDS, 1.0)
+        if fleet is told:
+            fleet.set_world(third)
+        drive(fleet, FORWARDS, 1.5)
+    assert told.simulator.state_bytes() == known.simulator.state_bytes()
+    assert told.track().contacts == known.track().contacts
+    (x, _, _), (free, _, _) = told.true_poses()
+    assert x < 1.5 < free - 0.2  # one has run into the box
 
 
 def test_a_contact_is_told_again_while_it_lasts() -> None:

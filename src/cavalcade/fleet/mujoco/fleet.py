@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cavalcade.errors import InputError
 from cavalcade.fleet.mujoco._postures import find_falls, planar_poses, planar_velocities
-from cavalcade.fleet.mujoco.ground import PhysicsGround
+from cavalcade.fleet.mujoco.ground import PhysicsGround, movable_spans
 from cavalcade.fleet.mujoco.leaping import APPROACH, Leapers
 from cavalcade.fleet.mujoco.sampling import Sampler
 from cavalcade.fleet.mujoco.sensing import Sensing, SensingErrors
@@ -24,7 +24,7 @@ from cavalcade.locomotion.control import LegControl
 from cavalcade.locomotion.settings import GaitSettings
 from cavalcade.recording.physics_track import FallEvent, PhysicsTrack
 from cavalcade.robots.model import RobotModel
-from cavalcade.scenario import ObstacleSpan
+from cavalcade.scenario import ObstacleSpan, World
 
 MOST_TILT = 1.0
 """A robot whose trunk has rolled or pitched by more has fallen, rad."""
@@ -90,9 +90,7 @@ class MujocoFleet(RadioFleet):
         self._steps = 0
         standing = [robot.stand_height for robot in self.simulator.descriptions]
         self._lowest = LEAST_HEIGHT * np.array(standing)
-        self._obstacles = tuple(obstacles)
-        self._places: list[tuple[float, float] | None] = [None] * len(self._obstacles)
-        self._place_obstacles(0.0)
+        self._follow(obstacles)
         self._falls: dict[int, Fall] = {}
         self._judged = 0
         self._sampler = Sampler(self.simulator, self._start)
@@ -156,6 +154,17 @@ class MujocoFleet(RadioFleet):
         self._sampler.forget()
         self._judged = 0
 
+    def set_world(self, world: World) -> None:
+        """Take over what has become of the obstacles of its ground: new ones, other ways.
+
+        The run goes on as if all had been known from its start.
+        """
+        ground, known = PhysicsGround.of_world(world), self.simulator.ground
+        if (ground.fixed, ground.movable) != (known.fixed, known.movable):
+            self.simulator.set_ground(ground)
+            self._sampler.follow()
+        self._follow(movable_spans(world))
+
     def push(self, robot: int, force: ArrayLike, duration: float) -> None:
         """Push a trunk with the force `(3,)`, map frame, N, for so many seconds from now on."""
         self.simulator.push(robot, force, duration)
@@ -181,6 +190,14 @@ class MujocoFleet(RadioFleet):
             if self._sampler.step():
                 self._judge()
         return self.true_poses()
+
+    def _follow(self, obstacles: Sequence[ObstacleSpan]) -> None:
+        """These are the movable obstacles, and where they are when."""
+        self._obstacles = tuple(obstacles)
+        for number in range(len(self._obstacles)):
+            self.simulator.place_obstacle(number, None)
+        self._places: list[tuple[float, float] | None] = [None] * len(self._obstacles)
+        self._place_obstacles(self._steps * self._step)
 
     def _hear(self, reached: NDArray[np.bool_], now: float) -> None:
         """Hand over what robots `reached` `(N,)` were told; the others' last command ages."""

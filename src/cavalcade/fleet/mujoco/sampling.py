@@ -33,10 +33,9 @@ class ContactRecorder:
     """
 
     def __init__(self, simulator: TeamSimulator) -> None:
-        team, size = simulator.team, simulator.size
+        size = simulator.size
         self._simulator = simulator
-        self._data = simulator.data
-        self._kinds = np.stack([team.geom_robot, team.geom_part, team.geom_leg], axis=1)
+        self.follow()
         self._quiet = round(QUIET / simulator.settings.step)
         self._impulses = np.zeros((size, 4, 3))
         self._seen = np.full((size, len(PARTS), OTHERS + size), -1)
@@ -47,6 +46,12 @@ class ContactRecorder:
         # Arrays of at most one contact count as contiguous, others do not: compiled for both now.
         contact = self._data.contact
         self._add(contact.geom[:0], contact.frame[:0], contact.efc_address[:0])
+
+    def follow(self) -> None:
+        """The simulator's world has been compiled anew."""
+        team = self._simulator.team
+        self._data = self._simulator.data
+        self._kinds = np.stack([team.geom_robot, team.geom_part, team.geom_leg], axis=1)
 
     @property
     def contacts(self) -> tuple[ContactEvent, ...]:
@@ -114,6 +119,10 @@ class Sampler:
         self._kept: list[tuple[float, Array, Array, Array, Array]] = []
         self.contacts: list[ContactEvent] = []
         self._keep()
+
+    def follow(self) -> None:
+        """The simulator's world has been compiled anew."""
+        self._recorder.follow()
 
     def step(self) -> bool:
         """After a step of the simulator; True if it made a sample."""

@@ -54,13 +54,8 @@ class TeamSimulator:
         self.ground = ground or PhysicsGround()
         self.settings = settings or PhysicsSettings()
         self.descriptions = tuple(map(_description, models))
-        self.team = build_team(self.descriptions, self.ground, self.settings)
-        self.model: Any = self.team.model
-        self.data: Any = mujoco.MjData(self.model)
         self._advance = mujoco.mj_step
-        # Views of the data's own memory, which stays where it is.
-        self._qpos, self._qvel, self._ctrl = self.data.qpos, self.data.qvel, self.data.ctrl
-        self._sensors, self._external = self.data.sensordata, self.data.xfrc_applied
+        self._build()
         self._motors = np.zeros((self.size, 12), MOTOR)
         for robot, description in enumerate(self.descriptions):
             for motor, joint in zip(self._motors[robot], description.joints, strict=True):
@@ -75,6 +70,30 @@ class TeamSimulator:
             for robot, pose in zip(self.descriptions, start, strict=True)
         ]
         mujoco.mj_forward(self.model, self.data)
+
+    def set_ground(self, ground: PhysicsGround) -> None:
+        """Let other obstacles stand on the same ground; robots go on as they are.
+
+        All movable obstacles are away at first.
+        """
+        before = self.data
+        self.ground = ground
+        self._build()
+        # Robots have the same places in both; what MuJoCo derives it derives anew in its next
+        # step, but sensors are read before, and solutions begin with the last one.
+        for name in ("qpos", "qvel", "ctrl", "qacc_warmstart", "sensordata"):
+            getattr(self.data, name)[:] = getattr(before, name)
+        self.data.time = before.time
+        self.data.warning.number[:] = before.warning.number
+
+    def _build(self) -> None:
+        """Compile robots and ground."""
+        self.team = build_team(self.descriptions, self.ground, self.settings)
+        self.model: Any = self.team.model
+        self.data: Any = load_mujoco().MjData(self.model)
+        # Views of the data's own memory, which stays where it is.
+        self._qpos, self._qvel, self._ctrl = self.data.qpos, self.data.qvel, self.data.ctrl
+        self._sensors, self._external = self.data.sensordata, self.data.xfrc_applied
 
     @property
     def size(self) -> int:
