@@ -26,6 +26,9 @@ _SPRING = 0.05  # m, likewise
 _LINE = 0.025
 """How wide outlines and lines are, m."""
 
+_VEIL = 0.3
+"""How much of its colour the ground below a robot takes."""
+
 _STRETCH = 0.30
 """Springs this much longer or shorter than their slots say have the full colour."""
 
@@ -84,7 +87,6 @@ class Overlays:
                 self._scene,
                 f"/footprints/{number}/area",
                 meshes.flat(ring),
-                opacity=0.28,
                 **options,
             )
             edge = Batch(self._scene, f"/footprints/{number}/edge", _edge(ring, _LINE), **options)
@@ -173,7 +175,9 @@ class Overlays:
             )
             colors = self._colors(members)
             colors[np.isin(members, snapshot.lost)] = self._palette.soft
-            filled.show(places, turns, colors)
+            # A veil over the floor; truly clear ones would have to be sorted for each picture.
+            veil = _VEIL * colors + (1.0 - _VEIL) * np.array(self._palette.floor)
+            filled.show(places, turns, veil)
             edge.show(places, turns, colors)
 
     def _show_clearances(self, snapshot: Snapshot) -> None:
