@@ -23,7 +23,7 @@ _FOOTPRINT, _RING, _SLOT, _PATH, _MARK = 0.010, 0.014, 0.018, 0.024, 0.030
 """Heights over the ground that keep what lies on it apart, m."""
 
 _SPRING = 0.05  # m, likewise
-_LINE = 0.025
+_LINE = 0.028
 """How wide outlines and lines are, m."""
 
 _VEIL = 0.3
@@ -33,7 +33,7 @@ _STRETCH = 0.30
 """Springs this much longer or shorter than their slots say have the full colour."""
 
 _PATH_POINTS = 40
-_PATH_TOLERANCE = 0.02
+_PATH_TOLERANCE = 0.008
 """By how much a drawn path may miss the planner's, m."""
 
 _LEAST_SPEED = 0.02
