@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from cavalcade.errors import InputError
-from cavalcade.scenario import Scenario
+from cavalcade.scenario import ObstacleSpan, Scenario
 from cavalcade.scenario.rules import LIVE
 from cavalcade.studio import drive_transport as transport
 from cavalcade.studio.build_panel import BuildPanel
@@ -57,7 +57,9 @@ class DrivePanel:
         self.make_fleet: Any = None
         self._entered = self._again = False
         self._drawn: tuple[Drive, int] | None = None
-        self._fixed: tuple[Shape, ...] | None = None
+        self._spans: tuple[ObstacleSpan, ...] | None = None
+        self._fixed: tuple[Shape, ...] = ()
+        self._drawn_world: tuple[Shape, ...] | None = None
         gui = session.server.gui
         self._emergency = gui.add_button(
             transport.EMERGENCY, color="red", icon="hand-stop", visible=False, order=-60.0
@@ -77,7 +79,7 @@ class DrivePanel:
     def enter(self) -> None:
         """The tab has been chosen: the scene is this one's now."""
         with self._session.lock:
-            self._entered, self._drawn, self._fixed = True, None, None
+            self._entered, self._drawn, self._drawn_world = True, None, None
             if self.drive is None:
                 self._show_draft()
             else:
@@ -168,7 +170,7 @@ class DrivePanel:
         self.history.clear()
         self._plots.set_limits(1.0 / scenario.execution.rate)
         self._tools.begin(drive)
-        self._drawn, self._fixed = None, None
+        self._drawn, self._drawn_world = None, None
         if self._entered:
             self._show_team(drive)
         self._emergency.visible = drive.live
@@ -208,12 +210,18 @@ class DrivePanel:
 
     def _show_world(self, drive: Drive) -> None:
         """The obstacles that are always there; those that come or go are the moments' own."""
-        spans = drive.spans
-        self._tools.fixed = [k for k, span in enumerate(spans) if span.fixed]
-        fixed = tuple(shape_from_mapping(spans[k].obstacle.to_dict()) for k in self._tools.fixed)
-        if fixed != self._fixed:
-            self._fixed = fixed
+        fixed = self._fixed_shapes(drive)
+        if fixed != self._drawn_world:
+            self._drawn_world = fixed
             self._session.stage.set_world(drive.scenario, replace(drive.world, shapes=fixed))
+
+    def _fixed_shapes(self, drive: Drive) -> tuple[Shape, ...]:
+        spans = drive.spans
+        if spans is not self._spans:
+            self._tools.fixed = [k for k, span in enumerate(spans) if span.fixed]
+            words = [spans[k].obstacle.to_dict() for k in self._tools.fixed]
+            self._spans, self._fixed = spans, tuple(map(shape_from_mapping, words))
+        return self._fixed
 
     def _watch(self) -> None:
         """The thread that shows."""
@@ -246,15 +254,8 @@ class DrivePanel:
         if self._entered:
             self._show_world(drive)
             self._session.stage.show(moment)
-        ground = Ground(drive.world.base, self._fixed_of(drive))
+        ground = Ground(drive.world.base, self._fixed_shapes(drive))
         self.history.add(moment, ground, drive.models, drive.planning)
-
-    def _fixed_of(self, drive: Drive) -> tuple[Shape, ...]:
-        if self._fixed is not None:
-            return self._fixed
-        return tuple(
-            shape_from_mapping(span.obstacle.to_dict()) for span in drive.spans if span.fixed
-        )
 
     def _tell(self, drive: Drive | None) -> None:
         """Words, handles and plots."""

@@ -92,12 +92,12 @@ def _offers(drive: Drive | None) -> tuple[str, ...]:
     phase = "ended" if drive is None else drive.phase
     if drive is None or phase == "ended":
         return (START,)
-    go = PAUSE if phase in ("running", "waiting", "preparing") else RESUME
+    if phase == "preparing":
+        return (END,) if drive.live else (STOP,)
+    go = RESUME if phase in ("paused", "stopped") else PAUSE
     if drive.live:
         return go, END
-    if phase == "preparing":
-        return (STOP,)
-    return go, STEP, STOP, RESTART
+    return (STOP, RESTART) if phase == "waiting" else (go, STEP, STOP, RESTART)
 
 
 def _words(drive: Drive | None, missing: str) -> str:

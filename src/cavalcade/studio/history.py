@@ -21,8 +21,9 @@ POINTS = 600
 PERIOD = 0.2
 """Between two of them, s, at least."""
 
-REACH = 0.5
-"""Distances are looked at up to so much, m; larger ones are shown as this."""
+REACH, REACH_OF_CELLS = 1.0, 0.4
+"""Obstacles are looked for so far around a footprint, m; on maps with occupied cells, of which
+there may be thousands, not as far."""
 
 CURVES = ("obstacles", "robots", "formation", "cycle")
 """What is kept: smallest gap of a footprint to an obstacle and between two robots, m; largest
@@ -86,11 +87,14 @@ class History:
 
 
 def gaps(moment: Snapshot, ground: Ground, models: Sequence[RobotModel]) -> tuple[float, float]:
-    """Smallest gap of a footprint to an obstacle, and between two footprints, m."""
+    """Smallest gap of a footprint to an obstacle, and between two, m; nan where nothing is near."""
     bodies = [body_at(model, pose) for model, pose in zip(models, moment.poses, strict=True)]
     moving = [shape_from_mapping(obstacle.to_dict()) for obstacle in moment.obstacles]
     shapes = (*ground.shapes, *moving)
-    near = min(nearest_obstacle(body, ground.map, shapes, REACH)[0] for body in bodies)
+    reach = REACH_OF_CELLS if ground.map.occupied.any() else REACH
+    near = min(nearest_obstacle(body, ground.map, shapes, reach)[0] for body in bodies)
+    if near >= reach:
+        near = np.nan
     between = [gap_between(one, other) for k, one in enumerate(bodies) for other in bodies[k + 1 :]]
     return near, min(between, default=np.nan)
 

@@ -16,6 +16,7 @@ import numpy as np
 
 from cavalcade.errors import CavalcadeError, InputError
 from cavalcade.execution import Steering
+from cavalcade.execution.real_time import prepare_process
 from cavalcade.geometry import Array
 from cavalcade.jobs.reporter import Reporter, duration
 from cavalcade.jobs.running import run
@@ -356,6 +357,7 @@ class SimulatedDrive:
         try:
             needs = needs_of(self._given, self._given.execution.backend)
             warm([needs, replace(needs, moving=True)], _Telling(self._tell))
+            prepare_process()
             self._progress = "Planning …" if self._given.goals else "Preparing …"
             result = run(
                 self._given, self._out, figures=False, sinks=[self._sink], steering=self._steering
