@@ -24,7 +24,6 @@ Until = Callable[..., None]
 @pytest.fixture
 def page(studio: Studio, open_page: Callable[..., Any]) -> Any:
     """The page with the tab Build chosen."""
-    studio.build.enter()
     opened = open_page(1280, 900)
     opened.get_by_text("Next: add robots").wait_for()
     return opened
@@ -98,7 +97,7 @@ def test_from_an_empty_page_to_a_scenario_that_runs(
 def test_obstacles_and_goals_are_drawn_by_clicks(studio: Studio, page: Any, until: Until) -> None:
     draft = studio.build.draft
     _button(page, QUICK).click()
-    _status(page, "Ready to run")
+    _status(page, "Ready to run:")
     _button(page, "Box").click()
     _status(page, "Click one corner of the box")
     page.mouse.click(*_ground(page, studio, 6.0, 4.0))
@@ -120,12 +119,32 @@ def test_obstacles_and_goals_are_drawn_by_clicks(studio: Studio, page: Any, unti
     assert len(draft.data["robots"]) == 4
 
 
+def test_a_robot_is_selected_by_a_click_and_deleted(
+    studio: Studio, page: Any, until: Until
+) -> None:
+    draft = studio.build.draft
+    _button(page, QUICK).click()
+    _status(page, "Ready to run:")
+    place = _ground(page, studio, *draft.state.robots[1][1][:2])
+
+    def click() -> bool:
+        page.mouse.click(*place)
+        page.wait_for_timeout(300)
+        return bool(_button(page, "Delete robot 1").count())
+
+    until(page, click, "the selection")
+    assert _field(page, "Selected").input_value() == "robot 1"
+    _button(page, "Delete robot 1").click()
+    _status(page, "Ready to run: 3 go1, triangle")
+    assert len(draft.state.robots) == 3
+
+
 def test_wrong_values_are_refused_in_words_and_the_field_shows_what_holds(
     studio: Studio, page: Any, until: Until
 ) -> None:
     draft = studio.build.draft
     _button(page, QUICK).click()
-    _status(page, "Ready to run")
+    _status(page, "Ready to run:")
     _open(page, "Planner")
     field = _type(page, "lookahead (s)", "-3")
     _status(page, "planner.lookahead: expected greater than 0, got -3")
@@ -135,33 +154,33 @@ def test_wrong_values_are_refused_in_words_and_the_field_shows_what_holds(
     _status(page, "planner.lookahead: expected a number, got 'soon'")
     field = _type(page, "lookahead (s)", "3.5")
     until(page, lambda: draft.data.get("planner", {}).get("lookahead") == 3.5, "the value")
-    _status(page, "Ready to run")
-    assert page.get_by_text("Not taken").count() == 0
+    _status(page, "Ready to run:")
+    until(page, lambda: page.get_by_text("Not taken").count() == 0, "the end of the words")
 
 
 def test_steps_are_undone_and_done_again(studio: Studio, page: Any, until: Until) -> None:
     draft = studio.build.draft
     _button(page, QUICK).click()
-    _status(page, "Ready to run")
+    _status(page, "Ready to run:")
     _button(page, "Undo").click()
     _status(page, "Next: add robots")
     assert not draft.state.robots
     _button(page, "Redo").click()
-    _status(page, "Ready to run")
+    _status(page, "Ready to run:")
     page.keyboard.press("Control+z")
     _status(page, "Next: add robots")
     page.keyboard.press("Control+Shift+z")
-    _status(page, "Ready to run")
+    _status(page, "Ready to run:")
     assert len(draft.state.robots) == 4
 
 
 def test_a_map_is_uploaded_and_a_team_placed_on_it(studio: Studio, page: Any, until: Until) -> None:
     draft = studio.build.draft
     _button(page, QUICK).click()
-    _status(page, "Ready to run")
+    _status(page, "Ready to run:")
     _upload(page, "../my arena.map", MOVINGAI)
     until(page, lambda: "movingai" in draft.data["world"], "the map")
-    _status(page, "Ready to run")
+    _status(page, "Ready to run:")
     assert draft.state.world.base.size == (15.0, 10.0)
     assert (studio.session.folder / "uploads" / "my_arena.map").is_file()
 
@@ -190,7 +209,7 @@ def test_wrong_uploads_are_refused_in_words(
     assert studio.build.draft.data is before
     assert not list((studio.session.folder / "uploads").glob("*.*"))
     _button(page, QUICK).click()
-    _status(page, "Ready to run")
+    _status(page, "Ready to run:")
 
 
 def test_a_shipped_scenario_is_changed_and_saved(studio: Studio, page: Any, until: Until) -> None:

@@ -41,7 +41,7 @@ class SavePart:
 
     def _download(self, event: Any) -> None:
         name, content = download_of(self._bench.draft, self._bench.uploads.folder)
-        event.client.send_file_download(name, content, save_immediately=True)
+        self._bench.session.download(event, name, content)
 
     def _save(self, client: Any) -> None:
         draft = self._bench.draft
