@@ -263,7 +263,6 @@ def test_wrong_clicks_end_in_words(studio: Studio, page: Any, until: Any) -> Non
     x, y, _ = drive.snapshot().poses[0]
     page.mouse.click(*on_screen(studio, page, float(x), float(y), 0.0))
     until(page, shown(page, "stands there"), "the words")
-    unfold(page, "Obstacles")
     press(page, "Stop")
     until(page, lambda: drive.phase == "ended", "the end")
     press(page, AWAY)

@@ -198,7 +198,7 @@ def test_wrong_things_are_refused_in_words(drive_of: Any) -> None:
         (lambda: drive.set_formation({"shape": "line", "spacing": 0.0}), "greater than 0"),
         (lambda: drive.add({"box": {"center": [1.5, 3.0], "size": [1, 1]}}), "robot 0 stands"),
         (lambda: drive.add({"box": {"center": [1.5, 5.0], "size": [0, 1]}}), "size"),
-        (lambda: drive.add({}), "exactly one"),
+        (lambda: drive.add({}), "expected one shape"),
         (lambda: drive.remove(7), "not there any more"),
         (lambda: drive.move(0, (1.5, 3.0), 0.0), "robot 0 stands"),
         (lambda: drive.move(0, (1.5, 3.0), -1.0), "robot 0 stands"),
