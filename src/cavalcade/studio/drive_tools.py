@@ -144,6 +144,8 @@ class DriveTools:
         place = index - max(len(self._gizmos) - len(goals), 0)
         if place < 0:
             raise InputError("this waypoint has just been reached")
+        if math.dist(goals[place], pose) < _SAME:
+            return
         goals[place] = pose
         self._drive().set_goals(goals)
 
@@ -220,6 +222,9 @@ class DriveTools:
         if self._selected is None:
             raise InputError("no obstacle is selected")
         to = (round(pose[0], 3), round(pose[1], 3))
+        here = self._drive().spans[self._selected].obstacle_at(_time(self._drive()))
+        if here is not None and math.dist(here.center, to) < 1e-3:
+            return
         speed = float(self._obstacle_speed.value)
         try:
             self._drive().move(self._selected, to, speed)

@@ -323,8 +323,9 @@ class SimulatedDrive:
         try:
             self._steering.submit(**event)
         except CavalcadeError as error:
-            # The file and the place in it are not what somebody sees who clicks.
-            raise InputError(error.message, choices=error.choices) from None
+            # The file and the event's number in it are not what somebody sees who clicks.
+            key = (error.key or "").rpartition("]")[2].lstrip(".")
+            raise InputError(error.message, key=key, choices=error.choices) from None
 
     def _check_going(self) -> None:
         if self._over or self._stopped:
