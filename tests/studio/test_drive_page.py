@@ -185,7 +185,7 @@ def test_the_goal_is_dragged_on_the_way_and_at_the_end(
 def test_played_exported_and_run_on_the_command_line(
     driving: Studio, page: Any, until: Any, tmp_path: Path
 ) -> None:
-    drive = begun(page, driving, until, 2.0)
+    drive = begun(page, driving, until, 0.5)
     use(page, driving, until, BOX)
     page.mouse.click(*on_screen(driving, page, 5.0, 3.2, 0.0))
     until(page, lambda: len(drive.snapshot().obstacles) == 1, "the obstacle")

@@ -105,6 +105,12 @@ class Steering:
         with self._lock:
             return self._fleet
 
+    @property
+    def pending(self) -> int:
+        """How many events wait for a cycle; while the run waits there is none."""
+        with self._lock:
+            return len(self._submitted)
+
     def pause(self) -> None:
         """Stop the clock before the next cycle."""
         with self._lock:

@@ -123,7 +123,10 @@ class SimulatedDrive:
         if phase == "preparing":
             return self._progress or "Preparing …"
         if phase == "waiting":
-            return f"{_reason(self._steering.reason, '')}. Drag the goal to go on, or stop"
+            text = f"{_reason(self._steering.reason, '')}. Drag the goal to go on, or stop"
+            count = self._steering.pending
+            said = "1 change comes" if count == 1 else f"{count} changes come"
+            return f"{text}; {said} about with the next goal" if count else text
         if phase == "paused":
             return "Paused"
         return self._news or "Running"
