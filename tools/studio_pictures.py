@@ -23,6 +23,7 @@ import cavalcade as cv
 from cavalcade.campaign.definition import define_campaign
 from cavalcade.campaign.engines import make_engine
 from cavalcade.campaign.runner import run_campaign
+from cavalcade.geometry import Array
 from cavalcade.studio.app import Studio
 
 SIZE = (1440, 810)
@@ -71,13 +72,13 @@ class Photographer:
         if place.count():
             place.first.scroll_into_view_if_needed()
 
-    def look(self, east: float, north: float, up: float) -> None:
-        """Look at what is looked at from so far, m."""
+    def look(self, place: Array, east: float, north: float, up: float) -> None:
+        """Look at a place `(2,)` from so far, m."""
+        x, y = map(float, place)
         for client in self.studio.session.server.get_clients().values():
-            x, y, _ = client.camera.look_at
             with client.atomic():
                 client.camera.position = (x + east, y + north, up)
-                client.camera.look_at = (x, y, 0.0)
+                client.camera.look_at = (x, y, 0.1)
 
 
 def build(on: Photographer) -> None:
@@ -100,7 +101,7 @@ def walk(on: Photographer) -> None:
     draft.load("square-clutter")
     draft.set("execution.backend", "mujoco")
     _drive_until(on, 5.0)
-    on.look(-2.2, -3.4, 2.6)
+    on.look(on.studio.drive.drive.snapshot().poses[:, :2].mean(axis=0), 1.6, -2.3, 1.5)
     on.wait(lambda: True, 1.5)
 
 
@@ -111,16 +112,18 @@ def study(on: Photographer) -> None:
 
 
 def compare(on: Photographer) -> None:
-    """The planner and the published one, on one timeline."""
+    """The planner and the published one, on one timeline, with their differences."""
     on.studio.open(_run(on.work, "cavalcade", "square-clutter"))
     overrides = ("planner.variant=published",)
     other = _run(on.work, "published", "square-clutter", overrides)
     on.studio.study.compare(other)
     _at(on, 0.42)
+    on.show("cycle, 99 %")
+    on.wait(lambda: True, 0.5)
 
 
 def campaign(on: Photographer) -> None:
-    """The trials of a campaign, the longest first."""
+    """The trials of a campaign, and one of them run again."""
     folder = on.work / "campaign" / "smoke"
     if not folder.exists():
         run_campaign(define_campaign("smoke"), folder, make_engine("local", 2), quiet=True)
@@ -183,8 +186,7 @@ def main(out: Path, names: list[str]) -> None:
                     on.wait(lambda: True, 2.5)
                     file = out / f"{name}-{theme}.png"
                     on.page.screenshot(path=file)
-                    # A palette takes a third of the place, and nobody sees the difference.
-                    Image.open(file).convert("RGB").quantize(256).save(file, optimize=True)
+                    Image.open(file).convert("RGB").save(file, optimize=True)
                     print(file, flush=True)
             finally:
                 on.close()

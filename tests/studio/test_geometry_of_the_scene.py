@@ -39,6 +39,14 @@ def test_bodies_lie_along_slopes(yaw: float, pitch: float, roll: float) -> None:
     assert found.apply((0.0, 1.0, 0.0))[0] == pytest.approx(left)
 
 
+def test_sticks_lie_along_their_ways() -> None:
+    ways = np.random.default_rng(5).normal(size=(20, 3))
+    turns = _as_scipy(rotations.along(ways))
+    length = np.linalg.norm(ways, axis=1, keepdims=True)
+    assert turns.apply((1.0, 0.0, 0.0)) == pytest.approx(ways / length)
+    assert turns.apply((0.0, 1.0, 0.0))[:, 2] == pytest.approx(0.0)
+
+
 def test_lines_stand_at_whole_metres_inside_the_map() -> None:
     lines, strong = grid_lines(_SQUARE, 1)
     upright = lines[lines[:, 0, 0] == lines[:, 1, 0]]

@@ -228,6 +228,10 @@ def test_folders_are_found_the_newest_first(runs: Path, tmp_path: Path) -> None:
     times = [folder.stat().st_mtime for folder in found]
     assert times == sorted(times, reverse=True)
     assert kind_of(campaign) == "campaign"
+    for alone in ("trials.jsonl", "trials.parquet"):
+        (tmp_path / alone).mkdir()
+        assert kind_of(tmp_path) == "campaign"
+        (tmp_path / alone).rmdir()
     assert kind_of(tmp_path / "empty") is kind_of(tmp_path / "absent") is None
 
 

@@ -78,3 +78,35 @@ def test_a_click_on_a_robot_or_an_obstacle_says_which_and_is_none_on_the_ground(
         click()
         page.wait_for_timeout(300)
         assert ground == []
+
+
+def test_a_goal_is_dragged_on_the_ground(studio: Studio, open_page: Any, until: Any) -> None:
+    _show(studio, "square-clutter")
+    ended: list[tuple[float, float, float]] = []
+    changed: list[tuple[float, float, float]] = []
+    gizmo = studio.session.stage.goal_gizmo(
+        "goal",
+        (3.0, 3.0, 0.0),
+        lambda event, pose: changed.append(pose),
+        lambda event, pose: ended.append(pose),
+    )
+    page = open_page()
+    x, y = _canvas_middle(page)
+
+    def drag() -> bool:
+        # From straight above, north is up; the square between both arrows moves on the ground.
+        camera.look(studio.session.server, np.array([3.0, 2.99, 6.0]), np.array([3.0, 3.0, 0.06]))
+        page.wait_for_timeout(300)
+        page.mouse.move(x + 20, y - 20)
+        page.mouse.down()
+        page.mouse.move(x + 80, y - 60, steps=6)
+        page.mouse.up()
+        page.wait_for_timeout(200)
+        return bool(ended)
+
+    until(page, drag, "the drag")
+    assert changed
+    assert gizmo.pose == pytest.approx(ended[-1])
+    assert gizmo.pose[0] > 3.1
+    assert gizmo.pose[1] > 3.1
+    assert gizmo.pose[2] == pytest.approx(0.0)

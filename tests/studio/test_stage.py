@@ -123,10 +123,10 @@ def test_the_theme_changes_colours_and_keeps_the_rest(stage: Stage, sent: Sent) 
     stage.show(moment)
     stage.set_dark(False)
     floor = stage._server.scene.get_handle_by_name("/ground/floor")
-    assert min(floor.color) > 200
+    assert floor.image.min() > 200
     stage.set_dark(True)
     floor = stage._server.scene.get_handle_by_name("/ground/floor")
-    assert max(floor.color) < 100
+    assert floor.image.max() < 100
     sent.clear()
     stage.show(moment)
     assert sent == []

@@ -193,6 +193,9 @@ def test_a_campaigns_trials(
     page.get_by_text("a campaign of 23 trials").wait_for()
     campaign = studio.study.campaign
     assert campaign is not None
+    field(page, "Filter").fill("makespan>")
+    page.get_by_text("did you mean makespan_s").wait_for()
+    assert len(campaign.shown) == 10
     field(page, "Filter").fill("outcome=stuck")
     until(page, lambda: len(campaign.shown) == 5, "the filter")
     page.get_by_text("5 trials: 5 stuck").wait_for()

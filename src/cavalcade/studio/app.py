@@ -75,6 +75,7 @@ class Studio:
             command.on_trigger(lambda event, act=act: self._press(event, act))
         dark = gui.add_checkbox("Dark", session.dark, order=1000.0)
         dark.on_update(session.handle(lambda event: self._switch(event.target.value)))
+        session.themed.append(lambda: setattr(dark, "value", session.dark))
         ViewPanel(session)
 
     def __enter__(self) -> Self:

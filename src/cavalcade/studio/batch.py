@@ -36,7 +36,7 @@ class Batch:
         self._scene, self._name, self._mesh = scene, name, mesh
         self._on_click, self._options = on_click, options
         self._node: Any = None
-        self._count = 0
+        self._room = 0
         self._clickable = False
 
     def show(
@@ -44,22 +44,30 @@ class Batch:
     ) -> None:
         """Have K of them at `places` `(K, 3)`, turned by `turns` `(K, 4)`.
 
-        Colours are `(K, 3)` from 0 to 255, scales `(K,)` or `(K, 3)`.
+        Colours are `(K, 3)` from 0 to 255, scales `(K, 3)`.
         """
         count = len(places)
-        if count == 0:
-            self.remove()
+        if count == 0 and self._node is None:
             return
         if turns is None:
             turns = np.tile(_UPRIGHT, (count, 1))
-        if self._node is None or count != self._count:
+        if scales is None:
+            scales = np.ones((count, 3))
+        if self._node is None or count > self._room:
             self._add(places, turns, colors, scales)
             return
+        # Fewer than there is room for: the others shrink to nothing, which is cheaper than to
+        # make all of them anew.
+        spare = self._room - count
+        if spare:
+            places = np.pad(places, ((0, spare), (0, 0)))
+            turns = np.concatenate([turns, np.tile(_UPRIGHT, (spare, 1))])
+            scales = np.pad(scales, ((0, spare), (0, 0)))
+            colors = np.pad(np.reshape(colors, (-1, 3)), ((0, spare), (0, 0)))
         self._node.batched_positions = places
         self._node.batched_wxyzs = turns
         self._node.batched_colors = linear(colors)
-        if scales is not None:
-            self._node.batched_scales = np.asarray(scales, dtype=np.float32)
+        self._node.batched_scales = np.asarray(scales, dtype=np.float32)
 
     def remove(self) -> None:
         """Have none."""
@@ -82,16 +90,16 @@ class Batch:
         elif self._node is not None:
             self._node.remove_click_callback("all")
 
-    def _add(self, places: Array, turns: Array, colors: Array, scales: Array | None) -> None:
+    def _add(self, places: Array, turns: Array, colors: Array, scales: Array) -> None:
         self.remove()
-        self._count = len(places)
+        self._room = len(places)
         self._node = self._scene.add_batched_meshes_simple(
             self._name,
             self._mesh.vertices,
             self._mesh.faces,
             batched_wxyzs=turns,
             batched_positions=places,
-            batched_scales=scales,
+            batched_scales=np.asarray(scales, dtype=np.float32),
             batched_colors=linear(colors),
             lod="off",
             **self._options,

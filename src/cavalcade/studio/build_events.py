@@ -28,7 +28,9 @@ class EventsPart:
         self._lines = gui.add_folder("Events, by time (s)")
         self._made: list[Any] = []
         self._kind = gui.add_dropdown("Kind", Event.kinds, hint=_meanings())
-        add = gui.add_button("Add event", icon="plus", hint="A first version, to be edited above.")
+        add = gui.add_button(
+            "Add event", icon="plus", color="gray", hint="A first version, to be edited above."
+        )
         bench.fields.button(add, lambda _: self._add())
         bench.updated.append(self._show)
         self._show()
@@ -62,7 +64,9 @@ class EventsPart:
             new = [parse_yaml(f"{{{text}}}", key=key)] if text.strip() else []
             bench.draft.set("execution.events", [*events[:index], *new, *events[index + 1 :]])
 
-        return bench.fields.bind(bench.gui.add_text(str(index), read()), read, write, 2.0 * WAIT)
+        return bench.fields.bind(
+            bench.gui.add_text(str(index), read(), multiline=True), read, write, 2.0 * WAIT
+        )
 
     def _has(self, index: int) -> bool:
         return index < len(self._events())

@@ -27,7 +27,7 @@ class SavePart:
         )
         fields.button(download, self._download)
         save = gui.add_button(
-            "Save in the studio's folder", icon="device-floppy", hint=str(self.folder)
+            "Save in the studio's folder", icon="device-floppy", color="gray", hint=str(self.folder)
         )
         fields.button(save, lambda event: self._save(event.client))
 
@@ -41,7 +41,7 @@ class SavePart:
 
     def _download(self, event: Any) -> None:
         name, content = download_of(self._bench.draft, self._bench.uploads.folder)
-        event.client.send_file_download(name, content, save_immediately=True)
+        self._bench.session.download(event, name, content)
 
     def _save(self, client: Any) -> None:
         draft = self._bench.draft

@@ -66,11 +66,12 @@ class ScenePart:
             return
         bench, state, stage = self._bench, self._bench.draft.state, self._bench.session.stage
         shown = self._shown
-        if shown is None or shown.world is not state.world:
-            stage.set_world(state.shown, state.world)
-        if shown is None or shown.robots != state.robots:
+        if shown is not state:
+            stage.set_world(state.without_stand_ins, state.world)
             stage.set_team([model for model, _ in state.robots], [pose for _, pose in state.robots])
         self._shown = state
+        if shown is not None and shown.world.base != state.world.base:
+            stage.frame_team()
         selecting = bench.tool == "Select"
         stage.on_pick(self._picked if selecting else None)
         stage.on_ground_click(None if selecting else self._clicked)
@@ -103,10 +104,8 @@ class ScenePart:
         def ended(event: Any, there: Pose) -> None:
             self._dropped(key, there, event)
 
-        stage: Any = self._bench.session.stage
-        if not hasattr(stage, "goal_gizmo"):  # the stage has none yet
-            return _NoGizmo(pose)
-        return stage.goal_gizmo(f"{kind} {index}", pose, changed, ended)
+        stage = self._bench.session.stage
+        return stage.goal_gizmo(f"build-{kind}-{index}", pose, changed, ended)
 
     def _preview(self, key: Selection, there: Pose) -> None:
         """Say on the way whether a robot could stand there."""
@@ -232,11 +231,3 @@ def _middle(points: Sequence[Pose]) -> tuple[float, float]:
         sum(x for x, _, _ in points) / len(points),
         sum(y for _, y, _ in points) / len(points),
     )
-
-
-class _NoGizmo:
-    def __init__(self, pose: Pose) -> None:
-        self.pose = pose
-
-    def remove(self) -> None:
-        pass

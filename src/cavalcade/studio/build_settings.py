@@ -25,7 +25,10 @@ class SettingsPart:
         self._widgets: list[tuple[Parameter, Any]] = []
         self._folders: dict[str, Any] = {}
         self._reset = bench.gui.add_button(
-            "Back to defaults", icon="restore", hint="Takes away all that is said here."
+            "Back to defaults",
+            icon="restore",
+            color="gray",
+            hint="Takes away all that is said here.",
         )
         bench.fields.button(self._reset, lambda _: bench.draft.set(section, None))
         for parameter in parameters(section):

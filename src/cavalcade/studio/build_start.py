@@ -31,6 +31,7 @@ class StartPart:
             mime_type=ACCEPTED,
             hint="At most 64 MB. Of a map both files, one after the other: .yaml and picture.",
             icon="upload",
+            color="gray",
         )
         bench.fields.button(self._upload, lambda _: self.take())
         refuse_early(bench.session.server, self._too_large)
@@ -39,7 +40,7 @@ class StartPart:
             "",
             hint="A scenario's file, or the folder of a run, on the studio's computer.",
         )
-        open_file = gui.add_button("Open file", icon="folder-open")
+        open_file = gui.add_button("Open file", icon="folder-open", color="gray")
         bench.fields.button(open_file, lambda _: self._open(self._file.value.strip()))
 
     def _choose(self, name: str) -> None:

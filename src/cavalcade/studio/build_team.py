@@ -43,6 +43,7 @@ class TeamPart:
         place = gui.add_button(
             "Place team",
             icon="users-group",
+            color="gray",
             hint="Places this many robots on free ground, in the place of those there are.",
         )
         fields.button(place, lambda _: self._place())

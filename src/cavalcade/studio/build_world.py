@@ -35,7 +35,9 @@ class WorldPart:
             "Random", GENERATED, hint="A random world: obstacles, or terrain for robots with legs."
         )
         self._seed = gui.add_number("Seed", 0, min=0, step=1, hint="Of the random world.")
-        generate = gui.add_button("Generate", icon="dice", hint="Takes the place of the ground.")
+        generate = gui.add_button(
+            "Generate", icon="dice", color="gray", hint="Takes the place of the ground."
+        )
         bench.fields.button(generate, lambda _: self._generate())
         bench.updated.append(self.show)
         self.show()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from cavalcade.errors import InputError
 from cavalcade.studio.session import Session
 from cavalcade.studio.trial_list import Row, TrialList, outcomes
 
@@ -66,7 +67,11 @@ class CampaignView:
 
     def _turn_to(self, page: int) -> None:
         by = self._by.value
-        rows = self._trials.chosen(self._wanted.value, by, self._falling.value)
+        try:
+            rows = self._trials.chosen(self._wanted.value, by, self._falling.value)
+        except InputError as error:  # half typed, perhaps: what is listed stays
+            self._said.content = f"⚠ {error}"
+            return
         last = max(0, (len(rows) - 1) // _PAGE)
         self._page = min(max(page, 0), last)
         first = self._page * _PAGE
@@ -91,4 +96,4 @@ def _label(row: Row, by: str) -> str:
 
 
 def _color(row: Row) -> str:
-    return "teal" if row.get("success") else "red"
+    return "gray" if row.get("success") else "red"

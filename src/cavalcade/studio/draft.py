@@ -82,6 +82,15 @@ class Checked:
         return (*self.ground_notes, *self.plan_notes)
 
     @property
+    def without_stand_ins(self) -> ResolvedScenario:
+        """The scenario as a scene may show it: with no goals where some are missing."""
+        if self.missing is None:
+            return self.shown
+        robots = tuple(one.model_copy(update={"goal": None}) for one in self.shown.robots)
+        task = self.shown.task.model_copy(update={"goals": (), "formation": None})
+        return self.shown.model_copy(update={"robots": robots, "task": task})
+
+    @property
     def robots(self) -> tuple[tuple[RobotModel, Pose], ...]:
         """Model and start of each robot that there is; stand-ins are none."""
         count = len(self.data.get("robots") or ())

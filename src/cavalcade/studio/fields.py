@@ -47,7 +47,7 @@ class Fields:
         self._shown[name] = (widget, read)
 
         def updated(event: Any) -> None:
-            if event.client is None:  # it was us
+            if event.client_id is None:  # it was us
                 return
             taken = False
 

@@ -12,7 +12,7 @@ from cavalcade.drawing.replay.ground import WALL
 from cavalcade.geometry import Array
 from cavalcade.locomotion.footholds import LEAST_TRAVERSABILITY
 from cavalcade.scenario import World
-from cavalcade.studio import meshes
+from cavalcade.studio import meshes, rotations
 from cavalcade.studio.clicks import Clicks
 from cavalcade.studio.meshes import Mesh
 from cavalcade.studio.palette import Palette
@@ -143,9 +143,17 @@ class Ground:
         )
 
     def _show_floor(self, base: OccupancyMap) -> None:
+        # A picture of one colour: it fills most of the view, and lit ground takes far longer.
         width, height = base.size
-        ring = np.array([(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)])
-        self._nodes.append(self._placed("/ground/floor", meshes.flat(ring), self._palette.floor))
+        x, y = base.to_map([(width / 2.0, height / 2.0)])[0]
+        picture = np.tile(np.array(self._palette.floor, dtype=np.uint8), (2, 2, 1))
+        turn = tuple(float(part) for part in rotations.about_z(base.origin[2]))
+        place = (float(x), float(y), 0.0)
+        self._nodes.append(
+            self._scene.add_image(
+                "/ground/floor", picture, width, height, format="png", position=place, wxyz=turn
+            )
+        )
 
     def _show_terrain(self, terrain: Terrain) -> None:
         stride = max(1, int(np.ceil(np.sqrt(terrain.rows * terrain.cols / _MOST_NODES))))
@@ -191,7 +199,7 @@ class Ground:
         assert self._map is not None
         x, y, yaw = self._map.origin
         turn = (float(np.cos(yaw / 2.0)), 0.0, 0.0, float(np.sin(yaw / 2.0)))
-        return self._add(name, mesh, color, wxyz=turn, position=(x, y, 0.0))
+        return self._add(name, mesh, color, cast_shadow=False, wxyz=turn, position=(x, y, 0.0))
 
     def meet(self, origin: Array, direction: Array) -> tuple[float, float] | None:
         """Where a ray from the eye meets the ground, x and y in m; None where it does not."""

@@ -141,7 +141,8 @@ def box(half: Array | tuple[float, float, float]) -> Mesh:
 def turned_profile(profile: Array, corners: int) -> Mesh:
     """What arises when a line `(K, 2)` of radii and heights, upwards, turns about z.
 
-    Edges of the line between equal points stay sharp.
+    Edges of the line between equal points stay sharp. Few corners will do: without a graphics
+    card each of them counts.
     """
     angles = np.linspace(0.0, 2.0 * np.pi, corners, endpoint=False)
     radius, height = profile.T
@@ -150,23 +151,34 @@ def turned_profile(profile: Array, corners: int) -> Mesh:
     z = np.broadcast_to(height[:, None], x.shape)
     vertices = np.stack([x, y, z], axis=-1).reshape(-1, 3)
     index = np.arange(len(vertices)).reshape(x.shape)
+    index[radius == 0.0] = index[radius == 0.0, :1]  # a pole is one corner
     a, b = index[:-1], np.roll(index[:-1], -1, axis=1)
     d, c = index[1:], np.roll(index[1:], -1, axis=1)
-    faces = [np.stack([a, b, c], -1), np.stack([a, c, d], -1)]
-    return Mesh(vertices, np.concatenate([part.reshape(-1, 3) for part in faces]))
+    faces = np.concatenate([np.stack([a, b, c], -1), np.stack([a, c, d], -1)]).reshape(-1, 3)
+    faces = faces[(faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2])]
+    faces = faces[faces[:, 0] != faces[:, 2]]
+    # Neither corners nor triangles without use: between equal points, and at poles.
+    flat = np.ptp(vertices[faces], axis=1).max(axis=1) < 1e-12
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    flat |= np.linalg.norm(np.cross(b - a, c - a), axis=1) < 1e-15
+    used, renumbered = np.unique(faces[~flat], return_inverse=True)
+    return Mesh(vertices[used], renumbered.reshape(-1, 3))
 
 
-def cylinder(radius: float, half: float, corners: int = 12) -> Mesh:
+def cylinder(radius: float, half: float, corners: int = 8) -> Mesh:
     """A cylinder around the origin along z."""
     line = [(0, -half), (radius, -half), (radius, -half), (radius, half), (radius, half), (0, half)]
     return turned_profile(np.array(line, dtype=float), corners)
 
 
-def capsule(radius: float, half: float, corners: int = 8) -> Mesh:
+def capsule(radius: float, half: float, corners: int = 6, rings: int = 2) -> Mesh:
     """A capsule around the origin along z; `half` is its length without the caps, a sphere's 0."""
-    rise = np.linspace(-np.pi / 2.0, 0.0, 4)
-    low = np.column_stack([np.cos(rise), np.sin(rise)]) * radius - (0.0, half)
-    return turned_profile(np.concatenate([low, (low * (1.0, -1.0))[::-1]]), corners)
+    rise = np.linspace(-np.pi / 2.0, 0.0, rings)
+    low = np.column_stack([np.cos(rise), np.sin(rise)]) * radius
+    low[0, 0] = 0.0
+    low[:, 1] -= half
+    line = np.concatenate([low, (low * (1.0, -1.0))[::-1]])
+    return turned_profile(line if half > 0.0 else np.delete(line, rings, axis=0), corners)
 
 
 def frame(outer: Array, inner: Array, height: float = 0.0) -> Mesh:

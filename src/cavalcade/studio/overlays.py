@@ -8,28 +8,34 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cavalcade.drawing.outlines import body_ring
+from cavalcade.drawing.outlines import body_ring, simplified
 from cavalcade.geometry import Array, transform_points
-from cavalcade.recording.frames import thinned
+from cavalcade.recording.frames import PATH_PERIOD, thinned
 from cavalcade.recording.status import PlannerStatus
 from cavalcade.robots import RobotModel
 from cavalcade.studio import meshes, rotations
 from cavalcade.studio.batch import Batch
 from cavalcade.studio.meshes import Mesh
-from cavalcade.studio.palette import Palette, linear
+from cavalcade.studio.palette import Palette
 from cavalcade.studio.snapshot import Snapshot
 
 _FOOTPRINT, _RING, _SLOT, _PATH, _MARK = 0.010, 0.014, 0.018, 0.024, 0.030
 """Heights over the ground that keep what lies on it apart, m."""
 
 _SPRING = 0.05  # m, likewise
-_LINE = 0.025
+_LINE = 0.028
 """How wide outlines and lines are, m."""
+
+_VEIL = 0.3
+"""How much of its colour the ground below a robot takes."""
 
 _STRETCH = 0.30
 """Springs this much longer or shorter than their slots say have the full colour."""
 
 _PATH_POINTS = 40
+_PATH_TOLERANCE = 0.008
+"""By how much a drawn path may miss the planner's, m."""
+
 _LEAST_SPEED = 0.02
 """Slower commands are no arrows, m/s and rad/s."""
 
@@ -54,12 +60,14 @@ class Overlays:
         self._keep = 0.0
         self._prints: list[tuple[Batch, Batch, Array]] = []
         self._rings: Batch | None = None
-        self._paths: tuple[Array, ...] | None = None
-        self._nodes: dict[str, Any] = {}
+        self._paths: tuple[Array, ...] = ()
+        self._paths_time = 0.0
+        self._followed: tuple[int, int, str] | None = None
         self._labels: list[Any] = []
         self._slots: list[tuple[Batch, Array]] = []
         unlit: dict[str, Any] = {"cast_shadow": False, "receive_shadow": False}
         stick = meshes.box((0.5, 0.5, 0.5))
+        self._lines = Batch(scene, "/paths", _line(), **unlit)
         self._springs = Batch(scene, "/springs", stick, flat_shading=True, **unlit)
         self._arrows = Batch(scene, "/velocities/shaft", _shaft(), **unlit)
         self._heads = Batch(scene, "/velocities/head", _head(), **unlit)
@@ -79,7 +87,6 @@ class Overlays:
                 self._scene,
                 f"/footprints/{number}/area",
                 meshes.flat(ring),
-                opacity=0.28,
                 **options,
             )
             edge = Batch(self._scene, f"/footprints/{number}/edge", _edge(ring, _LINE), **options)
@@ -95,7 +102,7 @@ class Overlays:
     def recolor(self, palette: Palette) -> None:
         """Other colours from the next moment on."""
         self._palette = palette
-        self._paths = None
+        self._followed = None
 
     def clear(self) -> None:
         """Take everything away."""
@@ -119,8 +126,8 @@ class Overlays:
             case "springs":
                 self._springs.remove()
             case "paths":
-                self._paths = None
-                self._remove("paths")
+                self._followed = None
+                self._lines.remove()
             case "velocities":
                 self._arrows.remove()
                 self._heads.remove()
@@ -149,7 +156,7 @@ class Overlays:
             case "springs" if status is not None:
                 self._show_springs(snapshot, status)
             case "paths" if status is not None:
-                self._show_paths(status)
+                self._show_paths(snapshot.time, status)
             case _:
                 self.hide(layer)
 
@@ -168,7 +175,9 @@ class Overlays:
             )
             colors = self._colors(members)
             colors[np.isin(members, snapshot.lost)] = self._palette.soft
-            filled.show(places, turns, colors)
+            # A veil over the floor; truly clear ones would have to be sorted for each picture.
+            veil = _VEIL * colors + (1.0 - _VEIL) * np.array(self._palette.floor)
+            filled.show(places, turns, veil)
             edge.show(places, turns, colors)
 
     def _show_clearances(self, snapshot: Snapshot) -> None:
@@ -254,31 +263,30 @@ class Overlays:
             np.column_stack([np.maximum(length, 1e-3), 0.03 * ones, 0.012 * ones]),
         )
 
-    def _show_paths(self, status: PlannerStatus) -> None:
-        if self._paths is status.paths:
+    def _show_paths(self, time: float, status: PlannerStatus) -> None:
+        told = (status.leader, status.waypoint, status.state)
+        if self._followed == told and 0.0 <= time - self._paths_time < PATH_PERIOD:
             return
-        self._paths = status.paths
-        segments, colors = [np.zeros((0, 2, 3))], [np.zeros((0, 2, 3))]
+        if time == self._paths_time and self._paths is status.paths:
+            return
+        self._paths, self._paths_time, self._followed = status.paths, time, told
+        starts, ends, robots = [np.zeros((0, 3))], [np.zeros((0, 3))], []
         for robot, path in enumerate(status.paths):
-            points = thinned(np.asarray(path), _PATH_POINTS)
-            if len(points) < 2:
-                continue
-            line = self._on_ground(points, _PATH)
-            segments.append(np.stack([line[:-1], line[1:]], axis=1))
-            colors.append(np.tile(self._palette.robot(robot), (len(line) - 1, 2, 1)))
-        lines = np.concatenate(segments)
-        if not len(lines):
-            self._remove("paths")
-            return
-        # Made anew: the page takes new points and their colours at once.
-        self._nodes["paths"] = self._scene.add_line_segments(
-            "/paths", lines, linear(np.concatenate(colors)), thickness=_LINE
+            points = simplified(thinned(np.asarray(path), _PATH_POINTS), _PATH_TOLERANCE)
+            if len(points) > 1:
+                line = self._on_ground(points, _PATH)
+                starts.append(line[:-1])
+                ends.append(line[1:])
+                robots += [robot] * (len(line) - 1)
+        first = np.concatenate(starts)
+        across = np.concatenate(ends) - first
+        length = np.linalg.norm(across, axis=1)
+        self._lines.show(
+            first + across / 2.0,
+            rotations.along(across),
+            self._colors(robots),
+            np.column_stack([length + _LINE, np.full((len(length), 2), _LINE)]),
         )
-
-    def _remove(self, name: str) -> None:
-        node = self._nodes.pop(name, None)
-        if node is not None:
-            node.remove()
 
 
 def final_places(status: PlannerStatus) -> tuple[Array, NDArray[np.int64]]:
@@ -313,6 +321,11 @@ def _ghost(ring: Array) -> Mesh:
     x, y = np.abs(ring).max(axis=0)
     nose = np.array([(0.78 * x, 0.0), (0.35 * x, 0.55 * y), (0.35 * x, -0.55 * y)])
     return meshes.joined([_edge(ring, 1.4 * _LINE), meshes.flat(nose)])
+
+
+def _line() -> Mesh:
+    """One metre along x around the origin, one metre wide."""
+    return meshes.flat(np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)]))
 
 
 def _shaft() -> Mesh:

@@ -147,9 +147,18 @@ def text_of_value(value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, int | float):
-        return ".inf" if value == float("inf") else f"{value:.10g}"
+        return _number(value)
     if isinstance(value, list | tuple):
         return f"[{', '.join(map(text_of_value, value))}]"
     if isinstance(value, Mapping):
         return f"{{{', '.join(f'{key}: {text_of_value(item)}' for key, item in value.items())}}}"
     return str(value)
+
+
+def _number(value: float) -> str:
+    if value in (float("inf"), float("-inf")):
+        return ".inf" if value > 0 else "-.inf"
+    short = f"{value:.10g}"
+    text = short if float(short) == value else repr(value)
+    # YAML takes 1e-9 for text; the dot is what makes it a number.
+    return text.replace("e", ".0e") if "e" in text and "." not in text else text

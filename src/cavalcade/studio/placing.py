@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -40,7 +41,7 @@ def ends(world: World, radius: float) -> tuple[Pose, Pose]:
     free = ~world.map.occupied
     if not free.any():
         raise InputError("there is no free ground in this world", key="world")
-    room = ndimage.distance_transform_edt(np.pad(free, 1))[1:-1, 1:-1] * world.map.resolution
+    room = _room(world.map)
     ways, _ = ndimage.label(room >= min(0.4, room.max()))
     points = _roomy(world.map, room, ways, radius)
     middle = points.mean(axis=0)
@@ -83,8 +84,11 @@ def stand(
     """
     bodies: list[Body] = []
     found: list[Pose] = []
+    room = _room(world.map)
     for pose, model in zip(wanted, models, strict=True):
-        place = next((p for p in _near(world, pose) if _fits(world, p, model, bodies, gap)), None)
+        least = min(model.length, model.width) / 2.0
+        places = _near(world.map, pose, room, least, [place[:2] for place in found])
+        place = next((p for p in places if _fits(world, p, model, bodies, gap)), None)
         if place is None:
             raise InputError(f"no free ground is left for robot {len(found)}", key="robots")
         bodies.append(body_at(model, place))
@@ -94,28 +98,51 @@ def stand(
 
 def _fits(world: World, pose: Pose, model: RobotModel, bodies: Sequence[Body], gap: float) -> bool:
     body = body_at(model, pose)
-    if nearest_obstacle(body, world.base, world.shapes, gap)[0] < gap:
+    if any(gap_between(body, other) < gap for other in bodies):
         return False
-    return all(gap_between(body, other) >= gap for other in bodies)
+    return nearest_obstacle(body, world.base, world.shapes, gap)[0] >= gap
 
 
-def _near(world: World, pose: Pose) -> list[Pose]:
-    """The pose itself, then free ones around it, the nearest first."""
-    ground, step = world.map, 0.2
+def _near(
+    ground: OccupancyMap, pose: Pose, room: Array, least: float, taken: Sequence[Sequence[float]]
+) -> list[Pose]:
+    """The pose itself, then places around it, the nearest first; none that are hopeless.
+
+    Args:
+        room: To the nearest obstacle, m, per cell.
+        least: That a body needs at any heading, m.
+        taken: Where others stand.
+    """
     (x0, y0), (x1, y1) = ground.to_map([(0.0, 0.0), ground.size])
     reach = max(abs(x1 - x0), abs(y1 - y0))
-    step = max(step, 2.0 * reach / math.sqrt(_MOST_PLACES))
+    step = max(0.2, 2.0 * reach / math.sqrt(_MOST_PLACES))
     count = int(reach / step)
     offsets = step * np.mgrid[-count : count + 1, -count : count + 1].reshape(2, -1).T
     points = offsets[np.argsort(np.hypot(*offsets.T), kind="stable")] + pose[:2]
     points = points[is_free(ground, points)]
+    rows, cols = _cells(ground, points)
+    points = points[room[rows, cols] > least]
+    for other in taken:
+        points = points[np.hypot(*(points - other).T) > 2.0 * least]
     return [_pose(pose, pose[2]), *(_pose(point, pose[2]) for point in points)]
+
+
+def _room(ground: OccupancyMap) -> Array:
+    """How far each cell's centre is from the nearest obstacle or border, about, m."""
+    free = np.pad(~ground.occupied, 1)
+    room: Array = ndimage.distance_transform_edt(free)[1:-1, 1:-1] * ground.resolution
+    return room
+
+
+def _cells(ground: OccupancyMap, points: ArrayLike) -> Any:
+    """Rows and columns of points on the map; what is on its far border is in the last cell."""
+    last = (ground.rows - 1, ground.cols - 1)
+    return np.clip(ground.cell_of(points), 0, last).T
 
 
 def is_free(ground: OccupancyMap, points: ArrayLike) -> NDArray[np.bool_]:
     """For points `(K, 2)`: whether they are on the map and on none of its obstacles."""
-    last = (ground.rows - 1, ground.cols - 1)
-    rows, cols = np.clip(ground.cell_of(points), 0, last).T  # the far border is no cell
+    rows, cols = _cells(ground, points)
     return np.asarray(ground.contains(points) & ~ground.occupied[rows, cols])
 
 

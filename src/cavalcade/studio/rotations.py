@@ -34,6 +34,12 @@ def inverse(turn: Array) -> Array:
     return np.asarray(turn * (1.0, -1.0, -1.0, -1.0))
 
 
+def along(ways: Array) -> Array:
+    """Turns `(N, 4)` that bring x along ways `(N, 3)` and keep y level."""
+    pitch = -np.arctan2(ways[:, 2], np.hypot(ways[:, 0], ways[:, 1]))
+    return product(about_z(np.arctan2(ways[:, 1], ways[:, 0])), _about(pitch, 1))
+
+
 def from_axes(forward: Array, left: Array) -> Array:
     """Turns `(N, 4)` whose x axes point along `forward` `(N, 3)`, y axes as near `left` as can be.
 

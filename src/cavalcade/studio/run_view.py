@@ -79,12 +79,12 @@ class RunView:
                 "Second run", (BESIDE, OVER), initial_value=OVER if self._over else BESIDE
             )
             where.on_update(handle(lambda event: lay(event.target.value == OVER)))
-        with gui.add_folder("Summary", expand_by_default=True):
-            gui.add_markdown(_summary(results))
         with gui.add_folder("Over time"):
             names = _names(results)
             runs = [(name, curves_of(result)) for name, result in zip(names, results, strict=True)]
             self._charts = Charts(session, runs, self.timeline.time)
+        with gui.add_folder("Summary"):
+            gui.add_markdown(_summary(results))
         with gui.add_folder("Take along"):
             picture_button = gui.add_button("Picture (PNG)", icon="camera")
             picture_button.on_click(handle(self._on_picture))
@@ -256,10 +256,12 @@ def _summary(results: Sequence[Result]) -> str:
     one, other = results
     names = [_safe(name) for name in _names(results)]
     body = [
-        f"| {label} | {_safe(a)} | {_safe(b)} | {difference} |"
+        f"| {label} | {_safe(a)} |\N{NO-BREAK SPACE} {_safe(b)} |\N{NO-BREAK SPACE} {difference} |"
         for label, a, b, difference in compared(one.summary, other.summary)
     ]
-    return "\n".join([f"| | {names[0]} | {names[1]} | Δ |", "|:--|--:|--:|--:|", *body])
+    return "\n".join(
+        [f"| | {names[0]} |\N{NO-BREAK SPACE} {names[1]} | Δ |", "|:--|--:|--:|--:|", *body]
+    )
 
 
 def _safe(text: str) -> str:

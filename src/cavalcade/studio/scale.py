@@ -10,10 +10,14 @@ from numpy.typing import NDArray
 
 from cavalcade.geometry import Array
 from cavalcade.studio.figures import written
-from cavalcade.studio.palette import Color, Palette, linear
+from cavalcade.studio.meshes import Mesh, quads
+from cavalcade.studio.palette import Color, Palette
 
 _HEIGHT = 0.004
 """Over the ground, m."""
+
+_WIDTH = 0.014
+"""Of a line, in units of the distance between two."""
 
 _MOST_LINES = 60
 _SAMPLE = 0.25
@@ -79,10 +83,10 @@ class Scale:
             ("strong", strong, palette.section),
         ):
             if chosen.any():
-                self._add(name, _draped(lines[chosen], heights), color, 1.2)
+                self._add(name, _draped(lines[chosen], heights), color, _WIDTH * step)
         figures = _figures(lines[strong], step)
         if len(figures):
-            self._add("figures", _draped(figures, heights), palette.figures, 1.6)
+            self._add("figures", _draped(figures, heights), palette.figures, 1.6 * _WIDTH * step)
 
     def clear(self) -> None:
         """Take it away."""
@@ -90,24 +94,40 @@ class Scale:
             node.remove()
         self._nodes.clear()
 
-    def _add(self, name: str, segments: Array, color: Color, thickness: float) -> None:
+    def _add(self, name: str, segments: Array, color: Color, width: float) -> None:
+        mesh = _strips(segments, width)
         self._nodes.append(
-            self._scene.add_line_segments(
+            self._scene.add_mesh_simple(
                 f"/scale/{name}",
-                segments,
-                linear(np.tile(np.array(color, dtype=float), (len(segments), 2, 1))),
-                thickness=thickness,
-                thickness_units="screen",
+                mesh.vertices,
+                mesh.faces,
+                color=color,
+                cast_shadow=False,
+                receive_shadow=False,
             )
         )
+
+
+def _strips(segments: Array, width: float) -> Mesh:
+    """Segments `(K, 2, 3)` as wide as that, m, seen from above."""
+    start, end = segments[:, 0], segments[:, 1]
+    way = (end - start)[:, :2]
+    way = way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-12)
+    half = 0.5 * width * np.column_stack([-way[:, 1], way[:, 0], np.zeros(len(way))])
+    ahead = np.column_stack([0.5 * width * way, np.zeros(len(way))])  # corners have no gaps
+    low, high = start - ahead, end + ahead
+    return quads(np.stack([low - half, high - half, high + half, low + half], axis=1))
 
 
 def _figures(lines: Array, step: float) -> Array:
     """Segments `(K, 2, 2)` of how many metres each line stands for, before its beginning."""
     size = 0.26 * step
     found = [np.zeros((0, 2, 2))]
+    corners = {tuple(first) for first, last in lines if first[0] == last[0]}
     for first, last in lines:
         upright = first[0] == last[0]
+        if not upright and tuple(first) in corners:
+            continue  # two figures would lie on each other
         text = f"{first[0] if upright else first[1]:.0f} m"
         gap = (0.0, -0.5 * size) if upright else (-0.5 * size, 0.5 * size)
         found.append(written(text, first + gap, size, 0.5 if upright else 1.0))

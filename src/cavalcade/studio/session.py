@@ -92,6 +92,8 @@ class Session:
 
     @dark.setter
     def dark(self, value: bool) -> None:
+        if value == self._dark:
+            return
         self._dark = value
         self._theme()
         self.stage.set_dark(value)

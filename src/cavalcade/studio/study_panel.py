@@ -175,6 +175,12 @@ class StudyPanel:
 
     def _compare(self, second: Result) -> None:
         self._second = second
+        name = next((name for name, one in self._found.items() if one == second.folder), None)
+        if name is None:
+            name = second.name
+            self._found[name] = second.folder
+            self._compared.options = (*self._compared.options, name)
+        self._compared.value = name
         self._show(self._time())
 
     def _lay(self, over: bool) -> None:
