@@ -137,7 +137,7 @@ def with_bodies(recording: Recording) -> Recording:
     base[1::2, :, 3:] *= -1.0  # the same rotations
     joints = np.broadcast_to(np.arange(count)[:, None, None] * 0.01, (count, robots, 12)).copy()
     track = PhysicsTrack(
-        recording.time, base, joints, joints, joints, np.zeros((count, robots, 4, 3)),
+        recording.time, base, joints, joints, joints, np.ones((count, robots, 4, 3)),
         (ContactEvent(0.5, 0, "calf", "ground"), ContactEvent(0.52, 0, "calf", "ground")),
         (FallEvent(0.8, 0),),
     )  # fmt: skip
@@ -149,6 +149,13 @@ def test_bodies_of_a_run_in_physics(runs: Path, tmp_path: Path) -> None:
     recording = with_bodies(read_recording(folder))
     write_recording(folder / "recording.mcap", recording, read_result(folder).scenario.models)
     result = read_result(folder)
+    whole = read_recording(folder).physics
+    assert whole is not None
+    assert result.recording is not None
+    assert result.recording.physics is not None
+    assert np.array_equal(result.recording.physics.joints, whole.joints)
+    assert whole.foot_forces.all()
+    assert not result.recording.physics.foot_forces.any()  # nobody looks at them
     moment = result.player.at(float(recording.time[3:5].mean()))
     assert moment.trunks is not None
     assert moment.joints is not None

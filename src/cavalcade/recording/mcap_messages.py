@@ -11,9 +11,8 @@ from __future__ import annotations
 import struct
 import sys
 from binascii import crc32
-from collections.abc import Callable, Container
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from itertools import pairwise
 from pathlib import Path
 
 from cavalcade.errors import RecordingError
@@ -53,23 +52,25 @@ class Messages:
 
     def sort(self) -> None:
         """Put them in order of time."""
-        if any(later < earlier for earlier, later in pairwise(self.times)):
+        if self.times != sorted(self.times):
             order = sorted(range(len(self.times)), key=self.times.__getitem__)
             self.times = [self.times[k] for k in order]
             self.data = [self.data[k] for k in order]
 
 
-def read_messages(file: Path, unwanted: Container[str] = ()) -> dict[tuple[str, str], Messages]:
+def read_messages(
+    file: Path, wanted: Callable[[str], bool] = lambda topic: True
+) -> dict[tuple[str, str], Messages]:
     """The messages of a file by topic and type, such as `std_msgs/msg/String`.
 
     Args:
         file: Whole, see `mcap_framing.readable`.
-        unwanted: Topics that are left out.
+        wanted: Whether a topic is read.
 
     Raises:
         RecordingError: It is damaged; the file is left to the caller to name.
     """
-    found = _Walk(unwanted)
+    found = _Walk(wanted)
     try:
         with file.open("rb") as stream:
             stream.seek(len(MAGIC))
@@ -95,9 +96,9 @@ def read_messages(file: Path, unwanted: Container[str] = ()) -> dict[tuple[str, 
 class _Walk:
     """What the records so far have told."""
 
-    def __init__(self, unwanted: Container[str]) -> None:
+    def __init__(self, wanted: Callable[[str], bool]) -> None:
         self.messages: dict[tuple[str, str], Messages] = {}
-        self._unwanted = unwanted
+        self._wanted = wanted
         self._types: dict[int, str] = {}
         self._channels: dict[int, Messages | None] = {}
 
@@ -119,7 +120,7 @@ class _Walk:
             elif kind == _CHANNEL and channel not in channels:
                 (schema,) = struct.unpack_from("<H", data, place + 11)
                 topic = _text(data, place + 13)
-                wanted = topic not in self._unwanted
+                wanted = self._wanted(topic)
                 key = (topic, self._types[schema])
                 channels[channel] = self.messages.setdefault(key, Messages()) if wanted else None
             place = after

@@ -32,11 +32,16 @@ _Found = dict[str, Messages]
 """By topic what its messages hold."""
 
 
-def read_recording(path: str | Path) -> Recording:
+def read_recording(path: str | Path, *, forces: bool = True) -> Recording:
     """Read what a run left, from its folder or the MCAP file itself.
 
     If the end of the file is missing, because its writer was stopped or the file was cut off, the
     cycles that are whole are read, with a warning, and `Recording.ended` is False.
+
+    Args:
+        path: Folder or file.
+        forces: Read the forces on feet, too, which take most of the time for runs in physics;
+            without them they are zero.
 
     Raises:
         RecordingError: It is missing, damaged or not one of ours.
@@ -47,11 +52,11 @@ def read_recording(path: str | Path) -> Recording:
     if not file.is_file():
         raise RecordingError("there is no such recording", file=file)
     with readable(file) as (whole, ended):
-        found = _messages_of(whole, file)
+        found = _messages_of(whole, file, forces)
     try:
         if not ended:
             _cut_to_whole_cycles(found)
-        recording = replace(_recording(found), ended=ended)
+        recording = replace(_recording(found, forces), ended=ended)
     except RecordingError as error:
         raise RecordingError(str(error), file=file) from None
     except (AttributeError, KeyError, TypeError, ValueError) as error:
@@ -78,10 +83,14 @@ def _cut_to_whole_cycles(found: _Found) -> None:
             found.setdefault(topic, Messages()).cut(count)
 
 
-def _messages_of(whole: Path, file: Path) -> _Found:
+def _messages_of(whole: Path, file: Path, forces: bool) -> _Found:
     """The messages of `whole`, which has what is whole of `file`."""
+
+    def wanted(topic: str) -> bool:
+        return topic not in _BULKY and (forces or "/foot_force/" not in topic)
+
     try:
-        found = read_messages(whole, _BULKY)
+        found = read_messages(whole, wanted)
     except RecordingError as error:
         raise error.at(file=file) from None
     robots = sum(topic.endswith("/pose") for topic, _ in found)
@@ -90,7 +99,7 @@ def _messages_of(whole: Path, file: Path) -> _Found:
     return {topic: one for (topic, kind), one in found.items() if one and known.get(topic) == kind}
 
 
-def _recording(found: _Found) -> Recording:
+def _recording(found: _Found, with_forces: bool) -> Recording:
     time = _times(found.get(_messages.STATUS_TOPIC, Messages()))
     robots = sum(topic.endswith("/pose") for topic in found)
     shape = (len(time), robots, 3)
@@ -113,7 +122,7 @@ def _recording(found: _Found) -> Recording:
         status=tuple(decoded(_said(found, robots))),
         obstacles=tuple(_obstacle(track) for track in tracks[-1]) if tracks else (),
         notes=tuple((float(note["time"]), str(note["text"])) for note in notes),
-        physics=_physics(found),
+        physics=_physics(found, with_forces),
     )
 
 
@@ -135,7 +144,7 @@ def _said(found: _Found, robots: int) -> Iterator[tuple[str, tuple[Array, ...]]]
         yield _messages.string_of(data), current
 
 
-def _physics(found: _Found) -> PhysicsTrack | None:
+def _physics(found: _Found, with_forces: bool) -> PhysicsTrack | None:
     """The track of a run in physics."""
     robots = sum(topic.endswith("/body") for topic in found)
     if not robots:
@@ -152,7 +161,7 @@ def _physics(found: _Found) -> PhysicsTrack | None:
         read = _columns(found, f"{topic}/joint_states", _messages.joints_layout(robot), time)
         for column, name in _messages.JOINT_COLUMNS.items():
             joints[name][:, robot] = read[column]
-        for k, leg in enumerate(LEGS):
+        for k, leg in enumerate(LEGS if with_forces else ()):
             layout = _messages.force_layout(robot, leg)
             read = _columns(found, f"{topic}/foot_force/{leg}", layout, time)
             forces[:, robot, k] = read["wrench"][:, :3]

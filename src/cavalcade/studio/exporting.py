@@ -14,6 +14,7 @@ from cavalcade.drawing.replay.page import write_replay
 from cavalcade.errors import InputError
 from cavalcade.geometry import Array
 from cavalcade.jobs.output_folder import REPLAY, SCENARIO
+from cavalcade.recording import read_recording
 from cavalcade.studio.draft import Draft
 from cavalcade.studio.results import Result
 
@@ -44,7 +45,7 @@ def replay_page(result: Result) -> bytes:
             Path(folder) / REPLAY,
             result.scenario,
             result.start,
-            recording=result.recording,
+            recording=read_recording(result.folder),
             summary=result.summary,
         )
         return page.read_bytes()
