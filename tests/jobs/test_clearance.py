@@ -221,3 +221,18 @@ def test_free_ground_of_a_scenario(make_scenario: Callable[..., Any]) -> None:
     assert near.obstacle_distance == pytest.approx(1.5)
     assert near.robot_distance == pytest.approx(1.0)
     assert near.footprint_gap == pytest.approx(1.0 - GO1.length)
+
+
+def test_nothing_is_swept_across_a_leap() -> None:
+    """The ends are judged all the same."""
+    world = world_of(Box((4.0, 3.0), (0.4, 5.0)))
+    poses = [(2.0, 3.0, 0.0), (2.0, 3.0, 0.0), (6.0, 3.0, 0.0)]
+    assert judged(world, recording_of(poses)).robot_obstacle == 1
+    recording, leapt = recording_of(poses), np.array([[False], [True]])
+    found = clearance(world, recording, [GO1], leapt)
+    assert found.robot_obstacle == 0
+    assert found.obstacle_distance == pytest.approx(1.8)
+    for end in (1, 2):
+        inside = poses.copy()
+        inside[end] = (4.0, 3.0, 0.0)
+        assert clearance(world, recording_of(inside), [GO1], leapt).robot_obstacle == 1

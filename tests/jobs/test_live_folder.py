@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from cavalcade.recording.frames import Frame
 from cavalcade.recording.status import PlannerStatus
 from cavalcade.robots import robot_model
 from cavalcade.scenario import FormationSection, load_scenario
-from cavalcade.world import OccupancyMap
+from cavalcade.world import Box, OccupancyMap
 
 GO1 = robot_model("go1")
 AREA = OccupancyMap.empty((8.0, 6.0), 0.1)
@@ -128,6 +129,29 @@ def test_late_cycles_of_live_robots(tmp_path: Path, late: int, kinds: set[str]) 
                 recording(a_frame(k, 0.0, False, random))
     finish_recording(tmp_path / "s", figures=False, replay=False)
     assert {one.kind for one in check(tmp_path / "s").violations} == kinds
+
+
+@pytest.mark.parametrize("gap", [0, 90])
+def test_a_restarted_simulation_was_summarised_as_a_collision(tmp_path: Path, gap: int) -> None:
+    """Robots are back at their starts; what was between is no motion through a wall."""
+    random = np.random.default_rng(0)
+    wall = Box((2.5, 2.75), (0.1, 3.0))
+    recording = record_live(
+        tmp_path / "s", name="lab", models=[GO1, GO1], starts=STARTS, area=AREA.with_shapes([wall]),
+        rate=1.0 / PERIOD, backend="ros2", formation=LINE,
+    )  # fmt: skip
+    with recording:
+        for k in range(60):
+            frame = a_frame(0, 0.0, False, random)
+            poses = frame.poses + ((2.5, 0.0, 0.0) if k >= 30 else (0.0, 0.0, 0.0))
+            late = gap if k >= 30 else 0
+            recording(replace(frame, time=PERIOD * (k + late), poses=poses))
+    summary = finish_recording(tmp_path / "s", figures=False, replay=False).summary
+    assert summary.reason == "stopped"
+    assert summary.min_obstacle_distance_m > 0.5
+    assert summary.path_length_m == (0.0, 0.0)
+    (only,) = check(tmp_path / "s").violations
+    assert only.kind == "samples"
 
 
 def test_a_session_that_died(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

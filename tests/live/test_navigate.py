@@ -12,6 +12,8 @@ import time as wall
 import pytest
 from navigation_peers import TEAM, Peers
 
+from cavalcade.checking import check
+from cavalcade.cli import main
 from cavalcade.errors import InputError
 from cavalcade.fleet.ros2 import load_rclpy, message_type, qos
 from cavalcade.fleet.ros2.messages import fill_header, fill_map
@@ -113,6 +115,24 @@ def test_goals_shapes_stops_and_bad_input_by_topics_and_services(peers):
     assert navigate.wait(30) == 0
     assert not peers.moving()
     peers.until(lambda: peers.status["lifecycle"] == "finalized")
+
+
+def test_a_second_ctrl_c_left_a_folder_that_could_not_be_checked(peers, tmp_path):
+    folder = tmp_path / "session"
+    navigate = peers.navigate("--out", str(folder))
+    peers.send_goal(GOAL)
+    peers.until(peers.moving, navigate)
+    navigate.send_signal(signal.SIGINT)
+    rest = f"cavalcade show {folder} makes the rest"
+    told = f"writing figures and replay to {folder}; Ctrl-C leaves the recording only ({rest})"
+    peers.until(lambda: told in navigate.output.read_text(), navigate)
+    navigate.send_signal(signal.SIGINT)
+    assert navigate.wait(30) == 130
+    assert f"{folder} has the recording only; {rest}" in navigate.output.read_text()
+    assert not (folder / "summary.json").exists()
+    assert check(folder).violations == ()
+    assert main(["show", str(folder), "--quiet"]) == 0
+    assert (folder / "replay.html").exists()
 
 
 def test_killed_node_leaves_standing_robots(peers):

@@ -26,7 +26,6 @@ def test_file_names_are_relative_to_the_file_and_topics_to_the_robot(tmp_path):
     (tmp_path / "team.yaml").write_text(json.dumps(GOOD))
     team = load_team(tmp_path / "team.yaml")
     assert team.first_map().size == (4.0, 3.0)
-    assert team.map.topic == "/map"
     anna, bert = team.ros2_robots()
     assert anna.topic(anna.velocity_topic) == "/anna/cmd_vel"
     assert bert.pose_source == "/bert/pose"
@@ -102,6 +101,26 @@ def test_what_is_wrong_is_said_with_file_and_key(said, text):
 def test_data_that_are_no_mapping_are_refused(data):
     with pytest.raises(InputError, match="expected a mapping"):
         parse_team(data)
+
+
+@pytest.mark.parametrize(
+    ("said", "topic"),
+    [
+        ({}, "/map"),
+        ({"map": {}}, "/map"),
+        ({"map": {"unknown": "free"}}, "/map"),
+        ({"map": {"file": None}}, "/map"),
+        ({"map": {"topic": "/lab/map"}}, "/lab/map"),
+        ({"map": "lab.yaml"}, None),
+        ({"map": {"file": "lab.yaml"}}, None),
+        ({"map": {"file": "lab.yaml", "topic": None}}, None),
+        ({"map": {"file": "lab.yaml", "topic": "/map"}}, "/map"),
+    ],
+)
+def test_a_map_that_was_heard_replaced_a_named_file(said, topic):
+    """Only where the file names a topic, too, maps are heard beside it."""
+    rest = {key: value for key, value in GOOD.items() if key != "map"}
+    assert parse_team(rest | said).map.topic == topic
 
 
 def test_unitree_robots_need_a_place_of_their_own():

@@ -17,6 +17,7 @@ from cavalcade.checking.arrival import (
     check_commands,
     check_own_arrival,
 )
+from cavalcade.checking.breaks import between, find_breaks
 from cavalcade.checking.contact import bodies, common_clock, find_contacts
 from cavalcade.checking.heights import read_heights
 from cavalcade.checking.limits import TOLERANCE, Effort, exceeded, measure, with_own_limits
@@ -26,7 +27,7 @@ from cavalcade.checking.physics.run import judge_motion
 from cavalcade.checking.places import check_places
 from cavalcade.checking.plans import judge_plan, read_plan
 from cavalcade.checking.report import Figures, Report, Violation, make_report
-from cavalcade.checking.scatter import measured, widened, within
+from cavalcade.checking.scatter import Measured, measured, widened, within
 from cavalcade.checking.solids import Scene, build_scene
 from cavalcade.checking.tracks import (
     Track,
@@ -34,6 +35,7 @@ from cavalcade.checking.tracks import (
     disordered,
     has_end,
     incomplete,
+    joined,
     misplaced,
     read_tracks,
 )
@@ -61,13 +63,14 @@ def check(directory: str | Path) -> Report:
 
     Of live robots poses are measured: what their scatter may explain is no violation (see
     `scatter`), what differences of noisy poses would say of speed and acceleration is not judged,
-    and cycles may be late by half a second. A recording whose end is
+    and cycles may be late by half a second. Longer gaps and leaps that no robot can make are told,
+    and nothing is swept across them (see `breaks`). A recording whose end is
     missing, because its writer was stopped, is judged as far as it goes, which is a violation.
 
     Args:
         directory: With `scenario.yaml`, `summary.json` and `recording.mcap` or `plan.npz`; where
             both are there, both are judged. Without a summary nothing is claimed: that is so
-            where a recording has no end.
+            where a recording has no end, and where a live session was not finished.
 
     Raises:
         RecordingError: One of them, or the map file that the scenario names, cannot be read.
@@ -78,8 +81,9 @@ def check(directory: str | Path) -> Report:
     scenario = _read_scenario(folder / "scenario.yaml")
     recording, plan = folder / RECORDING, folder / PLAN
     broken = recording.is_file() and not has_end(recording)
+    live = recording.is_file() and scenario.execution.backend not in SIMULATED
     said = folder / "summary.json"
-    summary = {} if broken and not said.exists() else _read_summary(said)
+    summary = {} if (broken or live) and not said.exists() else _read_summary(said)
     individual = scenario.task.kind == "individual"
     if not plan.is_file() and (recording.is_file() or not individual):
         return _judge_recording(scenario, recording, summary)
@@ -123,19 +127,32 @@ def _judge_live(
     models: tuple[RobotModel, ...],
     summary: dict[str, Any],
 ) -> Report:
-    """As `judge`, of measured poses: as far as they are sure."""
+    """As `judge`, of measured poses: as far as they are sure, and not across breaks."""
     if violations := disordered(tracks):
         return make_report(violations)
-    team = tuple(measured(track) for track in tracks)
-    tracks = tuple(one.track for one in team)
-    violations, figures = judge_planar(scene, tracks, models, None)
-    if any(one.sure for one in team):
-        # The gap is that of whole footprints; what counts as contact is what surely is one.
-        violations, _ = judge_planar(scene, tracks, within(models, team), None)
-    criterion, starts = widened(PHYSICS, team), [one.start_error for one in team]
+    breaks = find_breaks(tracks, models, scenario.execution.rate)
+    violations = [one.told(len(tracks)) for one in breaks]
+    seen: list[list[Measured]] = [[] for _ in tracks]
+    figures: list[Figures] = []
+    for stretch in between(tracks, breaks):
+        team = [measured(part, whole) for part, whole in zip(stretch, tracks, strict=True)]
+        for robot, one in enumerate(team):
+            seen[robot] += [one] if len(one.track.time) else []
+        motion = tuple(one.track for one in team)
+        if not all(len(track.time) for track in motion):
+            continue
+        contacts, found = judge_planar(scene, motion, models, None)
+        if any(one.sure for one in team):
+            # The gap is that of whole footprints; what counts as contact is what surely is one.
+            contacts, _ = judge_planar(scene, motion, within(models, team), None)
+        violations += contacts
+        figures += [] if found is None else [found]
+    tracks = tuple(joined([one.track for one in parts]) for parts in seen)
+    criterion = widened(PHYSICS, [parts[-1] for parts in seen])
+    starts = [parts[0].start_error for parts in seen]
     violations += _claimed(scenario, tracks, summary, criterion, starts)
     violations += check_places(scenario, scene, bool(summary.get("success")), violations)
-    return make_report(violations, figures)
+    return make_report(violations, _of_all(figures, tracks))
 
 
 def judge_physics(
@@ -237,6 +254,27 @@ def _figures(efforts: list[Effort], duration: float, gap: float) -> Figures:
         max_yaw_rate=largest("yaw_rate"),
         max_acceleration=largest("acceleration"),
         max_yaw_acceleration=largest("yaw_acceleration"),
+    )
+
+
+def _of_all(stretches: list[Figures], tracks: tuple[Track, ...]) -> Figures | None:
+    """The figures of motion that was seen in stretches; None if never all robots were."""
+    if not stretches:
+        return None
+
+    def largest(name: str) -> float:
+        return max(float(getattr(one, name)) for one in stretches)
+
+    first = min(track.time[0] for track in tracks)
+    last = max(track.time[-1] for track in tracks)
+    return Figures(
+        robots=len(tracks),
+        duration_s=float(last - first),
+        min_footprint_gap_m=min(one.min_footprint_gap_m for one in stretches),
+        max_speed_ratio=largest("max_speed_ratio"),
+        max_yaw_rate=largest("max_yaw_rate"),
+        max_acceleration=largest("max_acceleration"),
+        max_yaw_acceleration=largest("max_yaw_acceleration"),
     )
 
 

@@ -69,16 +69,23 @@ class Measured:
         return SURE * self.place * beside, SURE * self.turn * beside
 
 
-def measured(track: Track) -> Measured:
-    """What a track of measured poses tells, whose time stamps increase."""
-    steps = np.diff(track.time)
+def measured(track: Track, whole: Track | None = None) -> Measured:
+    """What a track of measured poses tells, whose time stamps increase.
+
+    It may be a stretch of a `whole` one, which tells how its poses scatter.
+    """
+    whole = track if whole is None else whole
+    steps = np.diff(whole.time)
     count = 1 + round(WINDOW / float(np.median(steps))) if len(steps) else 1
-    if count < 3 or len(track.time) <= count:
+    if count < 3 or len(whole.time) <= count:
         return Measured(track)
-    place = _scatter(track.pose[:, :2])
-    turn = _scatter(track.pose[:, 2:])
+    place = _scatter(whole.pose[:, :2])
+    turn = _scatter(whole.pose[:, 2:])
     if place < LEAST and turn < LEAST:
         return Measured(track)
+    count = min(count, len(track.time))
+    if count < 3:
+        return Measured(track, place, turn)
     return Measured(Track(track.time, _on_lines(track, count)), place, turn, count)
 
 

@@ -26,9 +26,6 @@ _LARGEST = 1e10
 
 Pose = tuple[float, float, float]
 
-LIVE_GAP = 0.5
-"""Live robots may be without a sample so long, s: then they should have been stopped."""
-
 _SLACK = 1e-6
 _START = (0.05, 0.05)
 """How far the first sample may lie from the scenario's start, m and rad: one cycle of motion."""
@@ -183,18 +180,23 @@ def disordered(tracks: tuple[Track, ...]) -> list[Violation]:
     return result
 
 
+def joined(parts: Sequence[Track]) -> Track:
+    """One track of its parts, which follow each other."""
+    time = np.concatenate([one.time for one in parts])
+    return Track(time, np.concatenate([one.pose for one in parts]))
+
+
 def incomplete(
     tracks: tuple[Track, ...], rate: float, end: float | None, live: bool = False
 ) -> list[Violation]:
     """Samples that are missing: between others, at the end, or for some robots only.
 
-    There is at least a sample per cycle of the planner's `rate`, Hz, or, of `live` robots, whose
-    cycles may be late, per two cycles and half a second; `end` is the simulated time that the
-    summary claims, s, if it does.
+    There is at least a sample per cycle of the planner's `rate`, Hz; `end` is the simulated time
+    that the summary claims, s, if it does. Cycles of `live` robots may be late: see `breaks`.
     """
     result = []
     cycle = 1.0 / rate
-    longest = max(2.0 * cycle, LIVE_GAP) if live else cycle
+    longest = np.inf if live else cycle
     samples = np.unique(np.concatenate([track.time for track in tracks]))
     for robot, track in enumerate(tracks):
         gaps = np.diff(track.time)

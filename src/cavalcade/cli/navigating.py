@@ -6,6 +6,7 @@ import logging
 import signal
 import sys
 import threading
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -16,6 +17,7 @@ from cavalcade.cli import options
 
 if TYPE_CHECKING:
     from cavalcade.fleet import LiveFleet
+    from cavalcade.live.session import SessionFolder
     from cavalcade.live.team_file import Team
 
 _WATCH = 0.2
@@ -78,13 +80,14 @@ def navigate(
             else:
                 _bring_up(node, stop)
             stop.wait()
+        if folder is not None:
+            folder.close()  # while signals are heard: nothing of the recording is lost
     finally:
         for name, handler in before.items():
             signal.signal(name, handler)
     say(f"{loaded.name}: ended; all robots were commanded to stop")
-    done = None if folder is None else folder.finish()
-    if done is not None:
-        say("\n".join(map(str, done.files)))
+    if folder is not None:
+        _finish(folder, say)
 
 
 def config() -> None:
@@ -93,6 +96,23 @@ def config() -> None:
 
     for file in sorted((Path(live.__file__).parent / "config").iterdir()):
         print(file)
+
+
+def _finish(folder: SessionFolder, say: Callable[[str], None]) -> None:
+    """Make the rest of the folder, unless Ctrl-C comes."""
+    if folder.recording is None:
+        return
+    rest = f"cavalcade show {folder.out} makes the rest"
+    try:
+        say(
+            f"writing figures and replay to {folder.out}; Ctrl-C leaves the recording only ({rest})"
+        )
+        done = folder.finish()
+    except KeyboardInterrupt:
+        say(f"{folder.out} has the recording only; {rest}")
+        raise
+    if done is not None:
+        say("\n".join(map(str, done.files)))
 
 
 def _bring_up(node: Any, stop: threading.Event) -> None:

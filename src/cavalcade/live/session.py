@@ -22,6 +22,7 @@ class SessionFolder:
         force: Replace what an earlier session left there.
 
     Attributes:
+        out: The folder.
         recording: A sink of frames, from `begin` on.
 
     Raises:
@@ -29,7 +30,8 @@ class SessionFolder:
     """
 
     def __init__(self, team: Team, out: Path, force: bool = False) -> None:
-        self._team, self._out, self._force = team, out, force
+        self.out = out
+        self._team, self._force = team, force
         self.recording: LiveRecording | None = None
         if not force and out.is_dir() and any(out.iterdir()):
             raise OutputError(f"{out}: the folder is not empty; name another one or use --force")
@@ -43,7 +45,7 @@ class SessionFolder:
         if self.recording is None:
             team = self._team
             self.recording = record_live(
-                self._out,
+                self.out,
                 name=team.name,
                 models=team.models,
                 starts=poses,
@@ -56,8 +58,13 @@ class SessionFolder:
             )
         return self.recording
 
+    def close(self) -> None:
+        """Write the recording's end, if anybody was driven."""
+        if self.recording is not None:
+            self.recording.close()
+
     def finish(self) -> JobResult | None:
-        """Make the rest of the folder; None if nobody was driven.
+        """Close the recording and make the rest of the folder; None if nobody was driven.
 
         Raises:
             CavalcadeError: It cannot be made of what was recorded; the recording stays.
@@ -68,6 +75,6 @@ class SessionFolder:
         if self.recording.problem:
             raise OutputError(self.recording.problem)
         try:
-            return finish_recording(self._out)
+            return finish_recording(self.out)
         except CavalcadeError as error:
-            raise error.at(file=error.file or self._out) from None
+            raise error.at(file=error.file or self.out) from None

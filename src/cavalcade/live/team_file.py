@@ -128,8 +128,8 @@ class MapSection(Section):
 
     Attributes:
         file: A ROS map to begin with: its YAML file; null waits for the topic.
-        topic: Where maps (nav_msgs/OccupancyGrid) are taken from, also while robots move; null
-            for nowhere.
+        topic: Where maps (nav_msgs/OccupancyGrid) are taken from, also while robots move; they
+            replace the file's. Null for nowhere, which is the default where a file is named.
         unknown: What unknown cells count as.
     """
 
@@ -139,8 +139,11 @@ class MapSection(Section):
 
     @model_validator(mode="before")
     @classmethod
-    def _name_alone(cls, data: Any) -> Any:
-        return {"file": data} if isinstance(data, str) else data
+    def _file_alone(cls, data: Any) -> Any:
+        data = {"file": data} if isinstance(data, str) else data
+        if isinstance(data, dict) and data.get("file") is not None:
+            return {"topic": None} | data
+        return data
 
     @model_validator(mode="after")
     def _some_source(self) -> Self:

@@ -89,14 +89,23 @@ class _Motion:
         cells_clearance(local, order, self.box, cells, self.best, self.contact)
 
 
-def clearance(world: World, recording: Recording, models: Sequence[RobotModel]) -> Clearance:
+def clearance(
+    world: World,
+    recording: Recording,
+    models: Sequence[RobotModel],
+    leapt: NDArray[np.bool_] | None = None,
+) -> Clearance:
     """Judge a whole run.
 
     Obstacles are the exact shapes, the occupied cells of a map file as squares, all ground beyond
     the border, and what events add or move while it is there. Between two recorded poses a robot
-    is taken to go straight.
+    is taken to go straight, but for those `(T - 1, N)` in which somebody `leapt`: of them the ends
+    alone are judged.
     """
-    time, poses = _finer(recording)
+    driven = np.ones(max(len(recording.time) - 1, 0), dtype=bool)
+    if leapt is not None:
+        driven &= ~leapt.any(axis=1)
+    time, poses = _finer(recording, driven)
     best = np.array([np.inf, np.inf])
     events = 0
     fixed = _solids(fixed_shapes(world, recording))
@@ -135,24 +144,24 @@ def begins(contact: NDArray[np.bool_]) -> int:
     return int(contact[0]) + int(np.count_nonzero(contact[1:] & ~contact[:-1]))
 
 
-def _finer(recording: Recording) -> tuple[Array, Array]:
-    """Times `(M,)` and poses `(M, N, 3)` with straight steps added in each interval."""
+def _finer(recording: Recording, driven: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Times `(M,)` and poses `(M, N, 3)`, with straight steps added in `driven` intervals."""
     time, poses = recording.time, recording.poses
     if len(time) < 2:
         return time, poses
     change = np.diff(poses, axis=0)
     change[..., 2] = wrap_angle(change[..., 2])
     farthest = np.hypot(change[..., 0], change[..., 1]) + _BODY_REACH * np.abs(change[..., 2])
-    longest = farthest.max(initial=0.0)
+    longest = farthest[driven].max(initial=0.0)
     for track in recording.obstacles:
-        moved = np.diff(track.offset_at(time), axis=0)
-        longest = max(longest, np.hypot(*moved.T).max())
+        moved = np.diff(track.offset_at(time), axis=0)[driven]
+        longest = max(longest, np.hypot(*moved.T).max(initial=0.0))
     parts = int(np.clip(np.ceil(longest / STEP), 1, _MOST_PARTS))
     part = np.arange(parts) / parts
     fine = poses[:-1, None] + part[None, :, None, None] * change[:, None]
     fine_time = time[:-1, None] + part[None, :] * np.diff(time)[:, None]
-    joined = np.concatenate([fine.reshape(-1, *poses.shape[1:]), poses[-1:]])
-    return np.concatenate([fine_time.reshape(-1), time[-1:]]), joined
+    kept = driven[:, None] | (part == 0.0)
+    return np.concatenate([fine_time[kept], time[-1:]]), np.concatenate([fine[kept], poses[-1:]])
 
 
 def fixed_shapes(world: World, recording: Recording) -> list[Shape]:

@@ -13,6 +13,7 @@ from cavalcade.execution.arrival import ArrivalTolerance, has_goal, slot_poses, 
 from cavalcade.execution.loop import Outcome
 from cavalcade.geometry import Array, wrap_angle
 from cavalcade.metrics.clearance import clearance
+from cavalcade.metrics.leaps import leaps
 from cavalcade.metrics.lower_bound import lower_bounds
 from cavalcade.metrics.physics_summary import summarise_physics
 from cavalcade.metrics.summary import (
@@ -27,11 +28,15 @@ from cavalcade.metrics.summary import (
 from cavalcade.recording.frames import Recording
 from cavalcade.recording.status import PlannerStatus
 from cavalcade.scenario import Scenario, World
+from cavalcade.scenario.rules import LIVE
 
 
 def summarise(scenario: Scenario, world: World, recording: Recording, outcome: Outcome) -> Summary:
     """The summary of a run, whatever its task."""
-    near = clearance(world, recording, scenario.models)
+    leapt = np.zeros((max(len(recording.time) - 1, 0), len(scenario.models)), dtype=bool)
+    if scenario.execution.backend in LIVE:
+        leapt = leaps(recording, scenario.models, scenario.execution.rate)
+    near = clearance(world, recording, scenario.models, leapt)
     collisions = Collisions(near.robot_robot, near.robot_obstacle)
     track, physics, factor = recording.physics, None, None
     if track is not None:
@@ -47,6 +52,7 @@ def summarise(scenario: Scenario, world: World, recording: Recording, outcome: O
         reason = "collision"
     arrived = outcome.reason == "arrived"
     steps = np.diff(recording.poses[..., :2], axis=0)
+    steps[leapt] = 0.0
     driven = [status for status in recording.status if has_goal(status)]
     durations, goal_errors = _in_place(recording, driven, tolerance_of(scenario))
     return Summary(
