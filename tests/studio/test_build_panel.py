@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -34,8 +35,9 @@ def test_every_shipped_scenario_can_be_built_on(studio: Studio) -> None:
     draft = studio.build.draft
     for name in scenario_names():
         draft.load(name)
-        for selected in studio.build._bench.selectable():
-            studio.build._bench.select(selected)
+        for kind, count in studio.build._bench.selectable().items():
+            for index in range(count):
+                studio.build._bench.select((kind, index))
         draft.undo()
         draft.redo()
     studio.build.leave()
@@ -49,3 +51,25 @@ def test_what_is_selected_is_forgotten_with_it(studio: Studio) -> None:
     bench.select(("robot", 3))
     draft.undo()
     assert bench.selected is None
+
+
+def test_what_is_dropped_where_it_cannot_be_goes_back(studio: Studio) -> None:
+    draft, scene = studio.build.draft, studio.build._scene
+    draft.replace(with_team(draft.state, "go1", 4))
+    studio.build._bench.select(("robot", 0))
+    event = SimpleNamespace(client=None, client_id=None)
+    before = draft.data
+    gizmo = scene._gizmos["robot", 0]
+    gizmo.pose = (1.6, 5.71, 0.0)
+    scene._preview(("robot", 0), gizmo.pose)
+    assert "overlaps robot" in (studio.build._bench.warned or "")
+    scene._dropped(("robot", 0), gizmo.pose, event)
+    assert draft.data is before
+    assert "overlaps robot" in (studio.build._bench.refused or "")
+    assert gizmo.pose == pytest.approx(draft.state.robots[0][1])
+    scene._dropped(("goal", 0), (10.0, 2.0, 1.0), event)
+    assert draft.state.goals == ((10.0, 2.0, 1.0),)
+    assert studio.build._bench.refused is None
+    assert studio.build._bench.warned is None
+    draft.undo()
+    assert scene._gizmos["goal", 0].pose == pytest.approx(draft.state.goals[0])

@@ -77,7 +77,7 @@ class Layout:
             ValueError: A message is of another kind.
         """
         size = len(self._template)
-        if any(len(message) != size for message in messages):
+        if set(map(len, messages)) - {size}:
             raise ValueError(f"expected messages of {size} bytes")
         data = np.frombuffer(b"".join(messages), dtype=np.uint8).reshape(-1, size).copy()
         rows = data.reshape(-1).view(self._rows)

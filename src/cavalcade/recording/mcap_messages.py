@@ -13,7 +13,6 @@ import sys
 from binascii import crc32
 from collections.abc import Callable, Container
 from dataclasses import dataclass, field
-from itertools import pairwise
 from pathlib import Path
 
 from cavalcade.errors import RecordingError
@@ -53,7 +52,7 @@ class Messages:
 
     def sort(self) -> None:
         """Put them in order of time."""
-        if any(later < earlier for earlier, later in pairwise(self.times)):
+        if self.times != sorted(self.times):
             order = sorted(range(len(self.times)), key=self.times.__getitem__)
             self.times = [self.times[k] for k in order]
             self.data = [self.data[k] for k in order]

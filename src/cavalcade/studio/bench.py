@@ -8,7 +8,7 @@ from typing import Any
 from cavalcade.studio.draft import Draft
 from cavalcade.studio.edits import is_individual
 from cavalcade.studio.fields import Fields
-from cavalcade.studio.obstacles import obstacles_of
+from cavalcade.studio.obstacles import obstacle_at
 from cavalcade.studio.session import Session
 from cavalcade.studio.uploads import Uploads
 
@@ -45,8 +45,10 @@ class Bench:
 
     def update(self) -> None:
         """Something has changed: everybody shows what is the case."""
-        if self.selected is not None and self.selected not in self.selectable():
-            self.selected = None
+        if self.selected is not None:
+            kind, index = self.selected
+            if index >= self.selectable()[kind]:
+                self.selected = None
         for act in tuple(self.updated):
             act()
 
@@ -60,17 +62,16 @@ class Bench:
         self.tool = tool
         self.update()
 
-    def selectable(self) -> list[Selection]:
-        """All that can be selected."""
+    def selectable(self) -> dict[str, int]:
+        """How many of each kind can be selected."""
         state = self.draft.state
         robots = len(state.robots)
         goals = robots if is_individual(state.data) else len(state.goals)
-        counts = {"robot": robots, "goal": goals, "obstacle": len(state.shown.world.obstacles)}
-        return [(kind, index) for kind, count in counts.items() for index in range(count)]
+        return {"robot": robots, "goal": goals, "obstacle": len(state.shown.world.obstacles)}
 
     def obstacle(self, index: int) -> dict[str, Any]:
         """An obstacle that stands there."""
-        return obstacles_of(self.draft.state)[index]
+        return obstacle_at(self.draft.state, index)
 
     def get(self, path: str) -> Any:
         """What the file says at a dotted path of mappings; None for nothing."""

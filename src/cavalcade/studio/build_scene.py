@@ -36,6 +36,7 @@ class ScenePart:
         self._first: tuple[float, float] | None = None
         self._mark: Any = None
         self._previewed = 0.0
+        self._held: Selection | None = None  # what somebody drags stays in their hand
         self.wall = WALL
         bench.updated.append(self.show)
 
@@ -54,6 +55,7 @@ class ScenePart:
         """Leave the scene to others."""
         self._entered = False
         self._forget_first()
+        self._held = None
         for key in list(self._gizmos):
             self._gizmos.pop(key).remove()
         stage = self._bench.session.stage
@@ -88,7 +90,7 @@ class ScenePart:
             self._gizmos.pop(key).remove()
         for key in sorted(wanted):
             pose = poses.pose_at(bench.draft.state, *key)
-            if key in self._gizmos and _same(self._gizmos[key].pose, pose):
+            if key in self._gizmos and (key == self._held or _same(self._gizmos[key].pose, pose)):
                 continue
             if key in self._gizmos:
                 self._gizmos[key].pose = pose
@@ -109,7 +111,7 @@ class ScenePart:
 
     def _preview(self, key: Selection, there: Pose) -> None:
         """Say on the way whether a robot could stand there."""
-        bench = self._bench
+        bench, self._held = self._bench, key
         now = time.monotonic()
         if (
             key[0] != "robot"
@@ -129,7 +131,7 @@ class ScenePart:
 
     def _dropped(self, key: Selection, there: Pose, event: Any) -> None:
         """Something has been moved by hand; where that is refused it goes back."""
-        bench = self._bench
+        bench, self._held = self._bench, None
         done = False
 
         def put() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import islice
 from typing import Any
 
 from cavalcade.robots import MODELS
@@ -34,18 +35,19 @@ class SelectionPart:
         bench.updated.append(self._show)
 
     def _choose(self, name: str) -> None:
-        named = {_name(one): one for one in self._bench.selectable()}
-        self._bench.select(named.get(name))
+        kind, _, index = name.partition(" ")
+        self._bench.select((kind, int(index)) if index else None)
 
     def _show(self) -> None:
         bench = self._bench
-        selectable = bench.selectable()
-        options = (NOTHING, *map(_name, selectable[:_MOST]))
+        counts = bench.selectable()
+        listed = ((kind, index) for kind, count in counts.items() for index in range(count))
+        options = (NOTHING, *map(_name, islice(listed, _MOST)))
         if bench.selected is not None and _name(bench.selected) not in options:
             options += (_name(bench.selected),)
         if options != self._list.options:
             self._list.options = options
-        self._list.visible = bool(selectable)
+        self._list.visible = any(counts.values())
         selected = bench.selected
         kind = None if selected is None else self._kind(selected)
         if (selected, kind) != self._shown:
@@ -77,10 +79,10 @@ class SelectionPart:
             self._build_obstacle(index)
         else:
             pose = gui.add_vector3(
-                "x, y, yaw",
+                "x, y (m), yaw (rad)",
                 (0.0, 0.0, 0.0),
                 step=0.05,
-                hint="m, m and rad; yaw is counter-clockwise from the x axis.",
+                hint="In the map; yaw is counter-clockwise from the x axis.",
             )
             pose.precision = 3
             fields.bind(

@@ -86,6 +86,11 @@ def obstacles_of(state: Checked) -> list[Data]:
     return [one.to_dict() for one in state.shown.world.obstacles]
 
 
+def obstacle_at(state: Checked, index: int) -> Data:
+    """One of them."""
+    return state.shown.world.obstacles[index].to_dict()
+
+
 def with_obstacle(state: Checked, obstacle: Mapping[str, Any] | None, index: int) -> Data:
     """The data with another obstacle at an index, or one more behind the last; None: one less.
 

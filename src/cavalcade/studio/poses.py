@@ -7,7 +7,7 @@ from typing import Any
 
 from cavalcade.studio.draft import Checked, Pose
 from cavalcade.studio.edits import is_individual, without_robot
-from cavalcade.studio.obstacles import at_pose, obstacles_of, pose_of, with_obstacle
+from cavalcade.studio.obstacles import at_pose, obstacle_at, pose_of, with_obstacle
 
 Data = dict[str, Any]
 
@@ -18,7 +18,7 @@ def pose_at(state: Checked, kind: str, index: int) -> Pose:
         return state.robots[index][1]
     if kind == "goal":
         return state.goals[index]
-    return pose_of(obstacles_of(state)[index])
+    return pose_of(obstacle_at(state, index))
 
 
 def moved(state: Checked, kind: str, index: int, pose: Sequence[float]) -> Data:
@@ -26,7 +26,7 @@ def moved(state: Checked, kind: str, index: int, pose: Sequence[float]) -> Data:
     x, y, yaw = (round(float(value), 3) for value in pose)
     data = state.data
     if kind == "obstacle":
-        return with_obstacle(state, at_pose(obstacles_of(state)[index], (x, y, yaw)), index)
+        return with_obstacle(state, at_pose(obstacle_at(state, index), (x, y, yaw)), index)
     if kind == "goal" and not is_individual(data):
         goals = list(data["task"]["goals"])
         goals[index] = [x, y, yaw]
