@@ -190,6 +190,7 @@ def test_at_the_end_it_waits_for_what_gives_the_team_something_to_do(steered):
     steering.submit(add=ROCK)  # nothing to do for the team
     wall.sleep(0.05)
     assert steering.phase == "waiting"
+    assert steering.pending == 1
     steering.submit(goals=[[7.5, 4.0, 0.0]])
     until(lambda: len(frames) > count + 5)
     until(lambda: steering.phase == "waiting")

@@ -60,6 +60,13 @@ def choose(page: Any, label: str, option: str) -> None:
     page.get_by_role("option", name=option, exact=True).click()
 
 
+def use(page: Any, studio: Studio, until: Any, tool: str) -> None:
+    """Let clicks do something else, and the page know it."""
+    choose(page, "A click", tool)
+    until(page, lambda: studio.drive._tools._tool == tool, "the tool")
+    page.wait_for_timeout(500)
+
+
 def type_in(page: Any, label: str, value: str) -> None:
     box = page.get_by_label(label, exact=True).first
     box.fill(value)
@@ -178,12 +185,12 @@ def test_the_goal_is_dragged_on_the_way_and_at_the_end(
 def test_played_exported_and_run_on_the_command_line(
     driving: Studio, page: Any, until: Any, tmp_path: Path
 ) -> None:
-    drive = begun(page, driving, until, 2.0)
-    choose(page, "A click", BOX)
-    page.mouse.click(*on_screen(driving, page, 5.0, 3.2))
+    drive = begun(page, driving, until, 0.5)
+    use(page, driving, until, BOX)
+    page.mouse.click(*on_screen(driving, page, 5.0, 3.2, 0.0))
     until(page, lambda: len(drive.snapshot().obstacles) == 1, "the obstacle")
-    choose(page, "A click", WAYPOINT)
-    page.mouse.click(*on_screen(driving, page, 7.0, 5.0))
+    use(page, driving, until, WAYPOINT)
+    page.mouse.click(*on_screen(driving, page, 7.0, 5.0, 0.0))
     until(page, lambda: len(drive.goals) == 2, "the waypoint")
     unfold(page, "Robots")
     choose(page, "Robot", "1")
@@ -259,11 +266,10 @@ def test_wrong_clicks_end_in_words(studio: Studio, page: Any, until: Any) -> Non
     until(page, shown(page, "is not lost"), "the words")
     press(page, "Push")
     until(page, shown(page, "only robots in physics"), "the words")
-    choose(page, "A click", BOX)
+    use(page, studio, until, BOX)
     x, y, _ = drive.snapshot().poses[0]
     page.mouse.click(*on_screen(studio, page, float(x), float(y), 0.0))
     until(page, shown(page, "stands there"), "the words")
-    unfold(page, "Obstacles")
     press(page, "Stop")
     until(page, lambda: drive.phase == "ended", "the end")
     press(page, AWAY)

@@ -87,7 +87,9 @@ def test_it_is_prepared_runs_is_paused_waits_and_ends(drive_of: Any) -> None:
     until(lambda: drive.phase == "waiting")
     assert drive.words.startswith("Arrived. Drag the goal")
     assert drive.goals == ((8.0, 4.0, 0.0),)
-    drive.set_goals([(6.0, 4.0, 0.0)])
+    drive.add(ROCK)
+    assert drive.words.endswith("1 change comes about with the next goal")
+    drive.set_goals([(6.5, 5.0, 0.0)])
     until(lambda: drive.phase == "running")
     until(lambda: drive.phase == "waiting")
     drive.stop()
@@ -198,7 +200,7 @@ def test_wrong_things_are_refused_in_words(drive_of: Any) -> None:
         (lambda: drive.set_formation({"shape": "line", "spacing": 0.0}), "greater than 0"),
         (lambda: drive.add({"box": {"center": [1.5, 3.0], "size": [1, 1]}}), "robot 0 stands"),
         (lambda: drive.add({"box": {"center": [1.5, 5.0], "size": [0, 1]}}), "size"),
-        (lambda: drive.add({}), "exactly one"),
+        (lambda: drive.add({}), "expected one shape"),
         (lambda: drive.remove(7), "not there any more"),
         (lambda: drive.move(0, (1.5, 3.0), 0.0), "robot 0 stands"),
         (lambda: drive.move(0, (1.5, 3.0), -1.0), "robot 0 stands"),

@@ -18,6 +18,9 @@ from cavalcade.values import number_in, whole_number
 SPEEDS = (0.1, 10.0)
 """Slowest and fastest pace, simulated seconds per second."""
 
+LATEST = 0.5
+"""A run that is late by less catches up, s of the wall's clock."""
+
 TASK_KINDS = ("goals", "formation", "rejoin")
 """Events that give the team something to do."""
 
@@ -101,6 +104,12 @@ class Steering:
         """The robots, for sinks of the run to look at; None before it begins."""
         with self._lock:
             return self._fleet
+
+    @property
+    def pending(self) -> int:
+        """How many events wait for a cycle; while the run waits there is none."""
+        with self._lock:
+            return len(self._submitted)
 
     def pause(self) -> None:
         """Stop the clock before the next cycle."""
@@ -204,10 +213,10 @@ class Steering:
             self._lock.notify_all()
 
     def _keep_pace(self, period: float) -> None:
-        """Wait for the wall's clock; who is late does not catch up."""
+        """Wait for the wall's clock; who is late by more than a moment does not catch up."""
         while self._speed is not None and not self._finishing:
             now = wall.monotonic()
-            if self._due is None or self._due < now - period / self._speed:
+            if self._due is None or self._due < now - max(period / self._speed, LATEST):
                 self._due = now
             left = self._due - now
             if left <= 0.0:

@@ -12,8 +12,8 @@ from cavalcade.scenario import FormationSection
 from cavalcade.studio.drive import Drive, Pose
 from cavalcade.studio.session import Session
 
-NOTHING, WAYPOINT, BOX, CYLINDER = (
-    "nothing",
+SELECT, WAYPOINT, BOX, CYLINDER = (
+    "selects",
     "adds a waypoint",
     "puts a box down",
     "puts a cylinder down",
@@ -45,13 +45,15 @@ class DriveTools:
         self._gizmos: list[Any] = []
         self._mover: Any = None
         self._selected: int | None = None
+        self._tool, self._entered = SELECT, False
         self._sent = -math.inf
         self._dragged = -math.inf
         self.fixed: list[int] = []
         self.movers: list[int] = []
         gui, handle = session.server.gui, session.handle
-        self._click = gui.add_dropdown("A click", (NOTHING, WAYPOINT, BOX, CYLINDER))
-        self._size = gui.add_number("Size (m)", 0.6, min=0.05, max=20.0, step=0.05)
+        self._click = gui.add_dropdown("A click", (SELECT, WAYPOINT, BOX, CYLINDER))
+        self._click.on_update(self._use)
+        self._size = gui.add_number("of size (m)", 0.6, min=0.05, max=20.0, step=0.05)
         with gui.add_folder("Shape", expand_by_default=False):
             self._shape = gui.add_dropdown("Shape", SHAPES)
             self._extent = gui.add_number(
@@ -94,12 +96,12 @@ class DriveTools:
 
     def enter(self) -> None:
         """The scene is ours."""
-        stage, handle = self._session.stage, self._session.handle
-        stage.on_ground_click(lambda event, x, y: handle(lambda _: self._clicked(x, y))(event))
-        stage.on_pick(lambda event, kind, index: handle(lambda _: self._picked(kind, index))(event))
+        self._entered = True
+        self._listen()
 
     def leave(self) -> None:
         """The scene is somebody else's."""
+        self._entered = False
         self._session.stage.on_ground_click(None)
         self._session.stage.on_pick(None)
         self._clear()
@@ -142,14 +144,37 @@ class DriveTools:
         place = index - max(len(self._gizmos) - len(goals), 0)
         if place < 0:
             raise InputError("this waypoint has just been reached")
+        if math.dist(goals[place], pose) < _SAME:
+            return
         goals[place] = pose
         self._drive().set_goals(goals)
 
+    def _use(self, event: Any) -> None:
+        """Let clicks do something else."""
+
+        def take(_: Any) -> None:
+            self._tool = self._click.value
+            if self._entered:
+                self._listen()
+
+        self._session.handle(take)(event)
+        if self._click.value != self._tool:  # one who watches has chosen it
+            self._click.value = self._tool
+
+    def _listen(self) -> None:
+        """Clicks are on things or on the ground, not on both."""
+        stage, handle, selects = self._session.stage, self._session.handle, self._tool == SELECT
+        stage.on_pick(
+            (lambda event, kind, index: handle(lambda _: self._picked(kind, index))(event))
+            if selects
+            else None
+        )
+        stage.on_ground_click(
+            None if selects else lambda event, x, y: handle(lambda _: self._clicked(x, y))(event)
+        )
+
     def _clicked(self, x: float, y: float) -> None:
-        what, size = self._click.value, float(self._size.value)
-        if what == NOTHING:
-            self._select(None)
-            return
+        what, size = self._tool, float(self._size.value)
         drive, place = self._drive(), [round(x, 3), round(y, 3)]
         if what == WAYPOINT:
             goals = drive.goals
@@ -166,7 +191,8 @@ class DriveTools:
             self._robot.value = str(index)
             return
         found = self.fixed if kind == "obstacle" else self.movers
-        self._select(found[index] if index < len(found) else None)
+        picked = found[index] if index < len(found) else None
+        self._select(None if picked == self._selected else picked)
 
     def _select(self, index: int | None) -> None:
         if self._mover is not None:
@@ -196,6 +222,9 @@ class DriveTools:
         if self._selected is None:
             raise InputError("no obstacle is selected")
         to = (round(pose[0], 3), round(pose[1], 3))
+        here = self._drive().spans[self._selected].obstacle_at(_time(self._drive()))
+        if here is not None and math.dist(here.center, to) < 1e-3:
+            return
         speed = float(self._obstacle_speed.value)
         try:
             self._drive().move(self._selected, to, speed)

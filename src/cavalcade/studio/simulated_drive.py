@@ -123,7 +123,10 @@ class SimulatedDrive:
         if phase == "preparing":
             return self._progress or "Preparing …"
         if phase == "waiting":
-            return f"{_reason(self._steering.reason, '')}. Drag the goal to go on, or stop"
+            text = f"{_reason(self._steering.reason, '')}. Drag the goal to go on, or stop"
+            count = self._steering.pending
+            said = "1 change comes" if count == 1 else f"{count} changes come"
+            return f"{text}; {said} about with the next goal" if count else text
         if phase == "paused":
             return "Paused"
         return self._news or "Running"
@@ -323,8 +326,9 @@ class SimulatedDrive:
         try:
             self._steering.submit(**event)
         except CavalcadeError as error:
-            # The file and the place in it are not what somebody sees who clicks.
-            raise InputError(error.message, choices=error.choices) from None
+            # The file and the event's number in it are not what somebody sees who clicks.
+            key = (error.key or "").rpartition("]")[2].lstrip(".")
+            raise InputError(error.message, key=key, choices=error.choices) from None
 
     def _check_going(self) -> None:
         if self._over or self._stopped:
