@@ -20,6 +20,7 @@ from cavalcade.scenario import (
     scenario_names,
 )
 from cavalcade.studio.draft import Draft
+from cavalcade.world import OccupancyMap, save_map
 
 
 @pytest.fixture
@@ -268,3 +269,17 @@ def test_any_sequence_of_changes_leaves_a_valid_scenario_or_the_same_one(
         file = tmp_path / "exported.yaml"
         file.write_text(draft.export(), "utf-8")
         assert load_scenario(file) == draft.scenario
+
+
+def test_undo_to_a_map_that_is_gone_is_refused_and_nothing_is_lost(tmp_path: Path) -> None:
+    save_map(OccupancyMap(np.zeros((60, 80), dtype=bool), 0.1), tmp_path / "lab.yaml")
+    draft = Draft()
+    draft.set("world", {"map": str(tmp_path / "lab.yaml")})
+    draft.set("world", {"empty": {"size": [8.0, 6.0]}})
+    for file in tmp_path.iterdir():
+        file.unlink()
+    before = draft.data
+    with pytest.raises(InputError, match="no such file"):
+        draft.undo()
+    assert draft.data is before
+    assert draft.can_undo

@@ -213,3 +213,11 @@ def test_a_download_without_uploads_is_the_file_itself(uploads: Uploads, tmp_pat
     assert name == "office.yaml"
     (tmp_path / name).write_bytes(content)
     assert load_scenario(tmp_path / name) == draft.scenario
+
+
+def test_a_relative_folder_of_uploads_is_named_whole(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    found = Uploads(Path("runs/uploads")).take("arena.map", MOVINGAI)
+    assert found.world == {"movingai": {"file": str(tmp_path / "runs/uploads/arena.map")}}

@@ -114,13 +114,14 @@ class Draft:
 
     def __init__(self) -> None:
         self.changed: list[Callable[[], None]] = []
-        self._states = [_check(copy.deepcopy(dict(EMPTY)), None)]
+        self._state = _check(copy.deepcopy(dict(EMPTY)), None)
+        self._steps = [self._state.data]  # the data alone: grounds can be large
         self._now = 0
 
     @property
     def state(self) -> Checked:
         """What it holds at the moment."""
-        return self._states[self._now]
+        return self._state
 
     @property
     def data(self) -> dict[str, Any]:
@@ -145,7 +146,7 @@ class Draft:
     @property
     def can_redo(self) -> bool:
         """Whether there is an undone step."""
-        return self._now < len(self._states) - 1
+        return self._now < len(self._steps) - 1
 
     def set(self, path: str, value: Any) -> None:
         """Change a value; None takes it away.
@@ -173,8 +174,9 @@ class Draft:
         checked = self.check(data)
         if checked.data == self.data:
             return
-        self._states = [*self._states[: self._now + 1], checked][-STEPS:]
-        self._now = len(self._states) - 1
+        self._state = checked
+        self._steps = [*self._steps[: self._now + 1], checked.data][-STEPS:]
+        self._now = len(self._steps) - 1
         self._tell()
 
     def check(self, data: Mapping[str, Any]) -> Checked:
@@ -186,7 +188,11 @@ class Draft:
         return _check(plain(data), self.state)
 
     def undo(self) -> bool:
-        """Take the last step back; whether there was one."""
+        """Take the last step back; whether there was one.
+
+        Raises:
+            InputError: A file that was used then is not there any more.
+        """
         return self._go(self._now - 1)
 
     def redo(self) -> bool:
@@ -228,8 +234,9 @@ class Draft:
         return text_of(data)
 
     def _go(self, index: int) -> bool:
-        if not 0 <= index < len(self._states):
+        if not 0 <= index < len(self._steps):
             return False
+        self._state = _check(self._steps[index], self._state)
         self._now = index
         self._tell()
         return True

@@ -70,7 +70,7 @@ class Uploads:
     """
 
     def __init__(self, folder: Path) -> None:
-        self.folder = folder
+        self.folder = folder.resolve()  # scenarios name files in it, wherever they are
 
     def take(self, name: str, content: bytes) -> Upload:
         """Keep a file, if it is one that can be used.
