@@ -153,6 +153,22 @@ def test_a_goal_on_the_ground_can_be_set_and_read(stage: Stage) -> None:
     gizmo.remove()
 
 
+def test_longer_and_shorter_paths_are_drawn_whole(stage: Stage) -> None:
+    turns = np.linspace(0.0, 3.0, 40)
+    zigzag = np.column_stack([turns, np.abs(turns % 0.4 - 0.2)]) + 1.0
+    for time, count in ((1.0, 2), (2.0, 30), (3.0, 40), (4.0, 5), (5.0, 0)):
+        moment = _moment(stage, time=time)
+        assert moment.status is not None
+        status = replace(moment.status, paths=(zigzag[:count],) + (np.zeros((0, 2)),) * 3)
+        stage.show(replace(moment, status=status))
+        lines = stage._server.scene.get_handle_by_name("/paths")
+        length = np.abs(lines.batched_scales[:, 0] - 0.028).clip(0.0)[
+            lines.batched_scales[:, 0] > 0
+        ]
+        wanted = np.hypot(*np.diff(zigzag[:count], axis=0).T).sum() if count > 1 else 0.0
+        assert length.sum() == pytest.approx(wanted, abs=0.15)
+
+
 def test_lost_robots_and_teams_of_other_sizes(stage: Stage) -> None:
     stage.show(_moment(stage, lost=(1,)))
     scenario = resolve_scenario(load_scenario("triangle-corridor"))

@@ -37,6 +37,7 @@ class Batch:
         self._on_click, self._options = on_click, options
         self._node: Any = None
         self._room = 0
+        self._told: dict[str, Array] = {}
         self._clickable = False
 
     def show(
@@ -53,21 +54,38 @@ class Batch:
             turns = np.tile(_UPRIGHT, (count, 1))
         if scales is None:
             scales = np.ones((count, 3))
-        if self._node is None or count > self._room:
+        if self._node is None:
             self._add(places, turns, colors, scales)
             return
-        # Fewer than there is room for: the others shrink to nothing, which is cheaper than to
+        # Those that there is room for beyond `count` shrink to nothing, which is cheaper than to
         # make all of them anew.
-        spare = self._room - count
+        grows = count > self._room
+        spare = count // 2 + 8 if grows else self._room - count
         if spare:
             places = np.pad(places, ((0, spare), (0, 0)))
             turns = np.concatenate([turns, np.tile(_UPRIGHT, (spare, 1))])
             scales = np.pad(scales, ((0, spare), (0, 0)))
             colors = np.pad(np.reshape(colors, (-1, 3)), ((0, spare), (0, 0)))
-        self._node.batched_positions = places
-        self._node.batched_wxyzs = turns
-        self._node.batched_colors = linear(colors)
-        self._node.batched_scales = np.asarray(scales, dtype=np.float32)
+        if grows:
+            self._add(places, turns, colors, scales)
+            return
+        self._set("batched_positions", places)
+        self._set("batched_wxyzs", turns)
+        self._set("batched_scales", scales)
+        if self._is_new("batched_colors", colors):
+            self._node.batched_colors = linear(colors)
+
+    def _set(self, name: str, value: Array) -> None:
+        if self._is_new(name, value):
+            setattr(self._node, name, value.astype(np.float32))
+
+    def _is_new(self, name: str, value: Array) -> bool:
+        """Whether it is another one than last time; to ask is cheaper than to set it."""
+        before = self._told.get(name)
+        if before is not None and np.array_equal(before, value):
+            return False
+        self._told[name] = np.array(value)
+        return True
 
     def remove(self) -> None:
         """Have none."""
@@ -93,6 +111,7 @@ class Batch:
     def _add(self, places: Array, turns: Array, colors: Array, scales: Array) -> None:
         self.remove()
         self._room = len(places)
+        self._told = {}
         self._node = self._scene.add_batched_meshes_simple(
             self._name,
             self._mesh.vertices,
