@@ -242,6 +242,7 @@ def test_an_obstacle_is_picked_moved_and_deleted(driving: Studio, page: Any, unt
     until(page, click(5.0, 6.0), "the pick")
     until(page, shown(page, "at (5.00, 6.00) m"), "the word")
     type_in(page, "Moves at (m/s)", "0")
+    until(page, lambda: driving.drive._tools._obstacle_speed.value == 0.0, "at once")
     moved = (5.0 + ARROW, 6.0), (1.0, 0.0), lambda: len(drive.snapshot().obstacles) == 1
     drag(driving, page, *moved)
     x, y = drive.snapshot().obstacles[0].center
@@ -266,7 +267,11 @@ def test_wrong_clicks_end_in_words(studio: Studio, page: Any, until: Any) -> Non
     until(page, shown(page, "is not lost"), "the words")
     press(page, "Push")
     until(page, shown(page, "only robots in physics"), "the words")
+    press(page, "Pause")
+    until(page, lambda: drive.phase == "paused", "the pause")
     use(page, studio, until, BOX)
+    words = page.get_by_text("That does not work")  # over the scene, for some seconds
+    until(page, lambda: words.count() == 0, "the end of the words so far")
     x, y, _ = drive.snapshot().poses[0]
     page.mouse.click(*on_screen(studio, page, float(x), float(y), 0.0))
     until(page, shown(page, "stands there"), "the words")

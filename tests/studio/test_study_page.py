@@ -208,3 +208,16 @@ def test_a_campaigns_trials(
 def test_curves_of_commands_alone(kept: Path) -> None:
     speeds = {curve.name: curve for curve in curves_of(read_result(kept))}["fastest robot (m/s)"]
     assert abs(speeds.values.max() - 0.5) < 0.1
+
+
+def test_what_is_taken_along(studio: Studio, page: Any, run: Path, tmp_path: Path) -> None:
+    studio.open(run)
+    for button, name in (("Scenario (YAML)", "told.yaml"), ("Replay (HTML)", "told.html")):
+        with page.expect_download() as got:
+            page.get_by_role("button", name=button).click()
+        assert got.value.suggested_filename == name
+        got.value.save_as(tmp_path / name)
+    again = cv.run(tmp_path / "told.yaml")
+    kept = json.loads((run / "summary.json").read_text())
+    assert list(again.summary["path_length_m"]) == kept["path_length_m"]
+    assert "told" in (tmp_path / "told.html").read_text()
