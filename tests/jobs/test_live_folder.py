@@ -19,6 +19,7 @@ from cavalcade.recording.frames import Frame
 from cavalcade.recording.status import PlannerStatus
 from cavalcade.robots import robot_model
 from cavalcade.scenario import FormationSection, load_scenario
+from cavalcade.scenario.settings import UnitreeSection
 from cavalcade.world import Box, OccupancyMap
 
 GO1 = robot_model("go1")
@@ -219,6 +220,28 @@ def test_folders_that_hold_something(tmp_path: Path) -> None:
     assert not (folder / "summary.json").exists()
     assert not list((folder / "figures").glob("*.png"))
     shutil.rmtree(folder)
+
+
+def test_folders_of_go2s_could_not_be_begun(tmp_path: Path) -> None:
+    """Scenarios of theirs say where each is on the network; odometry begins where they stand."""
+    places = UnitreeSection(robots=[{"interface": "eth1", "battery_min": 5}, {"domain": 7}])
+    recording = record_live(
+        tmp_path / "s", name="lab", models=[GO1, GO1], starts=STARTS, area=AREA,
+        rate=1.0 / PERIOD, backend="unitree", formation=LINE, unitree=places,
+    )  # fmt: skip
+    random = np.random.default_rng(0)
+    with recording:
+        for k in range(CYCLES):
+            recording(a_frame(k, 0.01, False, random))
+    assert finish_recording(tmp_path / "s", figures=False, replay=False).success
+    scenario = load_scenario(tmp_path / "s" / "scenario.yaml")
+    assert scenario.execution.unitree == places
+    assert check(tmp_path / "s").violations == ()
+    with pytest.raises(InputError, match=r"execution\.unitree\.robots: expected the place of each"):
+        record_live(
+            tmp_path / "t", name="lab", models=[GO1, GO1], starts=STARTS, area=AREA, rate=20.0,
+            backend="unitree",
+        )  # fmt: skip
 
 
 def test_values_that_no_scenario_has(tmp_path: Path) -> None:

@@ -20,12 +20,14 @@ import pytest
 from navigation_peers import Peers
 from network_cards import Cards
 
+from cavalcade.checking import check
 from cavalcade.errors import FleetError, InputError
 from cavalcade.fleet.ros2 import load_rclpy, message_type, qos
 from cavalcade.fleet.ros2.messages import fill_header, fill_pose
 from cavalcade.fleet.unitree.sport import Api
 from cavalcade.live.go2 import Go2Team
 from cavalcade.live.team_file import load_team
+from cavalcade.scenario import Scenario, load_scenario
 from cavalcade.world import OccupancyMap, save_map
 
 Mocks = Callable[..., tuple[int, Any]]
@@ -57,6 +59,7 @@ class Go2s:
             "supervision: {deadline: 1.0}\n" + more
         )
         self.node: Any = None
+        self.out = peers.folder / "run"
 
     def navigate(self, *words: str) -> None:
         self.node = self.peers.navigate(*words)
@@ -110,7 +113,19 @@ class Go2s:
 
     def end(self) -> None:
         self.node.send_signal(signal.SIGTERM)
-        assert self.node.wait(30) == 0, self.node.output.read_text()
+        assert self.node.wait(120) == 0, self.node.output.read_text()
+
+    def left(self) -> Scenario:
+        """The scenario of the folder, which is complete and in order."""
+        found = {str(file.relative_to(self.out)) for file in self.out.rglob("*") if file.is_file()}
+        files = {"summary.json", "scenario.yaml", "recording.mcap", "replay.html", "map.yaml"}
+        assert files | {"figures/sequence.png"} <= found
+        said = json.loads((self.out / "summary.json").read_text())
+        assert said["backend"] == "unitree"
+        assert said["reason"] in ("arrived", "stopped")
+        # A machine that stood still for half a second has left no samples meanwhile.
+        assert {one.kind for one in check(self.out).violations} <= {"samples"}
+        return load_scenario(self.out / "scenario.yaml")
 
 
 def goes(mock: Any, since: float) -> list[float]:
@@ -163,7 +178,7 @@ def test_goals_e_stops_and_faults_of_two_go2s_on_cards_of_their_own(
 ) -> None:
     dogs, cards = team
     peers, (first, second) = dogs.peers, dogs.mocks
-    dogs.navigate()
+    dogs.navigate("--out", str(dogs.out))
     assert [posture(mock) for mock in dogs.mocks] == ["ready", "ready"]
     dogs.go(2.0)
     dogs.arrive((2.0, 1.5), (2.0, 2.5))
@@ -241,6 +256,9 @@ def test_goals_e_stops_and_faults_of_two_go2s_on_cards_of_their_own(
     dogs.walk()
     dogs.end()
     assert all(mock.calls[-1] == Api.STOP_MOVE for mock in dogs.mocks)
+    said = dogs.left().execution.unitree
+    assert [robot.interface for robot in said.robots] == cards.ours
+    assert not said.lie_down
 
 
 class Camera(threading.Thread):
@@ -307,7 +325,7 @@ def test_go2s_located_by_others_and_a_dry_run(seen: tuple[Go2s, Camera]) -> None
     dogs.resume()
     dogs.end()
     assert not any(mock.requests for mock in dogs.mocks)
-    dogs.navigate()
+    dogs.navigate("--out", str(dogs.out))
     dogs.go(3.0)
     for fault, cause, limit in (
         ({"frame": "odom"}, "frame: robot_0 (poses on /robot_0/pose are in 'odom'", 0.0),
@@ -325,3 +343,8 @@ def test_go2s_located_by_others_and_a_dry_run(seen: tuple[Go2s, Camera]) -> None
     dogs.arrive((3.0, 1.5), (3.0, 2.5))
     dogs.end()
     assert all(posture(mock) == "lying" for mock in dogs.mocks)
+    said = dogs.left().execution.unitree
+    assert [robot.interface for robot in said.robots] == ["lo", "lo"]
+    assert len({robot.domain for robot in said.robots}) == 2
+    assert [robot.battery_min for robot in said.robots] == [5.0, 5.0]
+    assert said.lie_down

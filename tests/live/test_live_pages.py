@@ -149,9 +149,54 @@ def test_the_example_operates_a_team(peers):
     assert operate("reset_stop").returncode == 0
     assert operate("resume").returncode == 0
     assert operate("watch").returncode == 0
+    # On the way there is a shape and a second waypoint.
+    assert operate("formation", "{shape: column, spacing: 1.0}").returncode == 0
+    assert operate("goals", "5.0,3.0,0", "3.0,3.0,0").returncode == 0
+    peers.until(lambda: len(peers.status["goals"]) == 2, node)
+    assert not peers.status["refused"]
     assert operate("goal", "2.0", "1.0", "0", "robot_3").returncode == 0
     peers.until(lambda: peers.status["mode"] == "individual", node)
-    assert operate("dance").returncode == 2
+    lost = operate("goal", "2.0", "1.0", "0", "robot_9")
+    assert lost.returncode == 1
+    assert lost.stderr == "/team/navigator does not listen to /robot_9/goal_pose\n"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "dance", "", "goal 1 2", "goal 1 2 north", "goals", "goals 1,2", "goals 1,2,0 3,4,a",
+        "formation", "stop now",
+    ],
+)  # fmt: skip
+def test_words_that_the_example_does_not_know(words):
+    command = [sys.executable, str(EXAMPLES / "operate.py"), *words.split()]
+    said = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert said.returncode == 2
+    assert "python operate.py goal" in said.stdout
+    assert said.stderr == ""
+
+
+@pytest.mark.parametrize("words", ["goals 1,2,0", "stop", "watch"])
+def test_the_example_waited_for_ever_where_nobody_navigates(peers, words):
+    command = [sys.executable, str(EXAMPLES / "operate.py"), *words.split()]
+    said = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert said.returncode == 1
+    domain = os.environ["ROS_DOMAIN_ID"]
+    assert said.stderr.startswith(f"no /team/navigator was heard in domain {domain}: ")
+    assert said.stderr.count("\n") == 1
+    # Ctrl-C had a traceback.
+    waiting = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    peers.until(lambda: "operator" in other_nodes(peers))
+    waiting.send_signal(signal.SIGINT)
+    assert waiting.communicate(timeout=30)[1] == ""
+    assert waiting.returncode == 130
+
+
+def other_nodes(peers):
+    """Names of nodes on the graph, without the test's own."""
+    names = peers.graph.node.get_node_names()
+    names.remove(peers.graph.node.get_name())
+    return names
 
 
 def shown_topics():

@@ -86,6 +86,11 @@ def test_limits_and_supervision_become_the_supervisors():
             "robots[1]: is where robot 0 is",
         ),
         (
+            # As it is delivered a Go2 is in domain 0, and so is one of which no domain is said.
+            {"fleet": "unitree", "robots": [UNITREE[0], UNITREE[0] | {"name": "b", "domain": 0}]},
+            "robots[1]: is where robot 0 is",
+        ),
+        (
             {"fleet": "unitree", "robots": [UNITREE[0] | {"velocity": {"topic": "v"}}, UNITREE[1]]},
             "robots[0].velocity: is for fleet: ros2",
         ),
@@ -126,6 +131,13 @@ def test_a_map_that_was_heard_replaced_a_named_file(said, topic):
 def test_unitree_robots_need_a_place_of_their_own():
     team = parse_team(GOOD | {"fleet": "unitree", "robots": UNITREE})
     assert team.robots[1].domain == 1
+    assert parse_team(GOOD).go2s is None
+    robots = [UNITREE[0], UNITREE[0] | {"name": "bert", "domain": 1, "battery_min": 0}]
+    said = parse_team(GOOD | {"fleet": "unitree", "robots": robots, "lie_down": True}).go2s
+    assert said is not None
+    assert [(one.domain, one.interface) for one in said.robots] == [(0, "eth0"), (1, "eth0")]
+    assert [one.battery_min for one in said.robots] == [20.0, 0.0]
+    assert said.lie_down
 
 
 def test_schema_is_printed_and_says_units(capsys):

@@ -44,6 +44,7 @@ from cavalcade.scenario import (
     parse_scenario,
     resolve_scenario,
 )
+from cavalcade.scenario.settings import UnitreeSection
 from cavalcade.values import path_of
 from cavalcade.world import OccupancyMap, save_map
 
@@ -65,6 +66,7 @@ def record_live(
     backend: str,
     formation: FormationSection | None = None,
     names: Sequence[str] | None = None,
+    unitree: UnitreeSection | None = None,
     force: bool = False,
 ) -> LiveRecording:
     """Begin a folder with the map and a scenario that describes the session, and its recording.
@@ -79,6 +81,7 @@ def record_live(
         backend: `ros2`, for example.
         formation: The shape; None for goals of single robots.
         names: What the robots are called.
+        unitree: Where Go2s are on the network, which backend `unitree` asks for.
         force: Write into a folder that holds something; what a session left there is replaced.
 
     Raises:
@@ -106,6 +109,9 @@ def record_live(
     else:
         said = formation.model_dump(mode="json", exclude_none=True)
         task = {"formation": said, "goals": [np.mean(poses, axis=0).tolist()]}
+    execution: dict[str, Any] = {"backend": backend, "rate": rate, "timeout": _LONGEST}
+    if unitree is not None:
+        execution["unitree"] = unitree.model_dump(mode="json")
     scenario = parse_scenario(
         {
             "version": 1,
@@ -113,7 +119,7 @@ def record_live(
             "world": {"map": MAP},
             "robots": robots,
             "task": task,
-            "execution": {"backend": backend, "rate": rate, "timeout": _LONGEST},
+            "execution": execution,
         },
         folder / SCENARIO,
     ).with_models(models)

@@ -33,8 +33,7 @@ class Go2Team(Go2Fleet):
     def __init__(self, team: Team, dry_run: bool = False) -> None:
         links = [
             Go2Link(
-                domain=robot.domain or 0,
-                interface=robot.interface,
+                *robot.place,
                 pose_source="external" if robot.start is None else "sport",
                 battery_min=robot.battery_min,
             )

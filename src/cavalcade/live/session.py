@@ -54,6 +54,7 @@ class SessionFolder:
                 backend=team.fleet,
                 formation=team.formation,
                 names=team.names,
+                unitree=team.go2s,
                 force=self._force,
             )
         return self.recording

@@ -27,7 +27,7 @@ from cavalcade.scenario import FormationSection, PlannerSection, Scenario, build
 from cavalcade.scenario.fields import File, Number, Point, Pose, Positive, Section, Seed, expected
 from cavalcade.scenario.loading import parse_scenario, schema_of
 from cavalcade.scenario.messages import scenario_error
-from cavalcade.scenario.settings import Expectations
+from cavalcade.scenario.settings import Expectations, Go2Section, UnitreeSection
 from cavalcade.scenario.shipped import find_scenario, read_text, scenario_names
 from cavalcade.scenario.task import ModelSection, check_formation
 from cavalcade.values import described
@@ -108,6 +108,11 @@ class TeamRobotSection(ModelSection):
     domain: Annotated[int, Strict(), Field(ge=0, le=232)] | None = None
     start: Pose | None = None
     battery_min: Annotated[Number, Field(ge=0, le=100)] = 20.0
+
+    @property
+    def place(self) -> tuple[int, str | None]:
+        """The DDS domain and the interface of a Go2; as it is delivered it is in domain 0."""
+        return self.domain or 0, self.interface
 
     @property
     def topics(self) -> tuple[str, ...]:
@@ -283,7 +288,7 @@ class Team(Section):
         if robot.interface is None and robot.domain is None:
             raise expected("expected its network interface, its DDS domain or both", key=key)
         for other, known in enumerate(self.robots[:index]):
-            if (known.interface, known.domain) == (robot.interface, robot.domain):
+            if known.place == robot.place:
                 text = f"is where robot {other} is; each needs its own interface or domain"
                 raise expected(text, key=key)
 
@@ -301,6 +306,21 @@ class Team(Section):
     def names(self) -> tuple[str, ...]:
         """The name of each robot."""
         return tuple(robot.name for robot in self.robots)
+
+    @property
+    def go2s(self) -> UnitreeSection | None:
+        """How its Go2s are reached, as a scenario says it; None of another fleet.
+
+        Each is said to stand at its start, wherever its odometry began.
+        """
+        if self.fleet != "unitree":
+            return None
+        robots = tuple(
+            Go2Section(domain=domain, interface=interface, battery_min=robot.battery_min)
+            for robot in self.robots
+            for domain, interface in [robot.place]
+        )
+        return UnitreeSection(robots=robots, lie_down=self.lie_down)
 
     @property
     def expected(self) -> Imperfections:
