@@ -245,9 +245,12 @@ def test_an_obstacle_is_picked_moved_and_deleted(driving: Studio, page: Any, unt
     until(page, lambda: driving.drive._tools._obstacle_speed.value == 0.0, "at once")
     moved = (5.0 + ARROW, 6.0), (1.0, 0.0), lambda: len(drive.snapshot().obstacles) == 1
     drag(driving, page, *moved)
-    x, y = drive.snapshot().obstacles[0].center
-    assert (x, y) == pytest.approx((6.0, 6.0), abs=0.25)
-    until(page, click(x, y), "the pick")
+
+    def there() -> bool:
+        return drive.snapshot().obstacles[0].center == pytest.approx((6.0, 6.0), abs=0.25)
+
+    until(page, there, "the new place")
+    until(page, click(*drive.snapshot().obstacles[0].center), "the pick")
     press(page, DELETE)
     until(page, lambda: drive.snapshot().obstacles == (), "its end")
 

@@ -88,16 +88,14 @@ class Transport:
 
 
 def _offers(drive: Drive | None) -> tuple[str, ...]:
-    """What can be done now."""
+    """What can be done now; buttons stay where they are while something is driven."""
     phase = "ended" if drive is None else drive.phase
     if drive is None or phase == "ended":
         return (START,)
-    if phase == "preparing":
-        return (END,) if drive.live else (STOP,)
     go = RESUME if phase in ("paused", "stopped") else PAUSE
     if drive.live:
-        return go, END
-    return (STOP, RESTART) if phase == "waiting" else (go, STEP, STOP, RESTART)
+        return (END,) if phase == "preparing" else (go, END)
+    return go, STEP, STOP, RESTART
 
 
 def _words(drive: Drive | None, missing: str) -> str:
