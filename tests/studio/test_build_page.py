@@ -14,7 +14,7 @@ import pytest
 
 from cavalcade.scenario import load_scenario
 from cavalcade.studio.app import Studio
-from cavalcade.studio.guide import QUICK
+from cavalcade.studio.build.guide import QUICK
 
 MOVINGAI = b"type octile\nheight 40\nwidth 60\nmap\n" + 40 * (60 * b"." + b"\n")
 

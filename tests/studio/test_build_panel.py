@@ -9,7 +9,7 @@ import pytest
 
 from cavalcade.scenario import scenario_names
 from cavalcade.studio.app import Studio
-from cavalcade.studio.edits import with_individual_goals, with_team
+from cavalcade.studio.build.edits import with_individual_goals, with_team
 
 
 def test_the_scene_shows_no_stand_ins(studio: Studio, monkeypatch: pytest.MonkeyPatch) -> None:

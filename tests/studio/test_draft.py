@@ -19,7 +19,7 @@ from cavalcade.scenario import (
     resolve_scenario,
     scenario_names,
 )
-from cavalcade.studio.draft import Draft
+from cavalcade.studio.build.draft import Draft
 from cavalcade.world import OccupancyMap, save_map
 
 

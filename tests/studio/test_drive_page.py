@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 from cavalcade.studio.app import Studio
-from cavalcade.studio.drive_result import DOWNLOAD, EXPORT, STUDY
-from cavalcade.studio.drive_tools import AWAY, BACK, BOX, DELETE, WAYPOINT
-from cavalcade.studio.drive_transport import EMERGENCY
+from cavalcade.studio.drive.result import DOWNLOAD, EXPORT, STUDY
+from cavalcade.studio.drive.tools import AWAY, BACK, BOX, DELETE, WAYPOINT
+from cavalcade.studio.drive.transport import EMERGENCY
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "live"))
 from fake_fleet import FakeFleet

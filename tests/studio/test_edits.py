@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 
 from cavalcade.errors import InputError
 from cavalcade.scenario import scenario_names
-from cavalcade.studio.draft import Draft
-from cavalcade.studio.edits import (
+from cavalcade.studio.build.draft import Draft
+from cavalcade.studio.build.edits import (
     with_formation,
     with_individual_goals,
     with_robot,
@@ -23,8 +23,8 @@ from cavalcade.studio.edits import (
     with_world,
     without_robot,
 )
-from cavalcade.studio.guide import advice, ground, notes
-from cavalcade.studio.obstacles import (
+from cavalcade.studio.build.guide import advice, ground, notes
+from cavalcade.studio.build.obstacles import (
     at_pose,
     box_between,
     circle_between,
@@ -34,7 +34,7 @@ from cavalcade.studio.obstacles import (
     with_obstacle,
     with_one_more,
 )
-from cavalcade.studio.poses import moved, removed
+from cavalcade.studio.build.poses import moved, removed
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cavalcade.robots import body_of, robot_model
-from cavalcade.studio.gait import STRIDE, Trot
+from cavalcade.studio.scene.gait import STRIDE, Trot
 
 _FEET = np.array([(0.2, 0.12), (0.2, -0.12), (-0.2, 0.12), (-0.2, -0.12)])
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from cavalcade.studio import camera, rotations
-from cavalcade.studio.scale import grid_lines, spacing
+from cavalcade.studio.scene import camera, rotations
+from cavalcade.studio.scene.scale import grid_lines, spacing
 
 _SQUARE = np.array([(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)])
 

@@ -8,8 +8,8 @@ import pytest
 from cavalcade.recording.status import PlannerStatus
 from cavalcade.robots import robot_model
 from cavalcade.scenario import Obstacle
-from cavalcade.studio import history
-from cavalcade.studio.history import POINTS, Ground, History
+from cavalcade.studio.drive import history
+from cavalcade.studio.drive.history import POINTS, Ground, History
 from cavalcade.studio.snapshot import Snapshot
 from cavalcade.world import Box, OccupancyMap
 

@@ -12,7 +12,7 @@ import pytest
 
 from cavalcade.errors import FleetError, InputError
 from cavalcade.scenario import parse_scenario
-from cavalcade.studio.live_drive import LiveDrive
+from cavalcade.studio.drive.live_drive import LiveDrive
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "live"))
 from fake_fleet import FakeFleet, until

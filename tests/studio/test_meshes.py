@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis.extra.numpy import array_shapes, arrays
 
 from cavalcade.robots import body_of, robot_model
-from cavalcade.studio import meshes
-from cavalcade.studio.meshes import Mesh
+from cavalcade.studio.scene import meshes
+from cavalcade.studio.scene.meshes import Mesh
 
 Masks = arrays(np.bool_, array_shapes(min_dims=2, max_dims=2, max_side=9))
 

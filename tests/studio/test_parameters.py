@@ -6,7 +6,7 @@ import pytest
 
 from cavalcade.formation import FormationSettings, default_settings
 from cavalcade.scenario import PlannerSection
-from cavalcade.studio.parameters import default_of, hint, parameters, text_of_value
+from cavalcade.studio.build.parameters import default_of, hint, parameters, text_of_value
 from cavalcade.yaml_text import parse_yaml
 
 

@@ -17,9 +17,9 @@ from cavalcade.errors import InputError
 from cavalcade.recording import Recording, read_recording, write_recording
 from cavalcade.recording.physics_track import ContactEvent, FallEvent, PhysicsTrack
 from cavalcade.scenario import parse_scenario
-from cavalcade.studio.curves import curves_of
-from cavalcade.studio.facts import compared, facts
-from cavalcade.studio.results import folder_of, kind_of, read_result, results_in
+from cavalcade.studio.study.curves import curves_of
+from cavalcade.studio.study.facts import compared, facts
+from cavalcade.studio.study.results import folder_of, kind_of, read_result, results_in
 
 FORMATION = {
     "version": 1,

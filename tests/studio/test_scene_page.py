@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from cavalcade.scenario import build_world, load_scenario, resolve_scenario
-from cavalcade.studio import camera
 from cavalcade.studio.app import Studio
+from cavalcade.studio.scene import camera
 
 
 def _show(studio: Studio, name: str) -> Any:

@@ -15,8 +15,8 @@ import pytest
 
 from cavalcade.errors import InputError
 from cavalcade.scenario import load_scenario, parse_scenario
-from cavalcade.studio.drive_result import scenario_bytes
-from cavalcade.studio.simulated_drive import LONGEST, SimulatedDrive
+from cavalcade.studio.drive.result import scenario_bytes
+from cavalcade.studio.drive.simulated_drive import LONGEST, SimulatedDrive
 
 WORDS: dict[str, Any] = {
     "version": 1,

@@ -13,8 +13,8 @@ from cavalcade.errors import InputError
 from cavalcade.recording.status import PlannerStatus
 from cavalcade.scenario import Obstacle, build_world, load_scenario, resolve_scenario
 from cavalcade.studio.app import Studio
+from cavalcade.studio.scene.stage import Stage
 from cavalcade.studio.snapshot import Snapshot
-from cavalcade.studio.stage import Stage
 
 
 class Sent(list):

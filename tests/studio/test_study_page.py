@@ -15,8 +15,8 @@ pytest.importorskip("viser", reason="viser is not installed")
 import cavalcade as cv
 from cavalcade.scenario import parse_scenario
 from cavalcade.studio.app import Studio
-from cavalcade.studio.curves import curves_of
-from cavalcade.studio.results import read_result
+from cavalcade.studio.study.curves import curves_of
+from cavalcade.studio.study.results import read_result
 
 SCENARIO = {
     "version": 1,

@@ -12,7 +12,7 @@ pytest.importorskip("viser", reason="viser is not installed")
 
 from cavalcade.campaign.table import read_table, write_table
 from cavalcade.errors import InputError
-from cavalcade.studio.trial_list import TrialList, outcomes
+from cavalcade.studio.study.trial_list import TrialList, outcomes
 
 LINES: list[dict[str, Any]] = [
     {

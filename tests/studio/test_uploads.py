@@ -15,10 +15,10 @@ from hypothesis import strategies as st
 
 from cavalcade.errors import InputError
 from cavalcade.scenario import load_scenario
-from cavalcade.studio import uploads as module
-from cavalcade.studio.draft import Draft
-from cavalcade.studio.packing import download_of
-from cavalcade.studio.uploads import LIMIT, Uploads, check_size, clean_name
+from cavalcade.studio.build import uploads as module
+from cavalcade.studio.build.draft import Draft
+from cavalcade.studio.build.packing import download_of
+from cavalcade.studio.build.uploads import LIMIT, Uploads, check_size, clean_name
 from cavalcade.world import OccupancyMap, save_map
 
 MOVINGAI = b"type octile\nheight 3\nwidth 4\nmap\n....\n.@@.\n....\n"

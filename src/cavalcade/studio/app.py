@@ -7,11 +7,11 @@ from typing import Any, Literal, Protocol, Self
 
 from cavalcade.errors import InputError
 from cavalcade.scenario.shipped import scenario_names
-from cavalcade.studio.build_panel import BuildPanel
-from cavalcade.studio.drive_panel import DrivePanel
+from cavalcade.studio.build.panel import BuildPanel
+from cavalcade.studio.drive.panel import DrivePanel
+from cavalcade.studio.scene.view_panel import ViewPanel
 from cavalcade.studio.session import HOST, PORT, Session
-from cavalcade.studio.study_panel import StudyPanel
-from cavalcade.studio.view_panel import ViewPanel
+from cavalcade.studio.study.panel import StudyPanel
 
 Tab = Literal["Build", "Drive", "Study"]
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from cavalcade.errors import CavalcadeError, InputError
-from cavalcade.studio.parameters import Parameter, default_of, hint, text_of_value
+from cavalcade.studio.build.parameters import Parameter, default_of, hint, text_of_value
 from cavalcade.studio.session import Session
 from cavalcade.yaml_text import parse_yaml
 

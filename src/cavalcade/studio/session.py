@@ -13,9 +13,9 @@ from typing import Any
 import rich
 
 from cavalcade.errors import CavalcadeError, InputError
-from cavalcade.studio.lights import light
 from cavalcade.studio.roles import Roles
-from cavalcade.studio.stage import Stage
+from cavalcade.studio.scene.lights import light
+from cavalcade.studio.scene.stage import Stage
 
 _LOG = logging.getLogger(__name__)
 

@@ -1,0 +1,1 @@
+"""The tab Build: a scenario is set up by clicks and fields."""

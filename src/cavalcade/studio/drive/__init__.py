@@ -1,0 +1,1 @@
+"""The tab Drive: simulated and real robots are driven from the page."""

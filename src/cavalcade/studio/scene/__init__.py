@@ -1,0 +1,1 @@
+"""What is seen of ground, robots and plans, besides the panels."""

@@ -1,0 +1,1 @@
+"""The tab Study: runs, plans and campaigns are looked at and compared."""
