@@ -186,10 +186,11 @@ def test_obstacles_come_go_and_move_in_what_is_shown(drive_of: Any) -> None:
         drive.remove(1)
 
 
-def test_wrong_things_are_refused_in_words(drive_of: Any) -> None:
-    drive = drive_of(paused=True)
+def test_wrong_things_are_refused_in_words(drive_of: Any, tmp_path: Path) -> None:
+    unbegun = SimulatedDrive(parse_scenario(WORDS), tmp_path / "unbegun")
     with pytest.raises(InputError, match="has not begun"):
-        drive.set_goals([(4.0, 4.0, 0.0)])
+        unbegun.set_goals([(4.0, 4.0, 0.0)])
+    drive = drive_of(paused=True)
     until(lambda: drive.phase == "paused")
     drive.step()
     until(lambda: drive.snapshot() is not None)
