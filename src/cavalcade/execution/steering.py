@@ -6,6 +6,7 @@ that the same run can be had again from a file.
 
 from __future__ import annotations
 
+import logging
 import threading
 import time as wall
 from typing import Any, Literal
@@ -14,6 +15,8 @@ from cavalcade.errors import InputError, ScenarioError
 from cavalcade.fleet import Fleet
 from cavalcade.scenario import Event, Scenario, scenario_with_event
 from cavalcade.values import number_in, whole_number
+
+_LOG = logging.getLogger(__name__)
 
 SPEEDS = (0.1, 10.0)
 """Slowest and fastest pace, simulated seconds per second."""
@@ -179,8 +182,9 @@ class Steering:
             for said in self._submitted:
                 try:
                     self._scenario, event = scenario_with_event(self.scenario, {"at": time, **said})
-                except ScenarioError:
-                    continue  # an obstacle that has moved meanwhile, say
+                except ScenarioError as error:  # an obstacle that has moved meanwhile, say
+                    _LOG.warning("left out at %g s: %s", time, error)
+                    continue
                 events.append(event)
             self._submitted = []
             return tuple(events)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from cavalcade.execution.steering import SPEEDS
 from cavalcade.studio.drive.drive import Drive
 from cavalcade.studio.session import Session
 
@@ -19,9 +20,6 @@ START, PAUSE, RESUME, STEP, STOP, RESTART, END = (
     "End",
 )
 EMERGENCY = "STOP ALL ROBOTS"
-
-SPEEDS = (0.1, 10.0)
-"""Slowest and fastest pace, simulated seconds per second."""
 
 
 class Transport:
