@@ -1,9 +1,10 @@
 # make demo   the main job: four Go1s in a square walk through the paper's arena, in physics
 # make studio  the page in the browser, with the arena: build, drive and study teams
-# make test   the whole suite, in the same environment
+# make test   the whole suite, in the same environment, but what needs more than that
 # make venv   only the environment
 # make test-fast  what a change needs at once: everything that takes no more than a moment
-# make chromium  the browser in which the studio is tested, where root or sudo may install it
+# make test-studio  the tests that look at the studio in Chromium
+# make chromium  the browser for them, where root or sudo may install it
 # make test-live  the tests that need ROS 2 or the SDK of Unitree, in an environment of their own
 # make lint   ruff, mypy, the layers and the structure
 # make docs  the documentation as a site, in site/
@@ -30,7 +31,7 @@ unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo studio chromium test test-fast test-live venv lint docs bench evidence clean
+.PHONY: help demo studio chromium test test-fast test-studio test-live venv lint docs bench evidence clean
 
 help:
 	@sed -n 's/^# make/make/p' Makefile
@@ -66,7 +67,11 @@ studio: $(VENV)/.stamp-physics $(VENV)/.stamp-studio
 test: $(VENV)/.stamp-test
 	@$(BIN)/cavalcade warm --all
 	@$(BIN)/python -m pytest --numprocesses $(WORKERS) --dist loadfile \
-		--no-loadscope-reorder --durations 5
+		--no-loadscope-reorder --durations 5 -m "not browser"
+
+test-studio: $(VENV)/.stamp-test
+	@$(BIN)/cavalcade warm --all
+	@$(BIN)/python -m pytest --durations 5 -m browser tests/studio
 
 # Tests of the studio look at it in a real browser; where none can be had, they skip.
 chromium:
@@ -82,7 +87,7 @@ chromium:
 
 test-fast: $(VENV)/.stamp-test
 	@$(BIN)/python -m pytest --numprocesses $(WORKERS) --dist loadfile \
-		--no-loadscope-reorder -m "not slow"
+		--no-loadscope-reorder -m "not slow and not browser"
 
 # Wheels of rclpy start every Python of their environment twice: it is one of its own, on top of
 # the other. Where there are none for the platform, the tests skip.

@@ -7,7 +7,7 @@ import pytest
 from cavalcade.errors import InputError
 from cavalcade.fleet.ros2.messages import PoseReport
 from cavalcade.fleet.ros2.robot import Ros2Robot
-from cavalcade.fleet.ros2.tracking import PoseTrack
+from cavalcade.fleet.ros2.tracking import AHEAD_OF_TOPIC, PoseTrack
 
 
 def track_of(*reports: tuple[float, float, str], now: float = 10.0) -> PoseTrack:
@@ -36,6 +36,13 @@ def test_an_overtaken_report_is_not_used() -> None:
 def test_stamps_ahead_and_missing_stamps_are_faults(stamp: float, fault: bool) -> None:
     found = track_of((stamp, 1.0, "map")).fault(10.0)
     assert (found is not None and found[0] == "stamp") == fault
+
+
+@pytest.mark.parametrize(("lag", "fault"), [(0.24, False), (0.5, False), (0.51, True), (1e9, True)])
+def test_a_pose_may_come_before_the_message_of_the_clock(lag: float, fault: bool) -> None:
+    track = PoseTrack(Ros2Robot("a"))
+    track.hear(PoseReport(10.0 + lag, "map", (1.0, 0.0, 0.0)), 10.0, AHEAD_OF_TOPIC)
+    assert (track.fault(10.0) is not None) == fault
 
 
 def test_reports_that_lose_their_stamp_are_not_taken_for_overtaken_ones() -> None:

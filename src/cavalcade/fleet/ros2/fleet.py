@@ -26,7 +26,7 @@ from cavalcade.fleet.ros2.messages import (
     read_report,
 )
 from cavalcade.fleet.ros2.robot import Ros2Robot
-from cavalcade.fleet.ros2.tracking import PoseTrack
+from cavalcade.fleet.ros2.tracking import AHEAD, AHEAD_OF_TOPIC, PoseTrack
 from cavalcade.fleet.ros2.transforms import TransformPoses
 from cavalcade.fleet.schedule import Schedule
 from cavalcade.geometry import Array
@@ -221,8 +221,9 @@ class Ros2Fleet:
 
     def _hear(self, index: int, report: PoseReport) -> None:
         now = self.time
+        margin = AHEAD_OF_TOPIC if self.graph.sim_time else AHEAD
         with self._lock:
-            self._tracks[index].hear(report, now)
+            self._tracks[index].hear(report, now, margin)
             self._lock.notify_all()
 
     def _look_up(self) -> None:

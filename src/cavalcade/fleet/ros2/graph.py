@@ -80,7 +80,7 @@ class Graph:
     @property
     def sim_time(self) -> bool:
         """Whether time is that of `/clock`."""
-        return bool(self.node.get_parameter("use_sim_time").value)
+        return bool(self.node.get_clock().ros_time_is_active)
 
     def use_sim_time(self, wanted: bool) -> None:
         """Take time from `/clock`, or from the wall."""

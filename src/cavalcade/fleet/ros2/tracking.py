@@ -10,6 +10,8 @@ from cavalcade.fleet.trend import PoseTrend
 
 AHEAD = 0.1
 """Stamps may be ahead of the clock by this, s: clocks of two computers never agree exactly."""
+AHEAD_OF_TOPIC = 0.5
+"""The same where the clock is a topic: a pose may come before the message of its own time."""
 
 _NOWHERE = (math.nan, math.nan, math.nan)
 
@@ -26,16 +28,17 @@ class PoseTrack:
         self._ahead = 0.0
         self.trend = PoseTrend()
 
-    def hear(self, report: PoseReport, now: float) -> None:
-        """Take a report over that comes at `now` s."""
+    def hear(self, report: PoseReport, now: float, margin: float = AHEAD) -> None:
+        """Take a report over that comes at `now` s, ahead of which by `margin` s it may be."""
         if report.frame != self._robot.frame.removeprefix("/"):
             self._frame = report.frame
             return
         self._frame = None
-        if report.stamp != 0.0 and report.stamp < self.stamp <= now + AHEAD:
+        if report.stamp != 0.0 and report.stamp < self.stamp <= now + margin:
             return  # overtaken on its way; of one without a stamp nobody knows
         self.pose, self.stamp, self.heard = report.pose, report.stamp, True
-        self._ahead = report.stamp - now
+        ahead = report.stamp - now
+        self._ahead = ahead if ahead > margin else 0.0
         if all(map(math.isfinite, report.pose)):
             self.trend.add(report.stamp, report.pose)
 
@@ -53,7 +56,7 @@ class PoseTrack:
             return "frame", self._wrong_frame()
         if self.heard and self.stamp == 0.0 and now > AHEAD:
             return "stamp", f"poses on {self._robot.pose_source} have no stamp"
-        if self.heard and self._ahead > AHEAD:
+        if self.heard and self._ahead:
             ahead = f"stamped {self._ahead:.2f} s ahead of the clock"
             return "stamp", f"{ahead}: synchronise the computers' clocks, or set use_sim_time"
         return None
