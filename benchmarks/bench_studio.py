@@ -1,33 +1,39 @@
-"""How fast the studio's page is: updates of the scene per second that a browser draws, with a team
-of ten, and what an open page costs the planner.
+"""How fast the studio's page is: updates of the scene per second that a browser draws, what an open
+page costs the planner, whether physics keeps real time, and how soon large things are open.
 
-    python benchmarks/bench_studio.py [--seconds 20] [--out results.json]
+    python benchmarks/bench_studio.py [--seconds 20] [--open FOLDER ...] [--out results.json]
 
-The page runs in Chromium without a window, drawn in software. What it has drawn is counted in the
-page itself: pictures between which the scene has changed.
+The page is that of `cavalcade studio`, in Chromium without a window, drawn in software. What it
+has drawn is counted in the page itself: pictures between which the scene has changed. The planner
+is measured in the same drive with and without the page. `--open` adds folders of runs.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import resource
 import shutil
-import statistics
 import tempfile
-import threading
 import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import cavalcade as cv
-from cavalcade.recording.frames import Frame
-from cavalcade.scenario import build_world, load_scenario, resolve_scenario
-from cavalcade.studio.app import Studio
-from cavalcade.studio.snapshot import Snapshot
+import numpy as np
 
-SCENARIO = "tour-ten"
-RATE = 25.0
-"""Updates per second that are offered to the page."""
+import cavalcade as cv
+from cavalcade.scenario import load_scenario
+from cavalcade.studio.app import Studio
+from cavalcade.studio.drive.simulated_drive import SimulatedDrive
+from cavalcade.world import OccupancyMap
+
+TEAMS = {"ten robots": ("tour-ten", "ideal"), "four walking": ("square-clutter", "mujoco")}
+"""A name, the scenario and what simulates it."""
+
+SETTLING = 3.0
+"""Nothing is counted before so many seconds of a drive."""
 
 _ARGUMENTS = (
     "--no-sandbox",
@@ -39,11 +45,10 @@ _ARGUMENTS = (
     "--enable-unsafe-swiftshader",
 )
 
-# Messages of moved robots that have come in, and animation frames after at least one of them.
+# Animation frames, and those of them since whose predecessor something was given to the graphics.
 _COUNT = """() => {
   const seen = { frames: 0, drawn: 0, dirty: false };
   const gl = WebGL2RenderingContext.prototype;
-  const fill = gl.bufferSubData;
   for (const name of ["bufferData", "bufferSubData", "texSubImage2D", "texImage2D"]) {
     const original = gl[name];
     gl[name] = function (...given) { seen.dirty = true; return original.apply(this, given); };
@@ -58,103 +63,134 @@ _COUNT = """() => {
 }"""
 
 
-class Newest:
-    """A sink of frames that keeps the last one; it never waits."""
-
-    def __init__(self) -> None:
-        self.snapshot: Snapshot | None = None
-        self.planning: list[float] = []
-
-    def __call__(self, frame: Frame) -> None:
-        """Keep it."""
-        self.planning.append(frame.planning)
-        self.snapshot = Snapshot(frame.time, frame.poses, frame.commands, frame.status)
+def scenario_of(team: str) -> Any:
+    """What a team drives."""
+    name, backend = TEAMS[team]
+    scenario = load_scenario(name)
+    execution = scenario.execution.model_copy(update={"backend": backend})
+    return scenario.model_copy(update={"execution": execution})
 
 
-def run(sink: Newest, seconds: float) -> None:
-    """Drive at real time until it has taken so long."""
-    steering = cv.Steering(speed=1.0)
-    scenario = load_scenario(SCENARIO)
-    timer = threading.Timer(seconds, steering.finish)
-    timer.start()
-    cv.run(scenario, sinks=[sink], steering=steering)
-    timer.cancel()
+def wait(condition: Callable[[], Any], nap: Callable[[float], None] = time.sleep) -> None:
+    """Until it holds."""
+    while not condition():
+        nap(0.02)
 
 
-def show(studio: Studio, sink: Newest, ended: threading.Event, shown: list[float]) -> None:
-    """Show the newest moment at `RATE`, as drives do."""
-    before = None
-    while not ended.wait(1.0 / RATE):
-        snapshot = sink.snapshot
-        if snapshot is not None and snapshot is not before:
-            before = snapshot
-            begun = time.perf_counter()
-            studio.session.stage.show(snapshot)
-            shown.append(time.perf_counter() - begun)
+def alone(team: str, seconds: float, folder: Path) -> dict[str, float]:
+    """Drive with nobody looking."""
+    drive = SimulatedDrive(scenario_of(team), folder / "alone")
+    drive.start()
+    wait(lambda: drive.time >= SETTLING + seconds)
+    drive.close()
+    assert drive.summary is not None, drive.trouble
+    return {"cycle_p50_ms": drive.summary["cycle_ms"]["p50"]}
 
 
-def watched(seconds: float, folder: Path) -> dict[str, Any]:
-    """Drive with a page open."""
+@contextmanager
+def opened(folder: Path) -> Iterator[tuple[Studio, Any]]:
+    """A studio, and a browser's page that shows it."""
     from playwright.sync_api import sync_playwright
 
     found = shutil.which("chromium")
     assert found is not None, "there is no Chromium here"
-    sink, ended, shown = Newest(), threading.Event(), []
     with Studio(port=0, folder=folder / "studio") as studio, sync_playwright() as playwright:
-        scenario = resolve_scenario(load_scenario(SCENARIO))
-        stage = studio.session.stage
-        stage.set_world(scenario, build_world(scenario))
-        stage.set_team(scenario.models, scenario.starts)
-        stage.frame_team()
         browser = playwright.chromium.launch(executable_path=found, args=list(_ARGUMENTS))
         page = browser.new_page(viewport={"width": 1280, "height": 720})
         page.goto(studio.session.address)
         page.wait_for_selector("canvas")
+        yield studio, page
+        browser.close()
+
+
+def watched(team: str, seconds: float, folder: Path) -> dict[str, float]:
+    """Drive with a page open."""
+    with opened(folder) as (studio, page):
+        shown: list[float] = []
+        stage_show = studio.session.stage.show
+
+        def show(snapshot: Any) -> None:
+            begun = time.perf_counter()
+            stage_show(snapshot)
+            shown.append(time.perf_counter() - begun)
+
+        studio.session.stage.show = show  # type: ignore[method-assign]
+        studio.build.draft.replace(scenario_of(team).model_dump(mode="json", exclude_unset=True))
+        studio.choose("Drive")
         page.wait_for_timeout(3000)
         page.evaluate(_COUNT)
-        painter = threading.Thread(target=show, args=(studio, sink, ended, shown))
-        driver = threading.Thread(target=run, args=(sink, seconds + 4.0))
-        painter.start()
-        driver.start()
-        while sink.snapshot is None:
-            page.wait_for_timeout(20)
-        page.wait_for_timeout(1000)
-        first, begun = page.evaluate("window.seen"), time.perf_counter()
-        sent = len(shown)
+        studio.drive.act("Start")
+        drive = studio.drive.drive
+        assert isinstance(drive, SimulatedDrive)
+        wait(lambda: drive.time >= SETTLING, lambda s: page.wait_for_timeout(1e3 * s))
+        first, sent, began, went = (
+            page.evaluate("({...seen})"),
+            len(shown),
+            time.perf_counter(),
+            drive.time,
+        )
         page.wait_for_timeout(1e3 * seconds)
-        last, lasted = page.evaluate("window.seen"), time.perf_counter() - begun
-        sent = len(shown) - sent
-        page.screenshot(path=str(folder / "page.png"))
-        driver.join()
-        ended.set()
-        painter.join()
-        browser.close()
-    return {
-        "updates_sent_per_second": sent / lasted,
-        "updates_drawn_per_second": (last["drawn"] - first["drawn"]) / lasted,
-        "pictures_per_second": (last["frames"] - first["frames"]) / lasted,
-        "show_ms": 1e3 * statistics.median(shown),
-        "planning_ms": 1e3 * statistics.mean(sink.planning),
-    }
+        last, lasted = page.evaluate("({...seen})"), time.perf_counter() - began
+        sent, went = len(shown) - sent, drive.time - went
+        page.screenshot(path=str(folder / f"{team}.png"))
+        drive.close()
+        assert drive.summary is not None, drive.trouble
+        return {
+            "sent_per_second": sent / lasted,
+            "drawn_per_second": (last["drawn"] - first["drawn"]) / lasted,
+            "pictures_per_second": (last["frames"] - first["frames"]) / lasted,
+            "show_ms": 1e3 * float(np.median(shown)),
+            "pace": went / lasted,
+            "cycle_p50_watched_ms": drive.summary["cycle_ms"]["p50"],
+        }
+
+
+def opening(folders: list[Path], folder: Path) -> dict[str, float]:
+    """Seconds until a page shows a map of 1,000 x 1,000 cells, and each of these runs."""
+    cells = np.random.default_rng(0).random((1000, 1000)) < 0.02
+    cv.save_map(OccupancyMap(cells, 0.05), folder / "large.yaml")
+    found = {}
+    with opened(folder) as (studio, page):
+
+        def took(act: Callable[[], None]) -> float:
+            began = time.perf_counter()
+            act()
+            studio.session.server.flush()
+            page.evaluate("() => new Promise(done => requestAnimationFrame(() => done()))")
+            return time.perf_counter() - began
+
+        words = {"world": {"map": str(folder / "large.yaml")}}
+        found["map of 1000 x 1000"] = took(lambda: studio.build.draft.replace(words))
+        for run in folders:
+            found[str(run)] = took(lambda run=run: studio.open(run))  # type: ignore[misc]
+    return found
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seconds", type=float, default=20.0)
+    parser.add_argument("--open", type=Path, nargs="*", default=[])
     parser.add_argument("--out", type=Path)
     given = parser.parse_args()
+    results: dict[str, dict[str, float]] = {}
+    cv.warm_up()
+    for team in TEAMS:
+        with tempfile.TemporaryDirectory() as name:
+            result = alone(team, given.seconds, Path(name))
+            result |= watched(team, given.seconds, Path(name))
+            result["cycle_ratio"] = result["cycle_p50_watched_ms"] / result["cycle_p50_ms"]
+            if given.out is not None:
+                shutil.copy(Path(name) / f"{team}.png", given.out.parent)
+        results[team] = result
     with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        alone = Newest()
-        run(alone, given.seconds + 4.0)
-        result = watched(given.seconds, folder)
-        result["planning_alone_ms"] = 1e3 * statistics.mean(alone.planning)
-        result["planning_ratio"] = result["planning_ms"] / result["planning_alone_ms"]
-        if given.out is not None:
-            given.out.write_text(json.dumps(result, indent=2) + "\n")
-            shutil.copy(folder / "page.png", given.out.with_suffix(".png"))
-    for key, value in result.items():
-        print(f"{key:28s} {value:8.2f}")
+        results["opened after (s)"] = opening(given.open, Path(name))
+    results["memory"] = {"MiB": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0}
+    for title, figures in results.items():
+        print(title)
+        for key, value in figures.items():
+            print(f"  {key:28s} {value:8.2f}")
+    if given.out is not None:
+        given.out.write_text(json.dumps(results, indent=2) + "\n")
 
 
 if __name__ == "__main__":

@@ -238,3 +238,22 @@ def test_one_steering_is_for_one_simulated_run():
     cv.run(parse_scenario(WORDS), steering=steering)
     with pytest.raises(InputError, match="one run"):
         cv.run(parse_scenario(WORDS), steering=steering)
+
+
+def test_a_change_that_cannot_happen_any_more_is_told(caplog):
+    circle = WORDS["world"]["obstacles"][0]
+    away = {"move": {**circle, "to": [5.0, 7.0], "speed": 1.0}}
+    here = {"circle": {"center": [5.0, 5.65], "radius": 0.4}}  # at 0.3 s, and at no other time
+    steering, left = Steering(speed=None), {0.1: away, 0.3: {"remove": here}}
+
+    def sink(frame):
+        for at in [at for at in left if frame.time >= at - 1e-6]:
+            steering.submit(**left.pop(at))
+        if frame.time > 1.0:
+            steering.finish()
+
+    result = cv.run(parse_scenario(WORDS), sinks=[sink], steering=steering)
+    assert [event.kind for event in result.scenario.execution.events] == ["move"]
+    (told,) = steering.refused
+    assert "no such obstacle" in told
+    assert told in caplog.text

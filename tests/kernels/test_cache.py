@@ -80,7 +80,9 @@ def _write(folder: Path, empty: str, changed: dict[str, object]) -> None:
 @pytest.fixture
 def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """Call the kernel, imported anew; what it gave and how often it was on disk."""
-    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "cache"))
+    # numba looks at the environment again when it compiles, and takes what it says if it changed.
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache"))
+    numba.config.reload_config()
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
     monkeypatch.syspath_prepend(tmp_path)
 
@@ -96,7 +98,9 @@ def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
             for name in ("helper", "caller"):
                 sys.modules.pop(name, None)
 
-    return called
+    yield called
+    monkeypatch.undo()
+    numba.config.reload_config()
 
 
 @pytest.fixture

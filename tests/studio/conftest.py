@@ -55,20 +55,22 @@ def studio(tmp_path: Path) -> Iterator[Studio]:
 def open_page(chromium: Any, studio: Studio) -> Iterator[Callable[..., Any]]:
     """Opens the studio in another tab: `open_page(width=1280, height=720)` gives its page.
 
+    `port` is that of a detour to the studio.
+
     It has connected and its scene is drawn. Each tab is a browser's window of its own, as two
     people have them. An error on a page that nothing caught fails the test.
     """
     contexts: list[Any] = []
     errors: list[str] = []
 
-    def opened(width: int = 1280, height: int = 720, **options: Any) -> Any:
+    def opened(width: int = 1280, height: int = 720, port: int = 0, **options: Any) -> Any:
         before = set(studio.session.server.get_clients())
         context = chromium.new_context(viewport={"width": width, "height": height}, **options)
         contexts.append(context)
         page = context.new_page()
         page.set_default_timeout(1e3 * PATIENCE)
         page.on("pageerror", lambda error: errors.append(str(error)))
-        page.goto(studio.session.address)
+        page.goto(f"http://127.0.0.1:{port}" if port else studio.session.address)
         page.wait_for_selector("canvas")
         end = time.monotonic() + PATIENCE
         while not set(studio.session.server.get_clients()) - before:

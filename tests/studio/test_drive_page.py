@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
+import socket
 import subprocess
 import sys
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -356,6 +359,63 @@ def test_a_closed_tab_stops_a_live_fleet(driving: Studio, open_page: Any, until:
     press(second, "End")
     until(second, lambda: drive.phase == "ended", "the end")
     assert fleet.closed
+
+
+class Cable:
+    """A detour to a server that can be pulled: nothing is closed, and nothing arrives."""
+
+    def __init__(self, port: int) -> None:
+        self._to = port
+        self._held = threading.Event()
+        self._door = socket.create_server(("127.0.0.1", 0))
+        self.port = self._door.getsockname()[1]
+        self._ends: list[socket.socket] = [self._door]
+        threading.Thread(target=self._accept, daemon=True).start()
+
+    def pull(self) -> None:
+        self._held.set()
+
+    def close(self) -> None:
+        self._held.set()
+        for end in self._ends:
+            end.close()
+
+    def _accept(self) -> None:
+        with contextlib.suppress(OSError):
+            while True:
+                inner, _ = self._door.accept()
+                outer = socket.create_connection(("127.0.0.1", self._to))
+                self._ends += [inner, outer]
+                for one, other in ((inner, outer), (outer, inner)):
+                    threading.Thread(target=self._pass, args=(one, other), daemon=True).start()
+
+    def _pass(self, one: socket.socket, other: socket.socket) -> None:
+        with contextlib.suppress(OSError):
+            while content := one.recv(65536):
+                if self._held.is_set():
+                    return
+                other.sendall(content)
+            other.shutdown(socket.SHUT_WR)
+
+
+def test_a_pulled_cable_stops_a_live_fleet(driving: Studio, open_page: Any, until: Any) -> None:
+    fleet = FakeFleet([robot["start"] for robot in WORDS["robots"]])
+    words = {**WORDS, "execution": {"backend": "ros2", "rate": 5, "timeout": 60}}
+    driving.build.draft.replace(words)
+    driving.drive.make_fleet = lambda team: fleet
+    cable = Cable(driving.session.server.get_port())
+    try:
+        first, second = open_page(port=cable.port), open_page()
+        drive = begun(first, driving, until)
+        until(first, lambda: bool(np.any(fleet.sent[-1][1])), "motion")
+        cable.pull()
+        # viser by itself notices after 20 to 40 s.
+        until(second, lambda: drive.phase == "stopped", "the stop", 15.0)
+        until(second, lambda: not np.any(fleet.sent[-1][1]), "zeros")
+        until(second, shown(second, "was closed or cut off"), "the words")
+        until(second, lambda: driving.session.driver is not None, "the other one drives")
+    finally:
+        cable.close()
 
 
 def test_a_simulation_goes_on_when_its_driver_leaves(

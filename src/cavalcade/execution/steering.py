@@ -47,6 +47,7 @@ class Steering:
         self._scenario: Scenario | None = None
         self._fleet: Fleet | None = None
         self._submitted: list[dict[str, Any]] = []
+        self._refused: tuple[str, ...] = ()
         self._time = 0.0
         self._steps = 0
         self._paused = paused
@@ -113,6 +114,12 @@ class Steering:
         """How many events wait for a cycle; while the run waits there is none."""
         with self._lock:
             return len(self._submitted)
+
+    @property
+    def refused(self) -> tuple[str, ...]:
+        """Why events that were submitted could not happen any more when their cycle came."""
+        with self._lock:
+            return self._refused
 
     def pause(self) -> None:
         """Stop the clock before the next cycle."""
@@ -184,6 +191,7 @@ class Steering:
                     self._scenario, event = scenario_with_event(self.scenario, {"at": time, **said})
                 except ScenarioError as error:  # an obstacle that has moved meanwhile, say
                     _LOG.warning("left out at %g s: %s", time, error)
+                    self._refused += (error.message,)
                     continue
                 events.append(event)
             self._submitted = []

@@ -8,6 +8,7 @@ from typing import Any, Literal, Protocol
 
 from cavalcade.robots import RobotModel
 from cavalcade.scenario import ObstacleSpan, ResolvedScenario, World
+from cavalcade.studio.drive.changes import Changes
 from cavalcade.studio.snapshot import Snapshot
 
 Pose = tuple[float, float, float]
@@ -25,9 +26,11 @@ class Drive(Protocol):
 
     Attributes:
         live: Whether the robots are real ones, which move in a time of their own.
+        changes: Told with all that `snapshot` may show anew.
     """
 
     live: bool
+    changes: Changes
 
     def start(self) -> None:
         """Begin, in a thread of its own."""
@@ -67,12 +70,12 @@ class Drive(Protocol):
     def spans(self) -> tuple[ObstacleSpan, ...]:
         """Every obstacle over time."""
 
-    @property
-    def changes(self) -> int:
-        """Grows with all that `snapshot` may show anew."""
-
     def snapshot(self) -> Snapshot | None:
         """The newest moment; None before the first."""
+
+    @property
+    def refused(self) -> tuple[str, ...]:
+        """Why changes that were asked for could not happen any more."""
 
     @property
     def planning(self) -> float:

@@ -29,6 +29,7 @@ from cavalcade.scenario import (
     build_world,
     resolve_scenario,
 )
+from cavalcade.studio.drive.changes import Changes
 from cavalcade.studio.drive.drive import Phase, Pose
 from cavalcade.studio.snapshot import Snapshot
 from cavalcade.world import shape_from_mapping
@@ -57,6 +58,7 @@ class LiveDrive:
     """
 
     live = True
+    refused = ()
 
     def __init__(
         self,
@@ -80,7 +82,7 @@ class LiveDrive:
         self._goals: tuple[Pose, ...] = self.scenario.task.goals
         self._spans = list(self.world.spans)
         self._emergency = self._over = False
-        self.changes = 0
+        self.changes = Changes()
         self.trouble = ""
         self.summary: Summary | None = None
         self.folder: Path | None = None
@@ -317,12 +319,12 @@ class LiveDrive:
             self.trouble = self.trouble or f"{type(error).__name__}: {error}"
         finally:
             self._over = True
-            self.changes += 1
+            self.changes.tell()
 
     def _sink(self, frame: Frame) -> None:
         """In the planner's thread: only keep what there is to see."""
         self._newest = frame
-        self.changes += 1
+        self.changes.tell()
 
 
 def _ros2_fleet(team: Team) -> LiveFleet:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import logging
+import math
 import re
 import threading
+import time as wall
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -22,6 +24,7 @@ from cavalcade.studio.drive.plots import Plots
 from cavalcade.studio.drive.result import DriveResult
 from cavalcade.studio.drive.simulated_drive import SimulatedDrive
 from cavalcade.studio.drive.tools import DriveTools
+from cavalcade.studio.heartbeat import cut_off_silent
 from cavalcade.studio.session import Session
 from cavalcade.world import Shape, shape_from_mapping
 
@@ -56,6 +59,7 @@ class DrivePanel:
         self.history = History()
         self.make_fleet: Any = None
         self._entered = self._again = False
+        self._refusals = 0
         self._drawn: tuple[Drive, int] | None = None
         self._spans: tuple[ObstacleSpan, ...] | None = None
         self._fixed: tuple[Shape, ...] = ()
@@ -72,6 +76,7 @@ class DrivePanel:
             self._plots = Plots(gui)
         self._result = DriveResult(session, self._driven, study)
         session.roles.on_leave.append(self._driver_left)
+        cut_off_silent(session.server, lambda: self.is_live)
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._watch, name="cavalcade-show", daemon=True)
         self._thread.start()
@@ -166,7 +171,7 @@ class DrivePanel:
             drive: Drive = LiveDrive(scenario, out, self.make_fleet)
         else:
             drive = SimulatedDrive(scenario, out, speed=self._transport.speed)
-        self.drive, self._again = drive, False
+        self.drive, self._again, self._refusals = drive, False, 0
         self.history.clear()
         self._plots.set_limits(1.0 / scenario.execution.rate)
         self._tools.begin(drive)
@@ -224,24 +229,32 @@ class DrivePanel:
         return self._fixed
 
     def _watch(self) -> None:
-        """The thread that shows."""
-        rounds, every = 0, round(SCENES / WORDS)
-        while not self._ended.wait(1.0 / SCENES):
-            rounds += 1
+        """The thread that shows: each cycle once it is planned, so that neither waits long."""
+        seen, told, trouble = 0, -math.inf, ""
+        while not self._ended.is_set():
+            drive, began = self.drive, wall.monotonic()
             try:
-                drive = self.drive
-                if drive is not None:
+                if drive is not None and self._is_new(drive):
                     self._follow(drive)
-                if rounds % every == 0:
+                if began - told >= 1.0 / WORDS:
+                    told = began
                     self._tell(drive)
-            except Exception:
-                _LOG.exception("what is driven cannot be shown")
+            except Exception as error:
+                if trouble != (trouble := f"{type(error).__name__}: {error}"):
+                    _LOG.exception("what is driven cannot be shown")
+                    self._session.say(f"What is driven cannot be shown: {trouble}", bad=True)
+            self._ended.wait(max(began + 1.0 / SCENES - wall.monotonic(), 0.0))
+            if drive is not None:
+                seen = drive.changes.wait(seen, 1.0 / WORDS)
+
+    def _is_new(self, drive: Drive) -> bool:
+        """Whether its newest moment has not been shown."""
+        now = drive, drive.changes.count
+        before, self._drawn = self._drawn, now
+        return now != before
 
     def _follow(self, drive: Drive) -> None:
-        changes = drive.changes
-        if (drive, changes) == self._drawn:
-            return
-        self._drawn = drive, changes
+        """Show the newest moment."""
         moment = drive.snapshot()
         if moment is None:
             return
@@ -263,6 +276,10 @@ class DrivePanel:
             with self._session.lock:
                 self._session.attempt(self._start)
             drive = self.drive
+        if drive is not None:
+            for text in drive.refused[self._refusals :]:
+                self._session.say(f"A change could not happen any more: {text}", bad=True)
+            self._refusals = len(drive.refused)
         missing = ""
         if drive is None and self._build.draft.scenario is None:
             missing = f"Nothing to drive yet: {self._build.draft.error}"

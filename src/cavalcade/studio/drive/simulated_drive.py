@@ -34,6 +34,7 @@ from cavalcade.scenario import (
     obstacle_spans,
     resolve_scenario,
 )
+from cavalcade.studio.drive.changes import Changes
 from cavalcade.studio.drive.drive import Phase, Pose
 from cavalcade.studio.snapshot import Snapshot
 from cavalcade.world import shape_from_mapping
@@ -84,7 +85,7 @@ class SimulatedDrive:
         self._pace: list[tuple[float, float]] = []
         self._progress = ""
         self._over = self._stopped = False
-        self.changes = 0
+        self.changes = Changes()
         self.trouble = ""
         self.summary: Summary | None = None
         self.folder: Path | None = None
@@ -187,6 +188,11 @@ class SimulatedDrive:
             self._pace.pop(0)
         (begin, first), (end, last) = self._pace[0], self._pace[-1]
         return (last - first) / (end - begin) if end - begin > 0.5 * _PACE else None
+
+    @property
+    def refused(self) -> tuple[str, ...]:
+        """Why changes that were asked for could not happen any more."""
+        return self._steering.refused
 
     @property
     def planning(self) -> float:
@@ -374,7 +380,7 @@ class SimulatedDrive:
             self.trouble = f"{type(error).__name__}: {error}. This is a fault of Cavalcade's own"
         finally:
             self._over = True
-            self.changes += 1
+            self.changes.tell()
 
     def _tell(self, compilation: Compilation) -> None:
         text = f"Compiling (once): {100.0 * compilation.share:.0f} %"
@@ -386,7 +392,7 @@ class SimulatedDrive:
         """In the planner's thread: only keep what there is to see."""
         simulator = getattr(self._steering.fleet, "simulator", None)
         self._newest = frame, None if simulator is None else np.array(simulator.qpos)
-        self.changes += 1
+        self.changes.tell()
 
 
 class _Telling(Reporter):
