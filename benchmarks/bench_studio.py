@@ -148,6 +148,7 @@ def watched(team: str, seconds: float, folder: Path) -> dict[str, float]:
 def opening(folders: list[Path], folder: Path) -> dict[str, float]:
     """Seconds until a page shows a map of 1,000 x 1,000 cells, and each of these runs."""
     cells = np.random.default_rng(0).random((1000, 1000)) < 0.02
+    cells[480:520, 480:520] = False
     cv.save_map(OccupancyMap(cells, 0.05), folder / "large.yaml")
     found = {}
     with opened(folder) as (studio, page):
@@ -159,7 +160,13 @@ def opening(folders: list[Path], folder: Path) -> dict[str, float]:
             page.evaluate("() => new Promise(done => requestAnimationFrame(() => done()))")
             return time.perf_counter() - began
 
-        words = {"world": {"map": str(folder / "large.yaml")}}
+        words: dict[str, Any] = {
+            "version": 1,
+            "name": "large",
+            "world": {"map": str(folder / "large.yaml")},
+            "robots": [{"model": "go1", "start": [25.0, 25.0, 0.0]}],
+            "task": {"formation": {"shape": "column", "spacing": 1.0}},
+        }
         found["map of 1000 x 1000"] = took(lambda: studio.build.draft.replace(words))
         for run in folders:
             found[str(run)] = took(lambda run=run: studio.open(run))  # type: ignore[misc]

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
+from concurrent.futures import Future
 from typing import Any
 
 PERIOD, LIMIT = 0.5, 2.0
@@ -18,21 +19,43 @@ _LATE = 0.5
 """If an answer was waited for by so much longer than `LIMIT`, who asks was held up itself, s."""
 
 
-def cut_off_silent(server: Any, wanted: Callable[[], bool]) -> None:
-    """Close connections of pages that do not answer.
+class Heartbeat:
+    """Closes connections of pages that do not answer.
 
     Args:
         server: A page's `viser.ViserServer`.
         wanted: Whether that matters at present, as while real robots are driven.
     """
-    loop = server.get_event_loop()
 
-    def come(client: Any) -> None:
-        connection = server._websock_server._live_connections.get(client.client_id)
+    def __init__(self, server: Any, wanted: Callable[[], bool]) -> None:
+        self._server, self._wanted = server, wanted
+        self._watches: dict[int, Future[None]] = {}
+        server.on_client_connect(self._come)
+        server.on_client_disconnect(lambda client: self._go(client.client_id))
+
+    @property
+    def count(self) -> int:
+        """How many pages are watched."""
+        return len(self._watches)
+
+    def close(self) -> None:
+        """Watch nobody any more."""
+        for client in tuple(self._watches):
+            self._go(client)
+
+    def _come(self, client: Any) -> None:
+        who, loop = client.client_id, self._server.get_event_loop()
+        connection = self._server._websock_server._live_connections.get(who)
         if connection is not None:
-            asyncio.run_coroutine_threadsafe(_watch(connection, wanted), loop)
+            watch = _watch(connection, self._wanted)
+            self._watches[who] = asyncio.run_coroutine_threadsafe(watch, loop)
+        if who not in self._server.get_clients():
+            self._go(who)  # gone before we heard of it
 
-    server.on_client_connect(come)
+    def _go(self, client: int) -> None:
+        watch = self._watches.pop(client, None)
+        if watch is not None:
+            watch.cancel()
 
 
 async def _watch(connection: Any, wanted: Callable[[], bool]) -> None:

@@ -24,7 +24,7 @@ from cavalcade.studio.drive.plots import Plots
 from cavalcade.studio.drive.result import DriveResult
 from cavalcade.studio.drive.simulated_drive import SimulatedDrive
 from cavalcade.studio.drive.tools import DriveTools
-from cavalcade.studio.heartbeat import cut_off_silent
+from cavalcade.studio.heartbeat import Heartbeat
 from cavalcade.studio.session import Session
 from cavalcade.world import Shape, shape_from_mapping
 
@@ -76,7 +76,7 @@ class DrivePanel:
             self._plots = Plots(gui)
         self._result = DriveResult(session, self._driven, study)
         session.roles.on_leave.append(self._driver_left)
-        cut_off_silent(session.server, lambda: self.is_live)
+        self._heartbeat = Heartbeat(session.server, lambda: self.is_live)
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._watch, name="cavalcade-show", daemon=True)
         self._thread.start()
@@ -99,6 +99,7 @@ class DrivePanel:
 
     def close(self) -> None:
         """The studio ends: what is driven, too; its results are kept."""
+        self._heartbeat.close()
         self._ended.set()
         self._thread.join()
         if self.drive is not None:
