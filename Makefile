@@ -1,6 +1,6 @@
 # make demo   the main job: four Go1s in a square walk through the paper's arena, in physics
 # make studio  the page in the browser, with the arena: build, drive and study teams
-# make test   the whole suite, in the same environment, but what needs more than that
+# make test   the suite, in the same environment: all that needs neither a browser nor ROS 2
 # make venv   only the environment
 # make test-fast  what a change needs at once: everything that takes no more than a moment
 # make test-studio  the tests that look at the studio in Chromium

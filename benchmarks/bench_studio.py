@@ -15,6 +15,7 @@ import json
 import resource
 import shutil
 import tempfile
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -81,7 +82,7 @@ def alone(team: str, seconds: float, folder: Path) -> dict[str, float]:
     """Drive with nobody looking."""
     drive = SimulatedDrive(scenario_of(team), folder / "alone")
     drive.start()
-    wait(lambda: drive.time >= SETTLING + seconds)
+    wait(lambda: drive.time >= SETTLING + seconds or drive.phase == "ended")
     drive.close()
     assert drive.summary is not None, drive.trouble
     return {"cycle_p50_ms": drive.summary["cycle_ms"]["p50"]}
@@ -122,7 +123,10 @@ def watched(team: str, seconds: float, folder: Path) -> dict[str, float]:
         studio.drive.act("Start")
         drive = studio.drive.drive
         assert isinstance(drive, SimulatedDrive)
-        wait(lambda: drive.time >= SETTLING, lambda s: page.wait_for_timeout(1e3 * s))
+        wait(
+            lambda: drive.time >= SETTLING or drive.phase == "ended",
+            lambda s: page.wait_for_timeout(1e3 * s),
+        )
         first, sent, began, went = (
             page.evaluate("({...seen})"),
             len(shown),
@@ -157,7 +161,12 @@ def opening(folders: list[Path], folder: Path) -> dict[str, float]:
             began = time.perf_counter()
             act()
             studio.session.server.flush()
-            page.evaluate("() => new Promise(done => requestAnimationFrame(() => done()))")
+            # The page answers once it has taken in all that it was sent before.
+            answers: list[Any] = []
+            (client,) = studio.session.server.get_clients().values()
+            asked = threading.Thread(target=lambda: answers.append(client.get_render(72, 128)))
+            asked.start()
+            wait(lambda: answers, lambda s: page.wait_for_timeout(1e3 * s))
             return time.perf_counter() - began
 
         words: dict[str, Any] = {

@@ -414,7 +414,11 @@ def test_a_pulled_cable_stops_a_live_fleet(driving: Studio, open_page: Any, unti
         until(second, lambda: not np.any(fleet.sent[-1][1]), "zeros")
         until(second, shown(second, "was closed or cut off"), "the words")
         until(second, lambda: driving.session.driver is not None, "the other one drives")
-        until(second, lambda: driving.drive._heartbeat.count == 1, "only who is there is watched")
+        until(
+            second,
+            lambda: len(driving.drive._heartbeat._watches) == 1,
+            "only who is there is watched",
+        )
     finally:
         cable.close()
 

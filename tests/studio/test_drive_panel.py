@@ -45,7 +45,7 @@ def test_who_waits_for_changes_is_woken() -> None:
     assert changes.wait(0, 60.0) == 1  # what has come already is not waited for
 
 
-def test_every_cycle_at_real_time_is_shown_once(studio: Studio) -> None:
+def test_moments_are_shown_in_order_and_none_twice(studio: Studio) -> None:
     shown: list[float] = []
     drive = started(studio)
     studio.session.stage.show = lambda moment: shown.append(moment.time)  # type: ignore[method-assign]

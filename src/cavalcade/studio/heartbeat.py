@@ -33,11 +33,6 @@ class Heartbeat:
         server.on_client_connect(self._come)
         server.on_client_disconnect(lambda client: self._go(client.client_id))
 
-    @property
-    def count(self) -> int:
-        """How many pages are watched."""
-        return len(self._watches)
-
     def close(self) -> None:
         """Watch nobody any more."""
         for client in tuple(self._watches):
